@@ -1,0 +1,21 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+
+# morula_configure(TARGET): what every target of ours is compiled with.
+function(morula_configure target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wundef -Wnon-virtual-dtor
+    # A fused multiply-add rounds once where two instructions round twice: results would depend on the machine.
+    -ffp-contract=off
+    # Square roots of negative numbers are ours to avoid; without this each one checks errno and blocks vectorisation.
+    -fno-math-errno)
+  if(MORULA_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MORULA_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${MORULA_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${MORULA_SANITIZE})
+  endif()
+endfunction()

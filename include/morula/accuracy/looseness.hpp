@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Looseness: how much empty space a level's spheres take in, counted in voxels [garcia2005, eq. 6–7].
+#pragma once
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <optional>
+#include <span>
+
+namespace morula {
+
+struct VoxelGrid {
+  /// level: voxels fill the box of the level's spheres, `resolution` along its longest side: the paper's grid.
+  /// fixed: voxels of one edge length on a lattice through the origin, the same for all frames, levels and methods.
+  enum class Kind : std::uint8_t { level, fixed };
+  Kind kind = Kind::level;
+  int resolution = 192;     ///< of `level`: 8…4096
+  double voxel_edge = 0.0;  ///< of `fixed`, mesh units; rest diagonal / 192 is a good choice
+};
+
+struct Looseness {
+  /// Volume inside the spheres and outside the object over the object's volume. Nothing when the mesh does not tell
+  /// inside from outside (open): that is said, not guessed.
+  std::optional<double> looseness;
+  /// Volume of the object that no sphere contains, over the object's volume: the paper assumes this is none.
+  std::optional<double> missed_volume;
+  double outside_volume = 0;  ///< mesh units cubed; 0 when unknown
+  double object_volume = 0;   ///< signed volume of the mesh when oriented, else counted in voxels
+  double union_volume = 0;    ///< volume of the union of spheres, always known
+  std::size_t voxels = 0;     ///< voxels looked at
+  double voxel_edge = 0;
+};
+
+/// A voxel is inside the object when its centre has non-zero winding number (closed, oriented meshes, either way round)
+/// or an odd number of crossings (closed but not oriented). Error O(voxel edge × area).
+/// Cost: O(F × columns per facet + spheres × columns per sphere), bits along columns.
+Looseness looseness(const Mesh& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid = {},
+                    Workers& workers = serial_workers());
+
+/// For many frames of one mesh: `mesh.positions` replaced by deformed ones.
+class LoosenessMeter {
+ public:
+  explicit LoosenessMeter(const Mesh& mesh);  ///< inspects connectivity once; borrows nothing
+  Looseness measure(std::span<const Vec3> positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
+                    Workers& workers = serial_workers()) const;
+
+ private:
+  std::vector<Facet> facets_;
+  bool closed_, oriented_;
+};
+
+}  // namespace morula

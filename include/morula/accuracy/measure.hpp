@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Everything that is measured of a tree, level by level.
+#pragma once
+
+#include <morula/accuracy/coverage.hpp>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/accuracy/protrusion.hpp>
+#include <morula/tree/sphere_tree.hpp>
+#include <optional>
+#include <vector>
+
+namespace morula {
+
+struct LevelMeasure {
+  std::size_t level = 0;
+  std::size_t spheres = 0;  ///< of the level set, early leaves included
+  Looseness looseness;
+  Coverage coverage;
+  std::optional<Protrusion> protrusion;  ///< not taken when switched off or on a mesh without inside
+};
+
+struct MeasureOptions {
+  VoxelGrid grid;
+  bool with_protrusion = true;
+  double protrusion_tolerance = 1e-2;  ///< share of each radius
+};
+
+/// One entry per level. tree: in mesh coordinates, at rest or of a frame whose positions the mesh has.
+std::vector<LevelMeasure> measure(const Mesh& mesh, const SphereTree& tree, const MeasureOptions& options = {},
+                                  Workers& workers = serial_workers());
+
+}  // namespace morula

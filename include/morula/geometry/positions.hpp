@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A view of somebody else's vertex array: float or double, any stride, nothing copied.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <morula/geometry/vector.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+class PositionView {
+ public:
+  PositionView(std::span<const Vec3f> positions) : PositionView(positions.data(), positions.size(), sizeof(Vec3f)) {}
+  PositionView(std::span<const Vec3> positions) : PositionView(positions.data(), positions.size(), sizeof(Vec3)) {}
+  PositionView(const std::vector<Vec3f>& positions) : PositionView(std::span<const Vec3f>(positions)) {}
+  PositionView(const std::vector<Vec3>& positions) : PositionView(std::span<const Vec3>(positions)) {}
+
+  /// count vertices; the x, y, z of vertex i start stride_bytes × i after the first. The data must outlive the view.
+  static PositionView strided(const float* first, std::size_t count, std::size_t stride_bytes) {
+    return {first, count, stride_bytes, false};
+  }
+  static PositionView strided(const double* first, std::size_t count, std::size_t stride_bytes) {
+    return {first, count, stride_bytes, true};
+  }
+
+  std::size_t size() const { return count_; }
+  bool is_double() const { return is_double_; }
+  Vec3 operator[](std::size_t i) const {
+    const std::byte* p = first_ + i * stride_bytes_;
+    if (is_double_) return load<double>(p);
+    return Vec3(load<float>(p));
+  }
+
+ private:
+  PositionView(const Vec3f* first, std::size_t count, std::size_t stride) : PositionView(first, count, stride, false) {}
+  PositionView(const Vec3* first, std::size_t count, std::size_t stride) : PositionView(first, count, stride, true) {}
+  PositionView(const void* first, std::size_t count, std::size_t stride_bytes, bool is_double)
+      : first_(static_cast<const std::byte*>(first)),
+        count_(count),
+        stride_bytes_(stride_bytes),
+        is_double_(is_double) {}
+  template <class Scalar>
+  static Vector3<Scalar> load(const std::byte* p) {
+    Scalar s[3];
+    std::memcpy(s, p, sizeof s);
+    return {s[0], s[1], s[2]};
+  }
+
+  const std::byte* first_;
+  std::size_t count_;
+  std::size_t stride_bytes_;
+  bool is_double_;
+};
+
+}  // namespace morula

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Plain triangle mathematics shared by every layer above.
+#pragma once
+
+#include <array>
+#include <morula/geometry/vector.hpp>
+
+namespace morula {
+
+using Triangle = std::array<Vec3, 3>;
+
+/// Twice the area, along the normal.
+inline Vec3 area_vector(const Triangle& t) { return cross(t[1] - t[0], t[2] - t[0]); }
+inline double area(const Triangle& t) { return 0.5 * length(area_vector(t)); }
+
+/// Point b0 p0 + b1 p1 + b2 p2.
+inline Vec3 at_barycentric(const Triangle& t, const std::array<double, 3>& b) {
+  return t[0] * b[0] + t[1] * b[1] + t[2] * b[2];
+}
+
+struct TrianglePoint {
+  Vec3 point;
+  std::array<double, 3> barycentric;  ///< exactly zero where the point lies on an edge or a vertex
+  double squared_distance;
+};
+/// The point of the closed triangle nearest to p. Triangles of no area are segments or points. [ericson2005, 5.1.5]
+TrianglePoint closest_point(const Triangle& t, const Vec3& p);
+
+/// Signed solid angle of t seen from p, in (−2π, 2π]; positive when p is behind the facet (inside a closed mesh).
+/// Zero for degenerate triangles and when p is a corner. [vanoosterom1983]
+double solid_angle(const Triangle& t, const Vec3& p);
+
+}  // namespace morula

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Three-component vectors: double for everything that is built or measured, float for what moves every frame.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace morula {
+
+template <class Scalar>
+struct Vector3 {
+  Scalar x{}, y{}, z{};
+
+  constexpr Vector3() = default;
+  constexpr Vector3(Scalar x_, Scalar y_, Scalar z_) : x(x_), y(y_), z(z_) {}
+  /// Between float and double only on request: narrowing rounds.
+  template <class Other>
+  constexpr explicit Vector3(const Vector3<Other>& v)
+      : x(static_cast<Scalar>(v.x)), y(static_cast<Scalar>(v.y)), z(static_cast<Scalar>(v.z)) {}
+
+  constexpr Scalar& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr Scalar operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr bool operator==(const Vector3&) const = default;
+
+  constexpr Vector3& operator+=(const Vector3& v) { return *this = *this + v; }
+  constexpr Vector3& operator-=(const Vector3& v) { return *this = *this - v; }
+  constexpr Vector3& operator*=(Scalar s) { return *this = *this * s; }
+
+  friend constexpr Vector3 operator+(const Vector3& a, const Vector3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vector3 operator-(const Vector3& a, const Vector3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vector3 operator-(const Vector3& a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vector3 operator*(const Vector3& a, Scalar s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend constexpr Vector3 operator*(Scalar s, const Vector3& a) { return a * s; }
+  friend constexpr Vector3 operator/(const Vector3& a, Scalar s) { return {a.x / s, a.y / s, a.z / s}; }
+};
+
+using Vec3 = Vector3<double>;
+using Vec3f = Vector3<float>;
+static_assert(sizeof(Vec3) == 24 && sizeof(Vec3f) == 12, "positions are read as packed arrays");
+
+template <class Scalar>
+constexpr Scalar dot(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class Scalar>
+constexpr Vector3<Scalar> cross(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class Scalar>
+constexpr Scalar squared_length(const Vector3<Scalar>& a) {
+  return dot(a, a);
+}
+template <class Scalar>
+Scalar length(const Vector3<Scalar>& a) {
+  return std::sqrt(squared_length(a));
+}
+template <class Scalar>
+constexpr Scalar squared_distance(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return squared_length(a - b);
+}
+template <class Scalar>
+Scalar distance(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return length(a - b);
+}
+/// The unit vector along a; `fallback` where a is zero.
+template <class Scalar>
+Vector3<Scalar> normalized(const Vector3<Scalar>& a, const Vector3<Scalar>& fallback = {Scalar(1), 0, 0}) {
+  const Scalar l = length(a);
+  return l > 0 ? a / l : fallback;
+}
+template <class Scalar>
+constexpr Vector3<Scalar> min(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+template <class Scalar>
+constexpr Vector3<Scalar> max(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+template <class Scalar>
+bool is_finite(const Vector3<Scalar>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+/// Largest of |x|, |y|, |z|.
+template <class Scalar>
+Scalar largest_component(const Vector3<Scalar>& a) {
+  return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
+
+}  // namespace morula

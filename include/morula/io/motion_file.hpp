@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Motions on disk: vertex positions per frame, for a mesh that stays topologically the same.
+#pragma once
+
+#include <morula/io/mesh_file.hpp>
+#include <vector>
+
+namespace morula {
+
+/// Frames are read one at a time; a motion of any length fits in memory.
+class Motion {
+ public:
+  /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers), one
+  /// mesh file (a single frame), or a NumPy .npy array of float32 or float64, shape (frames, vertices, 3), C order.
+  /// Throws FileError when nothing matches or the array has another shape or type.
+  Motion(const std::filesystem::path& path, const Mesh& mesh);
+
+  std::size_t frame_count() const { return frame_count_; }
+  /// Positions of one frame. Throws FileError naming the file when its vertex count or facets differ from the mesh's,
+  /// or a coordinate is not finite.
+  std::vector<Vec3> frame(std::size_t i) const;
+  /// What to call the frame in messages: a file name, or "motion.npy frame 3".
+  std::string frame_name(std::size_t i) const;
+
+ private:
+  std::vector<std::filesystem::path> files_;  // one per frame, or the .npy alone
+  bool is_npy_ = false;
+  bool npy_is_double_ = false;
+  std::size_t npy_data_offset_ = 0;
+  std::size_t frame_count_ = 0;
+  std::size_t vertex_count_ = 0;
+  std::vector<Facet> facets_;
+};
+
+/// Writes frames as they come: into a folder (0000.obj, 0001.obj, …) or, when the path ends in .npy, one float64 array.
+class MotionWriter {
+ public:
+  /// path: a folder (made if missing) or a .npy file. extension: of the meshes in a folder: ".obj", ".off" or ".ply".
+  MotionWriter(const std::filesystem::path& path, const Mesh& mesh, std::size_t frame_count,
+               const std::string& extension = ".obj");
+  void write(std::span<const Vec3> positions);
+  /// After the last frame; the .npy appears whole now. Throws FileError if frames are missing.
+  void finish();
+
+ private:
+  std::filesystem::path path_;
+  std::string extension_;
+  Mesh mesh_;
+  std::size_t frame_count_;
+  std::size_t written_ = 0;
+  std::vector<double> npy_;
+};
+
+}  // namespace morula

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Sphere trees on disk: native .morula with its cover, .sph and .json with spheres alone. Formats: docs/formats.md.
+#pragma once
+
+#include <filesystem>
+#include <morula/geometry/mesh.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/tree/cover.hpp>
+#include <optional>
+
+namespace morula {
+
+/// What a tree file held.
+struct TreeFile {
+  SphereTree tree;
+  std::optional<Cover> cover;  ///< native files only
+  BuildReport report;          ///< native files only
+};
+
+struct ReadTreeOptions {
+  /// Added to every centre of a .sph. The published toolkit writes centres relative to the mesh's box centre: pass that
+  /// (CLI: --sph-origin bbox-center).
+  Vec3 sph_origin{0, 0, 0};
+};
+
+/// Reads .morula, .sph or .json by extension. Sizes, ranges, finiteness and (native) the checksum are checked.
+/// In a .sph, radius ≤ 0 marks an unused slot, nodes below an unused one are ignored, and text after the last node is
+/// accepted. Throws FileError.
+TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options = {});
+
+/// A tree with a cover for this mesh: a native file's own when it was built for exactly this mesh (else FileError), or
+/// cover(mesh, tree) for a bare tree, with report.growth filled in.
+Built read_built(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options = {},
+                 Workers& workers = serial_workers());
+
+/// Writes .morula (bits round-trip), .sph (spheres in mesh coordinates; refused above ten million slots) or .json.
+/// Written whole or not at all.
+void write_tree(const std::filesystem::path& path, const Built& built);
+/// Spheres alone: .sph or .json.
+void write_tree(const std::filesystem::path& path, const SphereTree& tree);
+
+}  // namespace morula

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The whole library in one include.
+#pragma once
+
+#include <morula/accuracy/measure.hpp>
+#include <morula/build/build.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/sampling.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/motion_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/query/sphere_volume.hpp>
+#include <morula/update/body.hpp>
+#include <morula/version.hpp>

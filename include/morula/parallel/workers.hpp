@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Who runs parallel loops: one thread, a pool of ours, or the host's own executor. Results never depend on which.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <type_traits>
+
+namespace morula {
+
+/// A borrowed callable void(std::size_t chunk): no allocation, valid only during the call it is passed to.
+class ChunkFunction {
+ public:
+  template <class F>
+    requires(!std::is_same_v<std::remove_cvref_t<F>, ChunkFunction>)
+  ChunkFunction(const F& f) : object_(&f), call_([](const void* o, std::size_t i) { (*static_cast<const F*>(o))(i); }) {}
+  void operator()(std::size_t chunk) const { call_(object_, chunk); }
+
+ private:
+  const void* object_;
+  void (*call_)(const void*, std::size_t);
+};
+
+class Workers {
+ public:
+  /// One thread: the caller's.
+  Workers();
+  /// A pool of thread_count threads, the caller's included; 0 means one per processor. Without MORULA_THREADS always 1.
+  explicit Workers(unsigned thread_count);
+  /// The host's own: run must call chunk(i) once for every i < count, in any order and on any threads, and return after
+  /// the last.
+  using Executor = std::function<void(std::size_t count, ChunkFunction chunk)>;
+  Workers(Executor run, unsigned thread_count);
+  ~Workers();
+  Workers(Workers&&) noexcept;
+  Workers& operator=(Workers&&) noexcept;
+
+  unsigned thread_count() const;
+  /// Calls chunk(i) once for every i < count. If chunks throw, the exception of the lowest i is thrown again here.
+  /// No allocation. One call at a time; a call from inside a chunk runs on the calling thread.
+  void run(std::size_t count, ChunkFunction chunk);
+
+ private:
+  struct Pool;
+  std::unique_ptr<Pool> pool_;
+  Executor executor_;
+  unsigned thread_count_ = 1;
+};
+
+/// Shared default for functions that take workers: runs on the caller's thread.
+Workers& serial_workers();
+
+/// f(begin, end) over [0, count) in chunks of `grain`. Chunks depend on count and grain alone, so partial results that
+/// are joined in chunk order have the same bits for any number of workers.
+template <class F>
+void parallel_for(Workers& workers, std::size_t count, std::size_t grain, const F& f) {
+  if (count == 0) return;
+  const std::size_t chunks = (count + grain - 1) / grain;
+  workers.run(chunks, [&](std::size_t i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+}  // namespace morula

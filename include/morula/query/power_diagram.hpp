@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The power diagram of spheres, cut into facets: the mechanism behind every partition and every certificate.
+//
+// Cell i holds the points x with power |x − c_i|² − r_i² least for sphere i. The difference of two powers is affine, so
+// a facet falls apart into convex polygons. On its own cell a sphere's power is the least of all and it is convex, hence
+// (ALGORITHMS B.2): spheres cover a surface if and only if every polygon's corners lie in the polygon's own sphere.
+#pragma once
+
+#include <cstdint>
+#include <morula/geometry/sphere.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// Barycentric coordinates on a facet. A coordinate is exactly zero on the facet's opposite edge, and stays so in cuts.
+using Barycentric = std::array<double, 3>;
+
+/// Convex polygons inside one facet, with their owners. Cleared and refilled by each cut; reuse it to avoid allocation.
+struct CutFacet {
+  std::vector<Barycentric> corners;
+  std::vector<std::uint32_t> corner_begin{0};  ///< polygon k has corners [corner_begin[k], corner_begin[k + 1])
+  std::vector<std::uint32_t> owner;            ///< index into the spheres
+
+  std::size_t size() const { return owner.size(); }
+  std::span<const Barycentric> polygon(std::size_t k) const {
+    return std::span(corners).subspan(corner_begin[k], corner_begin[k + 1] - corner_begin[k]);
+  }
+  void clear() {
+    corners.clear();
+    corner_begin.assign(1, 0);
+    owner.clear();
+  }
+};
+
+/// A facet with what makes its cuts agree bit for bit with those of its neighbours: vertex indices give each mesh edge
+/// a direction that both sides see.
+struct FacetGeometry {
+  Triangle corners;
+  std::array<std::uint32_t, 3> vertices;
+};
+
+/// Cut one convex polygon of a facet by the power diagram of a few spheres.
+///
+/// polygon: barycentric corners in order, at least 3. candidates: indices into spheres that may own a part, not empty.
+/// Appends to `cut` polygons that tile the input: every cut is made once and shared by both sides, so they tile whatever
+/// the rounding. Each polygon's owner has the least power at all its corners, up to rounding; ties go to the lower index.
+/// A facet with a repeated vertex is never cut. Cost: O(candidates × pieces).
+void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,
+                  std::span<const std::uint32_t> candidates, CutFacet& cut);
+
+/// An index over many spheres that finds the few whose cells can meet a facet.
+class PowerDiagram {
+ public:
+  /// spheres: at least one; borrowed, must outlive the index. Cost: O(n log n).
+  explicit PowerDiagram(std::span<const Sphere> spheres);
+
+  /// Spheres whose cell may meet the triangle, ascending; always contains the true owners.
+  void candidates(const Triangle& triangle, std::vector<std::uint32_t>& found) const;
+  /// The whole facet cut into cells.
+  void cut(const FacetGeometry& facet, std::vector<std::uint32_t>& scratch, CutFacet& cut) const;
+  /// Sphere of least power at x; the lowest index among equals.
+  std::uint32_t owner(const Vec3& x) const;
+
+ private:
+  struct Node {
+    Vec3 lower, upper;              // box of the centres
+    double largest_squared_radius;
+    std::uint32_t begin, end;       // range in order_
+    std::uint32_t left;             // children are left and left + 1; 0 in a leaf
+  };
+  void split(std::uint32_t node);
+
+  std::span<const Sphere> spheres_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace morula

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A wide bounding volume hierarchy over facets: the one index that every shape question goes through.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <morula/parallel/workers.hpp>
+#include <optional>
+#include <vector>
+
+namespace morula {
+
+struct ClosestFacetPoint {
+  std::uint32_t facet;
+  Vec3 point;
+  std::array<double, 3> barycentric;  ///< exactly zero where the point lies on an edge or a vertex
+  double squared_distance;
+};
+
+class TriangleBvh {
+ public:
+  /// Copies what it needs; the mesh may go. Same tree for any number of workers. Cost: O(F log F).
+  explicit TriangleBvh(const Mesh& mesh, Workers& workers = serial_workers());
+  ~TriangleBvh();
+  TriangleBvh(TriangleBvh&&) noexcept;
+  TriangleBvh& operator=(TriangleBvh&&) noexcept;
+
+  std::size_t facet_count() const;
+  /// The corners of a facet, by its index in the mesh.
+  const Triangle& triangle(std::uint32_t facet) const;
+
+  /// Nearest surface point, or nothing if all of the surface is farther than max_distance (an early out: "only tell me
+  /// if nearer than this"). Among facets at the same distance, the one with the lowest index.
+  std::optional<ClosestFacetPoint> closest_point(
+      const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
+
+  /// Facets whose closed triangle meets the closed ball (distance to the centre ≤ radius), in ascending order.
+  void facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const;
+
+  /// Generalised winding number of the surface about p: 1 inside a closed outward mesh, 0 outside, in between near
+  /// holes. accuracy: far clusters are replaced by a dipole when farther than `accuracy` × their radius; infinity sums
+  /// every facet. Cost about O(log F). [jacobson2013, barill2018]
+  double winding_number(const Vec3& p, double accuracy = 2.0) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<const Data> data_;
+};
+
+}  // namespace morula

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The cover: which part of the surface each node answers for, and the proof that its sphere contains that part.
+#pragma once
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/positions.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/query/power_diagram.hpp>
+#include <morula/tree/sphere_tree.hpp>
+#include <string>
+#include <vector>
+
+namespace morula {
+
+/// A point of the surface that is not a mesh vertex: Σ weight[k] × position of vertex[k]. On a mesh edge, weight[2] is 0
+/// and vertex[2] repeats vertex[1]; the same point is stored once for both facets.
+struct CutPoint {
+  std::array<std::uint32_t, 3> vertex;
+  std::array<double, 3> weight;
+  bool operator==(const CutPoint&) const = default;
+};
+
+/// Patches are convex polygons inside one facet, in the order of the leaves they belong to (depth first), so the region
+/// of every node, inner ones too, is one range of patches. A patch moves with its facet: its corners are fixed convex
+/// combinations of vertices, so a sphere that contains the moved corners contains the moved patch.
+struct Cover {
+  std::uint32_t vertex_count = 0;           ///< of the mesh it belongs to
+  std::uint32_t facet_count = 0;
+  std::vector<CutPoint> cut_points;
+  std::vector<std::uint32_t> patch_facet;   ///< one per patch
+  std::vector<std::uint32_t> corner_begin;  ///< patch p has corners [corner_begin[p], corner_begin[p + 1]), at least 3
+  std::vector<std::uint32_t> corners;       ///< < vertex_count: a mesh vertex; else cut_points[corner − vertex_count]
+  std::vector<std::uint32_t> region_begin;  ///< one per node: its region is the patches [begin, end)
+  std::vector<std::uint32_t> region_end;
+
+  std::size_t patch_count() const { return patch_facet.size(); }
+  std::span<const std::uint32_t> patch(std::size_t p) const {
+    return std::span(corners).subspan(corner_begin[p], corner_begin[p + 1] - corner_begin[p]);
+  }
+  /// The corners of all patches of a node, with repetitions.
+  std::span<const std::uint32_t> region_corners(std::uint32_t node) const {
+    const std::uint32_t begin = corner_begin[region_begin[node]];
+    return std::span(corners).subspan(begin, corner_begin[region_end[node]] - begin);
+  }
+};
+
+/// Where a corner is when the mesh's vertices are at `positions`.
+Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionView& positions);
+
+struct LevelGrowth {
+  std::size_t grown = 0;        ///< spheres whose radius had to grow (or that were moved) to contain their region
+  double largest_factor = 1.0;  ///< largest new radius over old
+  double largest_growth = 0.0;  ///< largest increase of a radius, mesh units
+};
+
+/// What a builder or cover() did; travels with the tree and is written into native files.
+struct BuildReport {
+  std::string method;                    ///< "octree", "grid", …; "imported" from cover()
+  std::uint32_t branching = 0;
+  std::uint32_t depth = 0;               ///< as asked for
+  std::uint64_t seed = 0;
+  std::uint64_t mesh_hash = 0;
+  std::vector<LevelGrowth> growth;       ///< per level; from cover() only
+  std::size_t early_leaves = 0;          ///< leaves above the last level
+  std::size_t leftover_patches = 0;      ///< patches outside their own sphere, handed to the one that grew least
+  std::size_t dropped_spheres = 0;       ///< spheres that owned nothing
+  std::vector<std::string> notes;        ///< fallbacks taken, in words
+};
+
+/// A tree with its proof.
+struct Built {
+  SphereTree tree;
+  Cover cover;
+  BuildReport report;
+};
+
+/// Proves that a tree made elsewhere covers the mesh, or repairs it.
+///
+/// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch outside
+/// its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute sphere). A
+/// sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same centre,
+/// grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that lose all
+/// their leaves. report.growth says per level what had to grow.
+/// Throws std::invalid_argument when validate(tree) finds faults.
+Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
+
+struct Certificate {
+  bool covered = true;
+  double worst_excess = 0;           ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
+  std::uint32_t worst_node = no_node;
+};
+
+/// The proof, checked: every corner of every node's region lies in that node's sphere, at every level.
+///
+/// positions: one per mesh vertex, at rest or deformed. spheres: one per node of the tree the cover belongs to.
+/// Evaluated in double; a true answer holds exactly when the spheres' radii carry the pad of rounded_up_radius or more.
+/// Cost: O(levels × corners).
+Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
+                    Workers& workers = serial_workers());
+
+/// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
+/// that are not the disjoint union of their children's, spheres that do not wrap their region. Empty: all hold.
+std::vector<std::string> validate(const Mesh& mesh, const Built& built);
+
+}  // namespace morula

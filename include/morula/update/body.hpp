@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A body: a mesh with its tree and cover, whose spheres follow the vertices.
+#pragma once
+
+#include <memory>
+#include <morula/geometry/positions.hpp>
+#include <morula/tree/cover.hpp>
+#include <morula/update/rules.hpp>
+
+namespace morula {
+
+struct UpdateStatus {
+  enum class Code : std::uint8_t { ok, wrong_vertex_count, non_finite_position };
+  Code code = Code::ok;
+  std::size_t first_bad_vertex = 0;  ///< of non_finite_position
+  // Work done, the same on every run.
+  std::size_t nodes_updated = 0;
+  std::size_t vertices_read = 0;
+  std::size_t cut_points_moved = 0;
+  std::size_t points_tested = 0;     ///< distances taken from a centre to a vertex or corner
+
+  explicit operator bool() const { return code == Code::ok; }
+};
+
+/// Degenerate cases met when the body was made.
+struct BindReport {
+  std::size_t void_spheres = 0;        ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
+  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
+  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: their centre follows the mean
+  std::size_t carried_centers = 0;     ///< centres outside the hull of their anchors: the remainder turns with the anchors
+  std::size_t corners_owned = 0;       ///< points tested by a leaf level of `exact`
+};
+
+/// Reads positions, writes spheres, nothing else. Every update starts from the rest state, so the result depends only on
+/// the positions: back at rest the spheres are those of rest, bit for bit.
+class Body {
+ public:
+  /// Copies what it needs from mesh and built. The tree must be the cover's. Starts at rest.
+  /// Throws std::invalid_argument when mesh and built do not belong together or a rule list is empty.
+  Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  ~Body();
+  Body(Body&&) noexcept;
+  Body& operator=(Body&&) noexcept;
+
+  /// Moves every sphere to the given positions: one per mesh vertex, in mesh order and units, float or double.
+  ///
+  /// With the rule `exact`, every level then covers the surface; radii are rounded up, so rounding cannot lose cover.
+  /// Positions are narrowed to float about an origin that moves with the body, so being far away costs no precision.
+  /// A wrong count or a non-finite coordinate (of a vertex that facets use) is reported and changes nothing: the last
+  /// good spheres stay. No allocation. Same bits for any number of workers.
+  /// Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
+  UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
+
+  /// The current spheres, one per node, about origin(). Read them between updates, not during one.
+  std::span<const Spheref> spheres() const;
+  Vec3 origin() const;
+  /// The current spheres in mesh coordinates.
+  Sphere sphere(std::uint32_t node) const;
+  void copy_spheres(std::vector<Sphere>& spheres) const;
+  /// The current tree in mesh coordinates: what `morula update` writes per frame.
+  SphereTree current_tree() const;
+  /// 64-bit FNV-1a over origin and spheres.
+  std::uint64_t hash() const;
+
+  const SphereTree& rest_tree() const;
+  const Cover& cover() const;
+  const UpdateOptions& options() const;
+  const BindReport& bind_report() const;
+  std::size_t vertex_count() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morula

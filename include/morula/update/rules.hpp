@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The update rules, as plain values, and what the paper leaves open about them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace morula {
+
+/// How a node's sphere follows the deformed surface. All but `exact` may leave surface bare [garcia2005, sec. 3].
+enum class Rule : std::uint8_t {
+  traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
+  weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
+  approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
+  approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
+  exact,        ///< Morula's: owned patches, every corner inside; covers by construction
+};
+std::string_view name(Rule rule);
+std::optional<Rule> rule_from_name(std::string_view name);
+std::span<const Rule> all_rules();
+
+/// Questions that the paper leaves open (ALGORITHMS D.4). Defaults are the literal readings.
+struct RuleOptions {
+  enum class Weights : std::uint8_t { uniform, inverse_distance, area };
+  Weights approach1_weights = Weights::uniform;      ///< of linked vertices in a leaf's centre
+  enum class InnerCenter : std::uint8_t { children, linked_vertices };
+  InnerCenter approach1_inner_center = InnerCenter::children;
+  enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
+  InnerBoxes approach2_inner_boxes = InnerBoxes::child_spheres;
+  /// Distances below this share of the radius are raised before ratios are taken (τ of D.4): 0 is the paper, which then
+  /// skips vertices nearer than 1e-9 of the radius; 0.25 is robust.
+  double distance_floor = 0.0;
+};
+
+/// One rule per level from the root; the last one serves all deeper levels.
+struct UpdateOptions {
+  std::vector<Rule> rules{Rule::exact};
+  RuleOptions details;
+};
+
+}  // namespace morula
