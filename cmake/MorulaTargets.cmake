@@ -11,6 +11,10 @@ function(morula_configure target)
     -ffp-contract=off
     # Square roots of negative numbers are ours to avoid; without this each one checks errno and blocks vectorisation.
     -fno-math-errno)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # GCC 12 warns of overlapping copies inside std::string's own operator+ (GCC bug 105651).
+    target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
   if(MORULA_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -4,13 +4,16 @@
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
-#include <morula/parallel/workers.hpp>
 #include <morula/geometry/sphere.hpp>
+#include <morula/parallel/workers.hpp>
 #include <optional>
 #include <span>
 
 namespace morula {
 
+/// Either lattice goes on past the spheres' box, with the same edge and phase, as far as the object reaches: an object
+/// that sticks out of its spheres is missed, not forgotten. No side may need more than 8192 voxels: `level` then takes
+/// a longer edge (see Looseness::voxel_edge), `fixed` is refused.
 struct VoxelGrid {
   /// level: voxels fill the box of the level's spheres, `resolution` along its longest side: the paper's grid.
   /// fixed: voxels of one edge length on a lattice through the origin, the same for all frames, levels and methods.
@@ -22,7 +25,7 @@ struct VoxelGrid {
 
 struct Looseness {
   /// Volume inside the spheres and outside the object over the object's volume. Nothing when the mesh does not tell
-  /// inside from outside (open): that is said, not guessed.
+  /// inside from outside (open), and when the object has no volume: that is said, not guessed.
   std::optional<double> looseness;
   /// Volume of the object that no sphere contains, over the object's volume: the paper assumes this is none.
   std::optional<double> missed_volume;
@@ -34,8 +37,12 @@ struct Looseness {
 };
 
 /// A voxel is inside the object when its centre has non-zero winding number (closed, oriented meshes, either way round)
-/// or an odd number of crossings (closed but not oriented). Error O(voxel edge × area).
-/// Cost: O(F × columns per facet + spheres × columns per sphere), bits along columns.
+/// or an odd number of crossings (closed but not oriented). A voxel in two overlapping components counts once; the
+/// signed volume, by which counts are divided, counts such space twice and a component the wrong way round negatively.
+///
+/// spheres: one level set, at least one sphere. Same bits for any number of workers. Error O(voxel edge × area).
+/// Cost: O(F × columns per facet + spheres × columns per sphere), bits along columns; memory is bounded by one strip of
+/// columns per worker. Throws std::invalid_argument for a bad grid, bad spheres and coordinates that are not finite.
 Looseness looseness(const Mesh& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid = {},
                     Workers& workers = serial_workers());
 
@@ -45,9 +52,12 @@ class LoosenessMeter {
   explicit LoosenessMeter(const Mesh& mesh);  ///< inspects connectivity once; borrows nothing
   Looseness measure(std::span<const Vec3> positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
                     Workers& workers = serial_workers()) const;
+  /// Inside and outside are well defined: closed and consistently oriented.
+  bool has_volume() const { return closed_ && oriented_; }
 
  private:
   std::vector<Facet> facets_;
+  std::size_t vertex_count_;
   bool closed_, oriented_;
 };
 

@@ -21,7 +21,7 @@ struct LevelMeasure {
 };
 
 struct MeasureOptions {
-  VoxelGrid grid;
+  VoxelGrid grid{};
   bool with_protrusion = true;
   double protrusion_tolerance = 1e-2;  ///< share of each radius
 };

@@ -15,38 +15,40 @@ namespace morula {
 /// The axis a deformation works along; automatic is the longest side of the rest box, the first of equals.
 enum class Axis { x, y, z, automatic };
 
-/// Lengthens by `factor` about the centre; the cross-section shrinks by factor^−shrink (½ keeps the volume, 0 nothing).
+/// Lengthens by `factor` about the centre; the cross-section shrinks by factor^−shrink.
 struct Stretch {
-  double factor = 2.0;  ///< > 0
-  double shrink = 0.5;
+  double factor = 2.0;  ///< 0.001 … 1000
+  double shrink = 0.5;  ///< −1 … 2: ½ keeps the volume, 0 the cross-section, −1 the proportions
   Axis axis = Axis::automatic;
 };
-/// Turns cross-sections by 0 at one end to `degrees` at the other.
+/// Turns cross-sections about the middle line, by 0 at the lower end to `degrees` at the upper one.
 struct Twist {
-  double degrees = 180.0;
+  double degrees = 180.0;  ///< −36000 … 36000
   Axis axis = Axis::automatic;
 };
-/// Rolls the axis into an arc of `degrees` about the middle of the body.
+/// Rolls the axis into an arc of `degrees` about the middle of the body, towards the next axis (x → y → z → x).
 struct Bend {
-  double degrees = 90.0;
+  double degrees = 90.0;  ///< −360 … 360
   Axis axis = Axis::automatic;
 };
-/// Pushes a dent: points near `center` move by `push`, fading smoothly to nothing at distance `radius`.
+/// Pushes a dent: points near `center` move by `push`, fading smoothly to nothing at distance `radius`. Space does not
+/// fold over while |push| < 0.58 radius.
 /// Lengths are shares of the rest box's diagonal; center is relative to the box, 0…1 on each axis.
 struct Poke {
-  Vec3 center{0.5, 0.5, 1.0};
-  Vec3 push{0.0, 0.0, -0.2};
-  double radius = 0.25;
+  Vec3 center{0.5, 0.5, 1.0};  ///< each −10 … 10
+  Vec3 push{0.0, 0.0, -0.15};  ///< each −10 … 10
+  double radius = 0.3;         ///< 0.001 … 10
 };
-/// Smooth random displacement: a few seeded waves, at most `amplitude` × diagonal.
+/// Smooth random displacement: a few seeded waves, at most `amplitude` × diagonal. Space does not fold over while
+/// amplitude < 0.35 wavelength.
 struct Noise {
-  double amplitude = 0.05;
-  double wavelength = 0.25;  ///< shortest, as a share of the diagonal
+  double amplitude = 0.05;   ///< 0 … 1
+  double wavelength = 0.25;  ///< of the shortest wave, as a share of the diagonal; 0.01 … 10
   std::uint64_t seed = 1;
 };
 /// Rigid rotation about the box centre.
 struct Rotate {
-  double degrees = 90.0;
+  double degrees = 90.0;  ///< −36000 … 36000
   Axis axis = Axis::automatic;
 };
 
@@ -57,14 +59,20 @@ using Deformations = std::vector<Deformation>;
 
 /// Positions at parameter t in [0, 1], where 1 is the full amount. t = 0 returns the rest positions bit for bit.
 ///
-/// Formulas and parameters: docs/deform.md. Unused vertices move too.
-/// Throws std::invalid_argument for parameters out of range and for a bend so tight that the body would fold over itself.
+/// Same input, same bits, on every machine. Unused vertices move too, except those that are not finite.
+/// Formulas: docs/deform.md.
+///
+/// Throws std::invalid_argument for parameters out of range, for a twist or bend along an axis on which the mesh has no
+/// extent, and for a bend so tight that the body would fold over itself (naming the largest angle that works): at any t
+/// for what would only happen at t = 1.
 std::vector<Vec3> deform(const Mesh& rest, const Deformations& deformations, double t);
 
-/// t of each frame: out from 0 to 1 and back to 0 (first and last frame at rest, bit for bit), or only out.
+/// t of each frame: out from 0 to 1 and back to 0, or only out. The first frame is exactly 0, and so is the last one on
+/// the way back, with the same bits as on the way out. The middle frame is exactly 1; of an even number both middle
+/// frames are, and one or two frames are all at rest.
 std::vector<double> frame_parameters(std::size_t frame_count, bool and_back = true);
 
-/// One word per deformation, such as "stretch 2" or "bend 90": for tables and file names.
+/// What it is and how much, such as "stretch 2", "bend 90" or "bend 90 z": for tables and file names.
 std::string describe(const Deformation& deformation);
 
 }  // namespace morula

@@ -9,13 +9,20 @@
 
 namespace morula {
 
-/// The names that sample_body knows: bar capsule limb torus blob plate two.
+/// The names that sample_body knows, in the order below.
 std::span<const std::string_view> sample_body_names();
 
 /// A closed, oriented, manifold mesh (`two` has two components), deterministic to the bit.
 ///
-/// name: bar (4:1:1 box), capsule, limb (bent, tapered, organic), torus, blob (smooth lobes), plate (thin box), two.
-/// resolution: edges around or along the body, at least 3; 48 gives a few thousand facets.
+///   bar      box, 4 × 1 × 1
+///   capsule  tube with round ends, 3 long, 1 thick
+///   limb     an arm: bent, tapered, with muscles and round ends, about 5 long
+///   torus    ring of radius 1, its tube of radius 0.35
+///   blob     a ball with six smooth lobes
+///   plate    thin box, 4 × 0.1 × 2
+///   two      two links of a chain that do not touch: two components
+/// Bodies lie along x and about the origin.
+/// resolution: edges around or along the body; 48 gives 2,700 to 5,800 facets, and their number grows with its square.
 /// Throws std::invalid_argument for an unknown name (listing the known ones) or a resolution outside 3…4096.
 Mesh sample_body(std::string_view name, int resolution = 48);
 

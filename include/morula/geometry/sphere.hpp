@@ -21,7 +21,9 @@ using Spheref = BasicSphere<float>;
 static_assert(sizeof(Spheref) == 16 && sizeof(Sphere) == 32, "spheres are written and read as packed arrays");
 
 /// |x − c|² − r²: negative inside, zero on the sphere. Affine in x when two powers are subtracted.
-inline double power(const Sphere& s, const Vec3& x) { return squared_distance(s.center, x) - s.radius * s.radius; }
+inline double power(const Sphere& s, const Vec3& x) {
+  return squared_distance(s.center, x) - s.radius * s.radius;
+}
 
 inline double volume(const Sphere& s) {
   return 4.0 / 3.0 * std::numbers::pi * s.radius * s.radius * s.radius;

@@ -11,8 +11,12 @@ namespace morula {
 using Triangle = std::array<Vec3, 3>;
 
 /// Twice the area, along the normal.
-inline Vec3 area_vector(const Triangle& t) { return cross(t[1] - t[0], t[2] - t[0]); }
-inline double area(const Triangle& t) { return 0.5 * length(area_vector(t)); }
+inline Vec3 area_vector(const Triangle& t) {
+  return cross(t[1] - t[0], t[2] - t[0]);
+}
+inline double area(const Triangle& t) {
+  return 0.5 * length(area_vector(t));
+}
 
 /// Point b0 p0 + b1 p1 + b2 p2.
 inline Vec3 at_barycentric(const Triangle& t, const std::array<double, 3>& b) {

@@ -11,8 +11,8 @@ namespace morula {
 /// Frames are read one at a time; a motion of any length fits in memory.
 class Motion {
  public:
-  /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers), one
-  /// mesh file (a single frame), or a NumPy .npy array of float32 or float64, shape (frames, vertices, 3), C order.
+  /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers),
+  /// one mesh file (a single frame), or a NumPy .npy array of float32 or float64, shape (frames, vertices, 3), C order.
   /// Throws FileError when nothing matches or the array has another shape or type.
   Motion(const std::filesystem::path& path, const Mesh& mesh);
 

@@ -3,8 +3,9 @@
 // The power diagram of spheres, cut into facets: the mechanism behind every partition and every certificate.
 //
 // Cell i holds the points x with power |x − c_i|² − r_i² least for sphere i. The difference of two powers is affine, so
-// a facet falls apart into convex polygons. On its own cell a sphere's power is the least of all and it is convex, hence
-// (ALGORITHMS B.2): spheres cover a surface if and only if every polygon's corners lie in the polygon's own sphere.
+// a facet falls apart into convex polygons. On its own cell a sphere's power is the least of all and it is convex,
+// hence (ALGORITHMS B.2): spheres cover a surface if and only if every polygon's corners lie in the polygon's own
+// sphere.
 #pragma once
 
 #include <cstdint>
@@ -45,9 +46,9 @@ struct FacetGeometry {
 /// Cut one convex polygon of a facet by the power diagram of a few spheres.
 ///
 /// polygon: barycentric corners in order, at least 3. candidates: indices into spheres that may own a part, not empty.
-/// Appends to `cut` polygons that tile the input: every cut is made once and shared by both sides, so they tile whatever
-/// the rounding. Each polygon's owner has the least power at all its corners, up to rounding; ties go to the lower index.
-/// A facet with a repeated vertex is never cut. Cost: O(candidates × pieces).
+/// Appends to `cut` polygons that tile the input: every cut is made once and shared by both sides, so they tile
+/// whatever the rounding. Each polygon's owner has the least power at all its corners, up to rounding; ties go to the
+/// lower index. A facet with a repeated vertex is never cut. Cost: O(candidates × pieces).
 void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,
                   std::span<const std::uint32_t> candidates, CutFacet& cut);
 
@@ -64,12 +65,20 @@ class PowerDiagram {
   /// Sphere of least power at x; the lowest index among equals.
   std::uint32_t owner(const Vec3& x) const;
 
+  struct Growth {
+    std::uint32_t sphere;
+    double amount;  ///< max over the points of |x − c| − r; negative when the sphere contains them all
+  };
+  /// The sphere that contains all points after the least growth of its radius; the lowest index among equals. For one
+  /// point the amount is its signed distance to the union's nearest sphere. points: at least one.
+  Growth least_growth(std::span<const Vec3> points) const;
+
  private:
   struct Node {
-    Vec3 lower, upper;              // box of the centres
-    double largest_squared_radius;
-    std::uint32_t begin, end;       // range in order_
-    std::uint32_t left;             // children are left and left + 1; 0 in a leaf
+    Vec3 lower, upper;  // box of the centres
+    double largest_radius;
+    std::uint32_t begin, end;  // range in order_
+    std::uint32_t left;        // children are left and left + 1; 0 in a leaf
   };
   void split(std::uint32_t node);
 

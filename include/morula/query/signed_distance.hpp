@@ -9,17 +9,22 @@ namespace morula {
 
 /// How inside is told from outside.
 enum class SignMethod {
-  pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes [baerentzen2005]
-  winding_number,  ///< generalised winding number above ½: a sensible answer on open, non-manifold or overlapping meshes
+  pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes
+                   ///< [baerentzen2005]
+  winding_number,  ///< generalised winding number above ½: a sensible answer on open, non-manifold or overlapping
+                   ///< meshes
 };
 
 class SignedDistance {
  public:
-  /// Chooses pseudo_normal when the mesh is closed, oriented and manifold in a single shell per component, else
+  /// Chooses pseudo_normal when the mesh is closed, oriented and manifold, and at a thousand facets spread over it one
+  /// side is inside and the other outside (shells that overlap, or nest without turning, fail here); else
   /// winding_number. An inside-out closed mesh is recognised by its negative volume and read the right way round.
+  /// Cost: that of the index and of inspect().
   explicit SignedDistance(const Mesh& mesh, Workers& workers = serial_workers());
   SignedDistance(const Mesh& mesh, SignMethod method, Workers& workers = serial_workers());
 
+  /// p must be finite; what is not is NaN away.
   double operator()(const Vec3& p) const { return at(p).distance; }
   struct Result {
     double distance;  ///< negative inside; 0 on the surface
@@ -32,18 +37,27 @@ class SignedDistance {
   double protrusion_bound(const Sphere& ball) const { return std::max(0.0, ball.radius + (*this)(ball.center)); }
 
   SignMethod method() const { return method_; }
+  /// Closed and consistently oriented: inside is a property of the surface, not a guess.
+  bool has_volume() const { return has_volume_; }
+  /// −1 for an inside-out mesh, else 1.
+  double orientation() const { return orientation_; }
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  void prepare_normals(const Mesh& mesh);
+  SignedDistance(const Mesh& mesh, const SignMethod* method, Workers& workers);
+  bool separates_sides() const;
+  void prepare_normals(const Mesh& mesh, Workers& workers);
+  bool decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const;
 
   TriangleBvh bvh_;
-  SignMethod method_;
-  double orientation_ = 1.0;               // −1 for an inside-out mesh
-  std::vector<Facet> facets_;              // for the pseudo-normals of vertices and edges
-  std::vector<Vec3> facet_normals_;        // unit, one per facet
-  std::vector<Vec3> vertex_normals_;       // angle-weighted sum, one per vertex
-  std::vector<std::array<Vec3, 3>> edge_normals_;  // per facet, edge k is opposite to corner k; sum of the two unit normals
+  SignMethod method_ = SignMethod::winding_number;
+  bool has_volume_ = false;
+  double orientation_ = 1.0;
+  // For pseudo_normal only. A normal is zero where slivers make it meaningless.
+  std::vector<Facet> facets_;
+  std::vector<Vec3> facet_normals_;                      // unit
+  std::vector<Vec3> vertex_normals_;                     // angle-weighted average
+  std::vector<std::array<std::uint32_t, 3>> neighbors_;  // the facet across the edge opposite to corner k
 };
 
 }  // namespace morula

@@ -35,8 +35,8 @@ class TriangleBvh {
 
   /// Nearest surface point, or nothing if all of the surface is farther than max_distance (an early out: "only tell me
   /// if nearer than this"). Among facets at the same distance, the one with the lowest index.
-  std::optional<ClosestFacetPoint> closest_point(
-      const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
+  std::optional<ClosestFacetPoint> closest_point(const Vec3& p,
+                                                 double max_distance = std::numeric_limits<double>::infinity()) const;
 
   /// Facets whose closed triangle meets the closed ball (distance to the centre ≤ radius), in ascending order.
   void facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const;

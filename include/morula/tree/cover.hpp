@@ -13,8 +13,8 @@
 
 namespace morula {
 
-/// A point of the surface that is not a mesh vertex: Σ weight[k] × position of vertex[k]. On a mesh edge, weight[2] is 0
-/// and vertex[2] repeats vertex[1]; the same point is stored once for both facets.
+/// A point of the surface that is not a mesh vertex: Σ weight[k] × position of vertex[k]. On a mesh edge, weight[2] is
+/// 0 and vertex[2] repeats vertex[1]; the same point is stored once for both facets.
 struct CutPoint {
   std::array<std::uint32_t, 3> vertex;
   std::array<double, 3> weight;
@@ -25,7 +25,7 @@ struct CutPoint {
 /// of every node, inner ones too, is one range of patches. A patch moves with its facet: its corners are fixed convex
 /// combinations of vertices, so a sphere that contains the moved corners contains the moved patch.
 struct Cover {
-  std::uint32_t vertex_count = 0;           ///< of the mesh it belongs to
+  std::uint32_t vertex_count = 0;  ///< of the mesh it belongs to
   std::uint32_t facet_count = 0;
   std::vector<CutPoint> cut_points;
   std::vector<std::uint32_t> patch_facet;   ///< one per patch
@@ -56,16 +56,16 @@ struct LevelGrowth {
 
 /// What a builder or cover() did; travels with the tree and is written into native files.
 struct BuildReport {
-  std::string method;                    ///< "octree", "grid", …; "imported" from cover()
+  std::string method;  ///< "octree", "grid", …; "imported" from cover()
   std::uint32_t branching = 0;
-  std::uint32_t depth = 0;               ///< as asked for
+  std::uint32_t depth = 0;  ///< as asked for
   std::uint64_t seed = 0;
   std::uint64_t mesh_hash = 0;
-  std::vector<LevelGrowth> growth;       ///< per level; from cover() only
-  std::size_t early_leaves = 0;          ///< leaves above the last level
-  std::size_t leftover_patches = 0;      ///< patches outside their own sphere, handed to the one that grew least
-  std::size_t dropped_spheres = 0;       ///< spheres that owned nothing
-  std::vector<std::string> notes;        ///< fallbacks taken, in words
+  std::vector<LevelGrowth> growth;   ///< per level; from cover() only
+  std::size_t early_leaves = 0;      ///< leaves above the last level
+  std::size_t leftover_patches = 0;  ///< patches outside their own sphere, handed to the one that grew least
+  std::size_t dropped_spheres = 0;   ///< spheres that owned nothing
+  std::vector<std::string> notes;    ///< fallbacks taken, in words
 };
 
 /// A tree with its proof.
@@ -77,17 +77,17 @@ struct Built {
 
 /// Proves that a tree made elsewhere covers the mesh, or repairs it.
 ///
-/// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch outside
-/// its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute sphere). A
-/// sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same centre,
-/// grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that lose all
-/// their leaves. report.growth says per level what had to grow.
-/// Throws std::invalid_argument when validate(tree) finds faults.
+/// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch
+/// outside its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute
+/// sphere). A sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same
+/// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
+/// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
+/// validate(tree) finds faults.
 Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct Certificate {
   bool covered = true;
-  double worst_excess = 0;           ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
+  double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
   std::uint32_t worst_node = no_node;
 };
 

@@ -16,15 +16,15 @@ inline constexpr std::uint32_t no_node = 0xffffffffu;
 inline constexpr int max_branching = 64;
 inline constexpr int max_depth = 8;
 
-/// Nodes are numbered level by level from the root (0); the children of a node are adjacent, and nodes of a level are in
-/// the order of their parents.
+/// Nodes are numbered level by level from the root (0); the children of a node are adjacent, and nodes of a level are
+/// in the order of their parents.
 struct SphereTree {
-  std::vector<Sphere> spheres;              ///< one per node, mesh units
-  std::vector<std::uint32_t> first_child;   ///< no_node for a leaf
-  std::vector<std::uint32_t> child_count;   ///< 0 for a leaf, at most branching
-  std::vector<std::uint32_t> parent;        ///< no_node for the root
-  std::vector<std::uint32_t> level_begin;   ///< level j holds nodes [level_begin[j], level_begin[j + 1])
-  std::uint32_t branching = 8;              ///< most children of a node, 2…64
+  std::vector<Sphere> spheres;             ///< one per node, mesh units
+  std::vector<std::uint32_t> first_child;  ///< no_node for a leaf
+  std::vector<std::uint32_t> child_count;  ///< 0 for a leaf, at most branching
+  std::vector<std::uint32_t> parent;       ///< no_node for the root
+  std::vector<std::uint32_t> level_begin;  ///< level j holds nodes [level_begin[j], level_begin[j + 1])
+  std::uint32_t branching = 8;             ///< most children of a node, 2…64
 
   std::size_t node_count() const { return spheres.size(); }
   /// Depth + 1; 0 for a tree without nodes.

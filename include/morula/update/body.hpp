@@ -18,22 +18,23 @@ struct UpdateStatus {
   std::size_t nodes_updated = 0;
   std::size_t vertices_read = 0;
   std::size_t cut_points_moved = 0;
-  std::size_t points_tested = 0;     ///< distances taken from a centre to a vertex or corner
+  std::size_t points_tested = 0;  ///< distances taken from a centre to a vertex or corner
 
   explicit operator bool() const { return code == Code::ok; }
 };
 
 /// Degenerate cases met when the body was made.
 struct BindReport {
-  std::size_t void_spheres = 0;        ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
-  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
-  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: their centre follows the mean
-  std::size_t carried_centers = 0;     ///< centres outside the hull of their anchors: the remainder turns with the anchors
-  std::size_t corners_owned = 0;       ///< points tested by a leaf level of `exact`
+  std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
+  std::size_t unlinked_spheres = 0;  ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
+  std::size_t degenerate_anchors =
+      0;                            ///< nodes with fewer than four independent anchors: their centre follows the mean
+  std::size_t carried_centers = 0;  ///< centres outside the hull of their anchors: the remainder turns with the anchors
+  std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
 };
 
-/// Reads positions, writes spheres, nothing else. Every update starts from the rest state, so the result depends only on
-/// the positions: back at rest the spheres are those of rest, bit for bit.
+/// Reads positions, writes spheres, nothing else. Every update starts from the rest state, so the result depends only
+/// on the positions: back at rest the spheres are those of rest, bit for bit.
 class Body {
  public:
   /// Copies what it needs from mesh and built. The tree must be the cover's. Starts at rest.

@@ -26,7 +26,7 @@ std::span<const Rule> all_rules();
 /// Questions that the paper leaves open (ALGORITHMS D.4). Defaults are the literal readings.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
-  Weights approach1_weights = Weights::uniform;      ///< of linked vertices in a leaf's centre
+  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's centre
   enum class InnerCenter : std::uint8_t { children, linked_vertices };
   InnerCenter approach1_inner_center = InnerCenter::children;
   enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
@@ -39,7 +39,7 @@ struct RuleOptions {
 /// One rule per level from the root; the last one serves all deeper levels.
 struct UpdateOptions {
   std::vector<Rule> rules{Rule::exact};
-  RuleOptions details;
+  RuleOptions details{};
 };
 
 }  // namespace morula

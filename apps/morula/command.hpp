@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a command is to main: options added to the parser, and a function to run once they are parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <stdexcept>
+
+namespace morula::cli {
+
+/// Exit codes, the same for every command.
+inline constexpr int exit_done = 0;
+inline constexpr int exit_check_failed = 1;  ///< a check failed or the result is incomplete
+inline constexpr int exit_bad_use = 2;       ///< bad options or bad input; nothing was written
+inline constexpr int exit_internal_error = 3;
+
+/// Bad use of the command line: what() is one line with the remedy.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Set by the command that was named; returns an exit code.
+using Run = std::function<int()>;
+
+void add_build(CLI::App& app, Run& run);
+void add_measure(CLI::App& app, Run& run);
+void add_deform(CLI::App& app, Run& run);
+void add_update(CLI::App& app, Run& run);
+void add_info(CLI::App& app, Run& run);
+void add_sample(CLI::App& app, Run& run);
+void add_convert(CLI::App& app, Run& run);
+void add_demo(CLI::App& app, Run& run);
+
+}  // namespace morula::cli

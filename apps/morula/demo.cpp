@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula demo: what the library does, shown on two bodies in about a minute.
+#include <fmt/format.h>
+
+#include <memory>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <scenes/scenes.hpp>
+#include <variant>
+
+#include "command.hpp"
+#include "demo_run.hpp"
+#include "demo_text.hpp"
+#include "figures.hpp"
+#include "files.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string output = "morula-demo";
+  bool quick = false;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// A scanned or modelled mesh with an inside, when the corpus is unpacked.
+std::optional<DemoBody> real_body() {
+  const std::optional<std::filesystem::path> corpus = scenes::corpus_folder();
+  if (!corpus) return std::nullopt;
+  for (const char* file : {"elephant.off"}) {
+    const std::filesystem::path path = *corpus / file;
+    if (!std::filesystem::is_regular_file(path)) continue;
+    DemoBody body{path.stem().string(), read_mesh(path)};
+    if (inspect(body.mesh).has_volume()) return body;
+  }
+  return std::nullopt;
+}
+
+DemoPlan make_plan(bool quick) {
+  DemoPlan plan;
+  plan.bodies.push_back({"limb", sample_body("limb", quick ? 12 : 48)});
+  if (quick) {
+    plan.frame_count = 9;
+    plan.repeats = 3;
+    plan.resolution = 96;
+  } else if (std::optional<DemoBody> body = real_body()) {
+    plan.bodies.push_back(std::move(*body));
+  }
+  for (const scenes::NamedMotion& motion : scenes::standard_motions()) {
+    const Deformation& first = motion.deformations.front();
+    if (std::holds_alternative<Stretch>(first) || std::holds_alternative<Twist>(first) ||
+        std::holds_alternative<Bend>(first)) {
+      plan.motions.push_back(motion.deformations);
+    }
+  }
+  return plan;
+}
+
+/// The commands that give one cell of the table again.
+std::string recipe(const DemoPlan& plan, const DemoTree& tree, const DemoCell& cell, const std::string& folder) {
+  const std::string stem = (std::filesystem::path(folder) / tree.body).string();
+  return fmt::format(
+      "  morula deform {0}.obj -o motion.npy --{1} --frames {2}\n"
+      "  morula update {0}.obj {0}-{3}.morula motion.npy -o spheres --rule {4}\n"
+      "  morula measure {0}.obj spheres --motion motion.npy --grid fixed --resolution {5} --no-protrusion\n",
+      stem, cell.motion, plan.frame_count, name(tree.method), name(cell.rule), plan.resolution);
+}
+
+void print_text(const DemoPlan& plan, const std::vector<DemoTree>& trees, const std::string& folder, double elapsed) {
+  fmt::print(
+      "Looseness of the leaves, in object volumes (share of the surface left bare): worst of the frames at rest,\n"
+      "half way, at the full amount and back at rest; {} frames out and back. Times: median frame, one thread.\n\n{}\n",
+      plan.frame_count, demo_table(trees));
+  for (const DemoTree& tree : trees) {
+    fmt::print("{} {}: {}, {}; {} ({}) built in {}\n", tree.body, name(tree.method),
+               counted(tree.vertices, "vertex", "vertices"), counted(tree.facets, "facet"),
+               counted(tree.spheres, "sphere"), counted(tree.leaves, "leaf", "leaves"), seconds(tree.build_seconds));
+  }
+  for (const DemoTree& tree : trees) {
+    if (tree.method != trees.front().method) continue;
+    for (const std::string& reason : tree.skipped) fmt::print("{}\n", reason);
+  }
+  fmt::print("\nWhat it shows\n");
+  for (const std::string& finding : demo_findings(trees)) fmt::print("- {}\n", finding);
+  fmt::print("\nWhat to look at, in {} ({})\n", folder, seconds(elapsed));
+  const std::string body = trees.front().body;
+  fmt::print("- demo.csv and demo.json: every figure with all digits\n");
+  if (!trees.front().cells.empty()) {
+    const std::string stem = file_stem(body, trees.front().cells.front().motion);
+    fmt::print("- {0}.obj with {0}-exact.sph and {0}-approach2.sph: the body at the full amount, and its spheres\n",
+               stem);
+    fmt::print("- any cell again, from files:\n{}", recipe(plan, trees.front(), trees.front().cells.back(), folder));
+  }
+}
+
+int demo_command(const Options& o) {
+  Workers workers(o.threads);
+  const DemoPlan plan = make_plan(o.quick);
+  StagedFolder stage(o.output);
+  Stopwatch watch;
+  const std::vector<DemoTree> trees = [&] {
+    Progress progress("demo");
+    return run_demo(plan, stage.path(), workers,
+                    [&](double share, std::string label) { progress.update(share, std::move(label)); });
+  }();
+  const Json json = demo_json(plan, trees);
+  write_text_file(stage.path() / "demo.json", json.dump(2) + "\n");
+  write_text_file(stage.path() / "demo.csv", demo_csv(trees));
+  stage.commit();
+  if (o.json) {
+    print_json(json);
+  } else {
+    print_text(plan, trees, o.output, watch.lap());
+  }
+  const std::vector<std::string> faults = demo_faults(trees);
+  for (const std::string& fault : faults) fmt::print(stderr, "morula: error: {}: please report it\n", fault);
+  return faults.empty() ? exit_done : exit_check_failed;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("demo", "Show what every rule does to a tree while its body deforms");
+  command->add_option("-o,--output", o->output, "Folder for figures, trees, meshes and spheres")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_flag("--quick", o->quick, "One small body and few frames: seconds instead of about a minute");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer("Example:\n  morula demo -o morula-demo");
+  command->callback([o, &run] { run = [o] { return demo_command(*o); }; });
+}
+
+}  // namespace morula::cli

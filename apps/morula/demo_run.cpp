@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "demo_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <stdexcept>
+
+#include "exact_check.hpp"
+#include "figures.hpp"
+#include "progress.hpp"
+
+namespace morula::cli {
+namespace {
+
+/// The positions of every frame of one motion of one body.
+struct DemoMotion {
+  std::string name;
+  std::vector<std::vector<Vec3>> frames;
+};
+
+struct Counter {
+  std::size_t done = 0;
+  std::size_t total = 0;
+  const std::function<void(double, std::string)>& report;
+
+  void next(std::string label) {
+    report(static_cast<double>(done) / static_cast<double>(total), std::move(label));
+    ++done;
+  }
+};
+
+std::string describe_all(const Deformations& deformations) {
+  std::string text;
+  for (const Deformation& deformation : deformations) text += (text.empty() ? "" : ", ") + describe(deformation);
+  return text;
+}
+
+DemoCell run_cell(const DemoBody& body, const Built& built, const DemoMotion& motion, const DemoTree& tree, Rule rule,
+                  const DemoPlan& plan, const std::filesystem::path& folder, Workers& workers) {
+  DemoCell cell;
+  cell.body = body.name;
+  cell.method = tree.method;
+  cell.motion = motion.name;
+  cell.rule = rule;
+  const std::vector<std::size_t> measured = measured_frames(plan.frame_count);
+  const std::vector<double> parameters = frame_parameters(plan.frame_count);
+  const LoosenessMeter meter(body.mesh);
+  const VoxelGrid grid{.kind = VoxelGrid::Kind::fixed, .voxel_edge = tree.voxel_edge};
+
+  Body moving(body.mesh, built, {.rules = {rule}, .details = {}}, workers);
+  Mesh mesh = body.mesh;
+  std::vector<double> microseconds;
+  std::uint64_t first_hash = 0;
+  cell.certified = rule == Rule::exact;
+  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
+    const std::vector<Vec3>& positions = motion.frames[i];
+    for (int repeat = 0; repeat < plan.repeats; ++repeat) {
+      Stopwatch watch;
+      const UpdateStatus status = moving.update(positions);
+      microseconds.push_back(1e6 * watch.lap());
+      if (!status) throw std::logic_error("the demo's own motion was refused by update");
+    }
+    if (i == 0) first_hash = moving.hash();
+    if (i + 1 == motion.frames.size()) cell.returns_to_rest = moving.hash() == first_hash;
+    if (rule == Rule::exact) {
+      const Certificate certificate = certify_exact_levels(moving, positions, workers);
+      cell.certified = cell.certified && certificate.covered;
+      cell.worst_excess = i == 0 ? certificate.worst_excess : std::max(cell.worst_excess, certificate.worst_excess);
+    }
+    if (std::find(measured.begin(), measured.end(), i) == measured.end()) continue;
+    const SphereTree current = moving.current_tree();
+    const std::vector<Sphere> leaves = level_set_spheres(current, current.level_count() - 1);
+    mesh.positions = positions;
+    cell.frames.push_back(
+        {i, parameters[i], meter.measure(positions, leaves, grid, workers), coverage(mesh, leaves, workers)});
+    if (parameters[i] == 1.0 && tree.method == Method::grid) {
+      const std::string stem = file_stem(body.name, motion.name);
+      write_tree(folder / fmt::format("{}-{}.sph", stem, name(rule)), current);
+    }
+  }
+  cell.microseconds = median(microseconds);
+  cell.nanoseconds_per_vertex = 1e3 * cell.microseconds / static_cast<double>(body.mesh.vertex_count());
+  return cell;
+}
+
+std::vector<DemoMotion> make_motions(const DemoBody& body, const DemoPlan& plan, std::vector<std::string>& skipped) {
+  std::vector<DemoMotion> motions;
+  for (const Deformations& deformations : plan.motions) {
+    DemoMotion motion{describe_all(deformations), {}};
+    try {
+      for (const double t : frame_parameters(plan.frame_count)) {
+        motion.frames.push_back(deform(body.mesh, deformations, t));
+      }
+    } catch (const std::invalid_argument& error) {
+      skipped.push_back(fmt::format("{} cannot {}: {}", body.name, motion.name, error.what()));
+      continue;
+    }
+    motions.push_back(std::move(motion));
+  }
+  return motions;
+}
+
+}  // namespace
+
+double DemoCell::worst_looseness() const {
+  double worst = 0;
+  for (const FrameFigures& f : frames) worst = std::max(worst, f.looseness.looseness.value_or(0));
+  return worst;
+}
+
+double DemoCell::worst_bare_area() const {
+  double worst = 0;
+  for (const FrameFigures& f : frames) worst = std::max(worst, f.coverage.bare_area);
+  return worst;
+}
+
+double DemoCell::worst_gap() const {
+  double worst = 0;
+  for (const FrameFigures& f : frames) worst = std::max(worst, f.coverage.gap);
+  return worst;
+}
+
+std::vector<std::size_t> measured_frames(std::size_t frame_count) {
+  const std::size_t last = frame_count - 1;
+  return {0, last / 4, last / 2, last};
+}
+
+std::string file_stem(const std::string& body, const std::string& motion) {
+  std::string stem = body + '-' + motion;
+  std::replace(stem.begin(), stem.end(), ' ', '-');
+  return stem;
+}
+
+std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path& folder, Workers& workers,
+                               const std::function<void(double, std::string)>& progress) {
+  const std::size_t per_tree = 1 + plan.motions.size() * all_rules().size();
+  Counter counter{0, plan.bodies.size() * all_methods().size() * per_tree, progress};
+  std::vector<DemoTree> trees;
+  for (const DemoBody& body : plan.bodies) {
+    std::vector<std::string> skipped;
+    const std::vector<DemoMotion> motions = make_motions(body, plan, skipped);
+    write_mesh(folder / (body.name + ".obj"), body.mesh);
+    const std::vector<double> parameters = frame_parameters(plan.frame_count);
+    for (const DemoMotion& motion : motions) {
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        if (parameters[i] != 1.0) continue;
+        write_mesh(folder / (file_stem(body.name, motion.name) + ".obj"), Mesh{motion.frames[i], body.mesh.facets});
+      }
+    }
+    for (const Method method : all_methods()) {
+      counter.next(fmt::format("building {} {}", body.name, name(method)));
+      Stopwatch watch;
+      const Built built = build(body.mesh, {.method = method, .progress = {}}, workers);
+      DemoTree tree;
+      tree.body = body.name;
+      tree.method = method;
+      tree.vertices = body.mesh.vertex_count();
+      tree.facets = body.mesh.facet_count();
+      tree.spheres = built.tree.node_count();
+      tree.leaves = built.tree.leaf_count();
+      tree.build_seconds = watch.lap();
+      tree.voxel_edge = bounding_box(body.mesh).diagonal() / plan.resolution;
+      tree.skipped = skipped;
+      write_tree(folder / fmt::format("{}-{}.morula", body.name, name(method)), built);
+      for (const DemoMotion& motion : motions) {
+        for (const Rule rule : all_rules()) {
+          counter.next(fmt::format("{} {} {} {}", body.name, name(method), motion.name, name(rule)));
+          tree.cells.push_back(run_cell(body, built, motion, tree, rule, plan, folder, workers));
+        }
+      }
+      trees.push_back(std::move(tree));
+    }
+  }
+  return trees;
+}
+
+}  // namespace morula::cli

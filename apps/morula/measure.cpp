@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula measure: how loose the levels of a tree are, and whether they cover, for one mesh or frame by frame.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <morula/accuracy/measure.hpp>
+#include <morula/io/motion_file.hpp>
+#include <morula/io/tree_file.hpp>
+
+#include "command.hpp"
+#include "figures.hpp"
+#include "files.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+#include "table.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string trees;
+  std::string motion;
+  std::string grid = "level";
+  int resolution = VoxelGrid{}.resolution;
+  double voxel_edge = 0;
+  bool no_protrusion = false;
+  std::string sph_origin = "none";
+  std::string csv;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+struct Frame {
+  std::string name;  // of the positions
+  std::string tree;
+  std::vector<LevelMeasure> levels;
+};
+
+MeasureOptions measure_options(const Options& o, const Mesh& rest) {
+  check_name("grid", o.grid, {"level", "fixed"});
+  if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
+  MeasureOptions options;
+  options.with_protrusion = !o.no_protrusion;
+  options.grid.resolution = o.resolution;
+  if (o.grid == "fixed") {
+    options.grid.kind = VoxelGrid::Kind::fixed;
+    options.grid.voxel_edge = o.voxel_edge > 0 ? o.voxel_edge : bounding_box(rest).diagonal() / o.resolution;
+  }
+  return options;
+}
+
+std::vector<Frame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options, Workers& workers) {
+  const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
+  const bool several = file_kind(o.trees) == FileKind::folder;
+  const std::vector<std::filesystem::path> trees =
+      several ? trees_in(o.trees) : std::vector<std::filesystem::path>{o.trees};
+  std::optional<Motion> motion;
+  if (!o.motion.empty()) motion.emplace(o.motion, rest);
+  if (!motion && several) {
+    throw UsageError(fmt::format("{} holds {}: give their positions with --motion, or name one of them", o.trees,
+                                 counted(trees.size(), "tree")));
+  }
+  if (motion && motion->frame_count() != trees.size()) {
+    throw UsageError(fmt::format("{} in {} but {} in {}: one tree per frame is needed",
+                                 counted(motion->frame_count(), "frame"), o.motion, counted(trees.size(), "tree"),
+                                 o.trees));
+  }
+  Progress progress("measuring");
+  std::vector<Frame> frames;
+  Mesh mesh = rest;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(trees.size()));
+    if (motion) mesh.positions = motion->frame(i);
+    const TreeFile file = read_tree(trees[i], reading);
+    if (!motion && file.cover && file.report.mesh_hash != mesh_hash(mesh)) {
+      fmt::print(stderr, "morula: note: {} was built for another mesh than {}; measured as it is\n", o.trees, o.mesh);
+    }
+    frames.push_back(
+        {motion ? motion->frame_name(i) : o.mesh, trees[i].string(), measure(mesh, file.tree, options, workers)});
+  }
+  return frames;
+}
+
+/// The worst of each figure over the frames, per level. Frames may have trees of different depth.
+std::vector<LevelMeasure> worst_of(const std::vector<Frame>& frames) {
+  std::vector<LevelMeasure> worst;
+  const auto raise = [](std::optional<double>& to, const std::optional<double>& by) {
+    if (by) to = std::max(to.value_or(*by), *by);
+  };
+  for (const Frame& frame : frames) {
+    for (const LevelMeasure& level : frame.levels) {
+      if (level.level >= worst.size()) {
+        worst.push_back(level);
+        continue;
+      }
+      LevelMeasure& w = worst[level.level];
+      w.spheres = std::max(w.spheres, level.spheres);
+      raise(w.looseness.looseness, level.looseness.looseness);
+      raise(w.looseness.missed_volume, level.looseness.missed_volume);
+      w.coverage.covered = w.coverage.covered && level.coverage.covered;
+      w.coverage.bare_area = std::max(w.coverage.bare_area, level.coverage.bare_area);
+      w.coverage.gap = std::max(w.coverage.gap, level.coverage.gap);
+      if (!level.protrusion) continue;
+      if (!w.protrusion) w.protrusion = level.protrusion;
+      w.protrusion->worst = std::max(w.protrusion->worst, level.protrusion->worst);
+      w.protrusion->mean = std::max(w.protrusion->mean, level.protrusion->mean);
+    }
+  }
+  return worst;
+}
+
+void add_level(Table& table, const std::string& frame, const LevelMeasure& level, bool with_frame) {
+  std::vector<std::string> cells;
+  if (with_frame) cells.push_back(frame);
+  const auto& protrusion = level.protrusion;
+  for (std::string cell :
+       {std::to_string(level.level), std::to_string(level.spheres), figure_or_na(level.looseness.looseness),
+        percent_or_na(level.looseness.missed_volume), percent(level.coverage.bare_area), figure(level.coverage.gap),
+        std::string(level.coverage.covered ? "yes" : "no"), protrusion ? figure(protrusion->worst) : "n/a",
+        protrusion ? figure(protrusion->mean) : "n/a"}) {
+    cells.push_back(std::move(cell));
+  }
+  table.add(std::move(cells));
+}
+
+std::string measure_table(const std::vector<Frame>& frames, const std::vector<LevelMeasure>& worst) {
+  const bool several = frames.size() > 1;
+  std::vector<std::string> header{"level", "spheres", "looseness",  "missed", "bare area",
+                                  "gap",   "covered", "protrusion", "mean"};
+  if (several) header.insert(header.begin(), "frame");
+  Table table(header, several ? 1 : 0);
+  for (const Frame& frame : frames) {
+    for (const LevelMeasure& level : frame.levels) {
+      add_level(table, level.level == 0 ? frame.name : std::string(), level, several);
+    }
+  }
+  if (several) {
+    table.add_rule();
+    for (const LevelMeasure& level : worst) add_level(table, level.level == 0 ? "worst" : "", level, true);
+  }
+  return table.text();
+}
+
+void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& frames) {
+  const std::vector<LevelMeasure> worst = worst_of(frames);
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(frames, worst));
+  const bool covered =
+      std::all_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return level.coverage.covered; });
+  if (covered) {
+    fmt::print("Covers: no surface is bare at any level.\n");
+  } else {
+    fmt::print("Does not cover:");
+    const char* separator = " ";
+    for (const LevelMeasure& level : worst) {
+      if (level.coverage.covered) continue;
+      fmt::print("{}level {} leaves {} bare, up to {} away", separator, level.level, percent(level.coverage.bare_area),
+                 figure(level.coverage.gap));
+      separator = "; ";
+    }
+    fmt::print(".\n");
+  }
+  const MeshReport report = inspect(rest);
+  const bool no_looseness =
+      std::any_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return !level.looseness.looseness; });
+  if (no_looseness) {
+    fmt::print("n/a: {}, so inside and outside are not defined; bare area and gap do not need them.\n",
+               why_no_inside(report));
+  } else if (!o.no_protrusion && !report.has_volume()) {
+    fmt::print("n/a: {}, so protrusion cannot be answered.\n", why_no_inside(report));
+  }
+  fmt::print(
+      "Looseness and missed volume are shares of the object's volume; gap and protrusion are in mesh units "
+      "(diagonal {}).\n",
+      figure(report.box.diagonal()));
+}
+
+std::string csv_text(const std::vector<Frame>& frames) {
+  std::string text =
+      "frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,gap_upper,covered,protrusion_worst,"
+      "protrusion_mean,voxel_edge\n";
+  const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
+  for (const Frame& frame : frames) {
+    for (const LevelMeasure& l : frame.levels) {
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(frame.name), csv_cell(frame.tree),
+                          l.level, l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
+                          exact_digits(l.coverage.bare_area), exact_digits(l.coverage.gap),
+                          exact_digits(l.coverage.gap_upper), l.coverage.covered ? "yes" : "no",
+                          l.protrusion ? exact_digits(l.protrusion->worst) : "",
+                          l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
+    }
+  }
+  return text;
+}
+
+Json levels_json(const std::vector<LevelMeasure>& levels) {
+  Json json = Json::array();
+  for (const LevelMeasure& level : levels) json.push_back(level_measure_json(level));
+  return json;
+}
+
+int measure_command(const Options& o) {
+  if (!o.csv.empty()) require_output_place(o.csv);
+  Workers workers(o.threads);
+  const Mesh rest = read_mesh(o.mesh);
+  const MeasureOptions options = measure_options(o, rest);
+  const std::vector<Frame> frames = measure_frames(o, rest, options, workers);
+  if (!o.csv.empty()) write_text_file(o.csv, csv_text(frames));
+  if (!o.json) {
+    print_text(o, rest, frames);
+    return exit_done;
+  }
+  Json frames_json = Json::array();
+  for (const Frame& frame : frames) {
+    frames_json.push_back({{"frame", frame.name}, {"tree", frame.tree}, {"levels", levels_json(frame.levels)}});
+  }
+  Json grid{{"kind", o.grid}};
+  if (o.grid == "fixed") {
+    grid["voxel_edge"] = options.grid.voxel_edge;
+  } else {
+    grid["resolution"] = options.grid.resolution;
+  }
+  print_json({{"mesh", o.mesh}, {"grid", grid}, {"frames", frames_json}});
+  return exit_done;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("measure", "Measure looseness, cover and protrusion of every level");
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required();
+  command->add_option("TREE", o->trees, "Tree file, or with --motion a folder of them, one per frame")->required();
+  command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob or .npy")
+      ->type_name("MOTION");
+  command
+      ->add_option("--grid", o->grid,
+                   "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
+                   "all frames and levels)")
+      ->type_name("KIND")
+      ->capture_default_str();
+  command
+      ->add_option("--resolution", o->resolution,
+                   "Voxels along the longest side of the level's box (level) or the rest diagonal (fixed)")
+      ->type_name("N")
+      ->check(CLI::Range(8, 4096))
+      ->capture_default_str();
+  command
+      ->add_option("--voxel-edge", o->voxel_edge, "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
+      ->type_name("LENGTH")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
+  add_sph_origin(*command, o->sph_origin);
+  command->add_option("--csv", o->csv, "Write every figure of every frame and level, with all digits")
+      ->type_name("FILE");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "A tree without a cover is measured as it is: the answer says whether it covers, and the exit code is 0.\n"
+      "Example:\n"
+      "  morula measure liver.obj liver.morula\n"
+      "  morula measure liver.obj spheres/ --motion motion/ --grid fixed --csv liver.csv");
+  command->callback([o, &run] { run = [o] { return measure_command(*o); }; });
+}
+
+}  // namespace morula::cli

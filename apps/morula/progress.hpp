@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A progress bar on stderr, shown only to a person: nothing is printed when stderr is not a terminal.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace morula::cli {
+
+class Progress {
+ public:
+  explicit Progress(std::string label);
+  /// Removes the bar.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// share: of the work done, 0…1.
+  void update(double share);
+  void update(double share, std::string label);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string label_;
+  bool shown_;  // stderr is a terminal
+  Clock::time_point last_{};
+};
+
+/// Seconds since made, or since the last call of lap().
+class Stopwatch {
+ public:
+  double lap();
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace morula::cli

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What several commands say about trees and measurements, as tables and as JSON.
+#pragma once
+
+#include <morula/accuracy/measure.hpp>
+#include <morula/geometry/inspect.hpp>
+#include <morula/tree/cover.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace morula::cli {
+
+/// Keys stay in the order they were written in.
+using Json = nlohmann::ordered_json;
+
+/// One document on stdout, with a line break.
+void print_json(const Json& json);
+
+/// Per level: nodes, leaves, largest and mean radius.
+std::string level_table(const SphereTree& tree);
+Json level_json(const SphereTree& tree);
+
+/// What had to grow for a bare tree to cover the mesh; one line when nothing had to.
+std::string growth_text(const BuildReport& report);
+Json growth_json(const BuildReport& report);
+
+/// Why looseness or protrusion cannot be answered on this mesh; empty when they can.
+std::string why_no_inside(const MeshReport& report);
+/// "bunny.obj: 1234 vertices, 2464 facets".
+std::string mesh_line(const std::string& name, const Mesh& mesh);
+
+Json looseness_json(const Looseness& looseness);
+Json coverage_json(const Coverage& coverage);
+Json level_measure_json(const LevelMeasure& level);
+/// A figure, or n/a.
+std::string figure_or_na(const std::optional<double>& value);
+std::string percent_or_na(const std::optional<double>& value);
+
+/// 64-bit hashes as JSON has them: "0x…", since numbers of JSON readers often have 53 bits.
+std::string hash_text(std::uint64_t hash);
+
+}  // namespace morula::cli

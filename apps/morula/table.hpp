@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Tables for people: aligned columns, UTF-8 aware.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace morula::cli {
+
+/// The first `left_columns` columns are flush left, the others flush right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> header, std::size_t left_columns = 1);
+  /// Missing cells are empty.
+  void add(std::vector<std::string> cells);
+  /// A line between groups of rows.
+  void add_rule();
+  /// With a line break after every row.
+  std::string text() const;
+
+ private:
+  std::size_t left_columns_;
+  std::vector<std::vector<std::string>> rows_;  // the header first; a row without cells is a rule
+};
+
+}  // namespace morula::cli

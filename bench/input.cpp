@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "input.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <scenes/scenes.hpp>
+#include <stdexcept>
+
+namespace morula::bench {
+namespace {
+
+bool is_sample_body(std::string_view name) {
+  const auto names = sample_body_names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Input input(const std::string& wanted) {
+  const std::size_t colon = wanted.find(':');
+  const std::string name = wanted.substr(0, colon);
+  if (!is_sample_body(name)) {
+    const std::filesystem::path file = wanted;
+    return {file.stem().string(), read_mesh(file)};
+  }
+  int resolution = 48;
+  if (colon != std::string::npos) {
+    const char* end = wanted.data() + wanted.size();
+    const auto [stop, error] = std::from_chars(wanted.data() + colon + 1, end, resolution);
+    if (error != std::errc() || stop != end)
+      throw std::invalid_argument("'" + wanted + "': expected NAME:RESOLUTION, such as limb:48");
+  }
+  return {wanted, sample_body(name, resolution)};
+}
+
+}  // namespace
+
+std::vector<Input> inputs(const std::vector<std::string>& wanted) {
+  std::vector<std::string> names = wanted;
+  if (names.empty()) {
+    names = {"limb", "blob"};
+    if (const auto folder = scenes::corpus_folder())
+      if (const auto bunny = *folder / "bunny00.off"; std::filesystem::exists(bunny)) names.push_back(bunny.string());
+  }
+  std::vector<Input> found;
+  for (const std::string& name : names) {
+    found.push_back(input(name));
+    require_usable(found.back().mesh);
+  }
+  return found;
+}
+
+}  // namespace morula::bench

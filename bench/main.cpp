@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula_bench: times scenarios by name and verifies, in the same run, what they compute.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <stdexcept>
+
+#include "input.hpp"
+#include "report.hpp"
+
+namespace morula::bench {
+namespace {
+
+constexpr int exit_wrong_result = 1;
+constexpr int exit_bad_use = 2;
+
+struct NamedScenario {
+  const char* name;
+  Run run;
+};
+constexpr std::array<NamedScenario, 4> scenarios{{
+    {"build", run_build},
+    {"update", run_update},
+    {"measure", run_measure},
+    {"query", run_query},
+}};
+
+int run(int argc, char** argv) {
+  CLI::App app{"Times scenarios and verifies their results in the same run.", "morula_bench"};
+  std::vector<std::string> wanted, meshes;
+  std::vector<std::string> names;
+  for (const NamedScenario& scenario : scenarios) names.emplace_back(scenario.name);
+  int repeats = 5;
+  double patience = 10;
+  std::size_t questions = 20000;
+  unsigned threads = 1;
+  bool json = false;
+  app.add_option("--scenario", wanted, "build, update, measure, query; may be repeated (default: all)")
+      ->check(CLI::IsMember(names));
+  app.add_option("--mesh", meshes,
+                 "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"
+                 "(default: limb, blob, and bunny00 where the corpus is)");
+  app.add_option("--repeats", repeats, "how often each item is timed (default 5)")->check(CLI::Range(1, 100000));
+  app.add_option("--patience", patience,
+                 "seconds after which an item gets no further repeat; two it always gets (default 10)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--questions", questions, "points that `query` asks about (default 20000)")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
+  app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
+  app.add_flag("--json", json, "one JSON object instead of text");
+  app.footer(
+      "Example:\n  morula_bench --scenario update --mesh limb:96 --threads 2\n\n"
+      "Exit codes: 0 all results verified, 1 a result is wrong, 2 bad use or bad input.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : exit_bad_use;
+  }
+
+  const std::vector<Input> found = inputs(meshes);
+  Workers workers(threads);
+  const Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
+  std::vector<Result> results;
+  std::size_t wrong = 0;
+  for (const Input& input : found) {
+    if (!json)
+      fmt::print("{}: {} vertices, {} facets, {} threads\n", input.name, input.mesh.vertex_count(),
+                 input.mesh.facet_count(), workers.thread_count());
+    for (const NamedScenario& scenario : scenarios) {
+      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), scenario.name) == wanted.end()) continue;
+      for (Result& result : scenario.run(input, settings)) {
+        if (!json) print(result);
+        wrong += !result.faults.empty();
+        results.push_back(std::move(result));
+      }
+      std::fflush(stdout);
+    }
+  }
+  if (json)
+    fmt::print("{}\n", to_json(found, results, settings));
+  else if (wrong == 0)
+    fmt::print("{} results, all verified\n", results.size());
+  else
+    fmt::print("{} results, {} of them WRONG\n", results.size(), wrong);
+  return wrong == 0 ? 0 : exit_wrong_result;
+}
+
+}  // namespace
+}  // namespace morula::bench
+
+int main(int argc, char** argv) {
+  try {
+    return morula::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    // Files that cannot be read and bodies that do not exist; everything else would be a fault of ours, and says so.
+    fmt::print(stderr, "morula_bench: {}\n", error.what());
+    return morula::bench::exit_bad_use;
+  }
+}

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <morula/version.hpp>
+#include <nlohmann/json.hpp>
+
+namespace morula::bench {
+namespace {
+
+std::string duration(double seconds) {
+  if (seconds < 1e-3) return fmt::format("{:.2f} us", 1e6 * seconds);
+  if (seconds < 1) return fmt::format("{:.2f} ms", 1e3 * seconds);
+  return fmt::format("{:.2f} s", seconds);
+}
+
+double least(const Result& result) {
+  return *std::min_element(result.seconds.begin(), result.seconds.end());
+}
+double most(const Result& result) {
+  return *std::max_element(result.seconds.begin(), result.seconds.end());
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  const std::size_t middle = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle), values.end());
+  return values[middle];
+}
+
+void print(const Result& result) {
+  fmt::print("{:8}{:26}min {:>10}  median {:>10}  worst {:>10}  of {}\n", result.scenario, result.item,
+             duration(least(result)), duration(median(result.seconds)), duration(most(result)), result.seconds.size());
+  std::string line;
+  for (const Figure& figure : result.figures)
+    line += fmt::format("{}{} {:.6g}", line.empty() ? "" : ", ", figure.name, figure.value);
+  fmt::print("{:8}{}\n", "", line);
+  for (const std::string& fault : result.faults) fmt::print("{:8}WRONG: {}\n", "", fault);
+}
+
+std::string to_json(std::span<const Input> inputs, std::span<const Result> results, const Settings& settings) {
+  using nlohmann::json;
+  json meshes = json::array();
+  for (const Input& input : inputs)
+    meshes.push_back({{"name", input.name},
+                      {"vertices", input.mesh.vertex_count()},
+                      {"facets", input.mesh.facet_count()},
+                      {"hash", fmt::format("{:016x}", mesh_hash(input.mesh))}});
+  json rows = json::array();
+  for (const Result& result : results) {
+    json figures = json::object();
+    for (const Figure& figure : result.figures) figures[figure.name] = figure.value;
+    rows.push_back({{"scenario", result.scenario},
+                    {"item", result.item},
+                    {"mesh", result.mesh},
+                    {"repeats", result.seconds.size()},
+                    {"min", least(result)},
+                    {"median", median(result.seconds)},
+                    {"worst", most(result)},
+                    {"figures", std::move(figures)},
+                    {"faults", result.faults}});
+  }
+  const json report{{"morula", version},
+                    {"compiler", __VERSION__},
+                    {"threads", settings.workers->thread_count()},
+                    {"meshes", std::move(meshes)},
+                    {"results", std::move(rows)}};
+  return report.dump(2);
+}
+
+}  // namespace morula::bench

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a scenario is given and what it returns: times, the work done, and what was wrong with the answers.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <morula/geometry/mesh.hpp>
+#include <morula/parallel/workers.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace morula::bench {
+
+struct Input {
+  std::string name;
+  Mesh mesh;
+};
+
+struct Settings {
+  int repeats;            ///< at least 1
+  double patience;        ///< seconds; an item that takes longer gets fewer repeats, but never fewer than two
+  std::size_t questions;  ///< points asked about by `query`
+  Workers* workers;
+};
+
+/// Something counted or derived; the same on every run, unless it has a time in it.
+struct Figure {
+  std::string name;
+  double value;
+};
+
+/// One line of the report.
+struct Result {
+  std::string scenario;
+  std::string item;
+  std::string mesh;
+  std::vector<double> seconds{};  ///< one per repeat (update: per repeat and frame), in the order they were taken
+  std::vector<Figure> figures{};
+  std::vector<std::string> faults{};  ///< what is wrong with the answers; empty: verified
+
+  /// A fast wrong answer is not a result.
+  void expect(bool holds, std::string_view fault) {
+    if (!holds) faults.emplace_back(fault);
+  }
+};
+
+using Run = std::vector<Result> (*)(const Input&, const Settings&);
+std::vector<Result> run_build(const Input& input, const Settings& settings);
+std::vector<Result> run_update(const Input& input, const Settings& settings);
+std::vector<Result> run_measure(const Input& input, const Settings& settings);
+std::vector<Result> run_query(const Input& input, const Settings& settings);
+
+/// Wall-clock seconds of one call.
+template <class F>
+double seconds_of(const F& f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// One entry per repeat of f.
+template <class F>
+std::vector<double> timed(const Settings& settings, const F& f) {
+  std::vector<double> seconds;
+  double total = 0;
+  for (int i = 0; i < settings.repeats && (i < 2 || total < settings.patience); ++i) {
+    seconds.push_back(seconds_of(f));
+    total += seconds.back();
+  }
+  return seconds;
+}
+
+double median(std::vector<double> values);
+
+}  // namespace morula::bench

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+# Includes point down. Run as: cmake [-D ROOT=folder] -P cmake/check_layers.cmake
+#
+# Lists every include that breaks a rule, then fails. The rules:
+#   library        a folder includes itself and folders of lower height, so no two folders include each other
+#   public headers no private ones: everything they include is installed
+#   everyone else  public headers and their own: apps, bench, examples, scenes and the consumer test
+cmake_minimum_required(VERSION 3.24)
+
+# ground
+set(height_parallel 0)
+set(height_geometry 1)
+# shape
+set(height_query 2)
+set(height_deform 2)
+# tree
+set(height_tree 3)
+set(height_build 4)
+set(height_update 4)
+# uses
+set(height_accuracy 5)
+set(height_collide 5)
+set(height_io 5)
+
+if(NOT DEFINED ROOT)
+  cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
+endif()
+set(faults "")
+set(include_count 0)
+
+# includes_of(FILE): sets `includes` to a list of <path> and "path", in the file's order.
+macro(includes_of file)
+  file(STRINGS "${ROOT}/${file}" includes REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"]")
+  list(TRANSFORM includes REPLACE "^[ \t]*#[ \t]*include[ \t]*([<\"][^>\"]*[>\"]).*$" "\\1")
+endmacro()
+
+macro(fault file include reason)
+  list(APPEND faults "${file} includes ${include}: ${reason}")
+endmacro()
+
+file(GLOB_RECURSE library_files RELATIVE "${ROOT}"
+  "${ROOT}/include/morula/*.hpp" "${ROOT}/src/*.hpp" "${ROOT}/src/*.cpp")
+foreach(file IN LISTS library_files)
+  # The header of everything.
+  if(file STREQUAL "include/morula/morula.hpp")
+    continue()
+  endif()
+  if(NOT file MATCHES "^(include/morula|src)/([a-z_]+)/")
+    list(APPEND faults "${file} is in no folder of the library")
+    continue()
+  endif()
+  set(root_of_file "${CMAKE_MATCH_1}")
+  set(folder "${CMAKE_MATCH_2}")
+  if(NOT DEFINED height_${folder})
+    list(APPEND faults "${file}: the folder ${folder} has no height: give it one in cmake/check_layers.cmake")
+    continue()
+  endif()
+  includes_of("${file}")
+  foreach(include IN LISTS includes)
+    if(include MATCHES "^(<morula/|\")([a-z_]+)/")
+      set(target "${CMAKE_MATCH_2}")
+    elseif(include MATCHES "^<morula/version.hpp>$")
+      continue()
+    elseif(include MATCHES "^<morula/")
+      fault("${file}" "${include}" "the library includes what it uses, not everything")
+      continue()
+    elseif(include MATCHES "^<")
+      continue()
+    else()
+      set(target "${folder}")
+    endif()
+    math(EXPR include_count "${include_count} + 1")
+    if(root_of_file STREQUAL "include/morula" AND include MATCHES "^\"")
+      fault("${file}" "${include}" "a public header may include public headers only, in angle brackets")
+    elseif(NOT DEFINED height_${target})
+      fault("${file}" "${include}" "there is no folder ${target} in the library")
+    elseif(NOT target STREQUAL folder AND NOT height_${target} LESS height_${folder})
+      fault("${file}" "${include}" "${target} is not below ${folder}")
+    endif()
+  endforeach()
+endforeach()
+
+set(outside_globs "")
+foreach(folder apps bench examples scenes tests/consumer)
+  list(APPEND outside_globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp")
+endforeach()
+file(GLOB_RECURSE outside_files RELATIVE "${ROOT}" ${outside_globs})
+foreach(file IN LISTS outside_files)
+  includes_of("${file}")
+  cmake_path(GET file PARENT_PATH folder_of_file)
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^[<\"](.*)[>\"]$" "\\1" path "${include}")
+    math(EXPR include_count "${include_count} + 1")
+    if(path MATCHES "(^|/)src/" OR
+       (EXISTS "${ROOT}/src/${path}" AND NOT EXISTS "${ROOT}/${folder_of_file}/${path}"))
+      fault("${file}" "${include}" "a private header of the library")
+    endif()
+  endforeach()
+endforeach()
+
+list(LENGTH faults fault_count)
+if(fault_count GREATER 0)
+  foreach(text IN LISTS faults)
+    message("${text}")
+  endforeach()
+  message(FATAL_ERROR "${fault_count} includes break the layers")
+endif()
+if(include_count EQUAL 0)
+  message(FATAL_ERROR "nothing to check in ${ROOT}")
+endif()
+message(STATUS "${include_count} includes point down")

@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+# Every source, CMake file and script starts with the two SPDX lines (after a script's #! line).
+# Run as: cmake [-D ROOT=folder] -P cmake/check_licence.cmake
+cmake_minimum_required(VERSION 3.24)
+
+if(NOT DEFINED ROOT)
+  cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
+endif()
+
+set(globs "${ROOT}/CMakeLists.txt" "${ROOT}/cmake/*.in" "${ROOT}/scripts/*" "${ROOT}/.ci/*")
+foreach(folder include src apps bench examples scenes tests cmake)
+  foreach(pattern *.hpp *.cpp *.hpp.in *.py *.sh *.cmake CMakeLists.txt)
+    list(APPEND globs "${ROOT}/${folder}/${pattern}")
+  endforeach()
+endforeach()
+file(GLOB_RECURSE files RELATIVE "${ROOT}" ${globs})
+# The first pattern recurses too.
+list(FILTER files EXCLUDE REGEX "^(build|\\.git)/")
+list(REMOVE_DUPLICATES files)
+
+set(without "")
+foreach(file IN LISTS files)
+  file(READ "${ROOT}/${file}" head LIMIT 300)
+  if(NOT head MATCHES "^(#![^\n]*\n)?(//|#) SPDX-FileCopyrightText: [0-9]+ The Morula authors\n(//|#) SPDX-License-Identifier: Apache-2.0\n")
+    list(APPEND without "${file}")
+  endif()
+endforeach()
+
+list(LENGTH files file_count)
+list(LENGTH without without_count)
+if(without_count GREATER 0)
+  list(JOIN without "\n  " text)
+  message(FATAL_ERROR "${without_count} of ${file_count} files do not start with the two SPDX lines:\n  ${text}")
+endif()
+if(file_count EQUAL 0)
+  message(FATAL_ERROR "nothing to check in ${ROOT}")
+endif()
+message(STATUS "${file_count} files carry their licence lines")

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The one check of spheres that every measure makes before it starts.
+#pragma once
+
+#include <cmath>
+#include <morula/geometry/sphere.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace morula {
+
+/// Throws std::invalid_argument, naming the first offender, unless all centres and radii are finite and no radius is
+/// negative.
+inline void require_usable(std::span<const Sphere> spheres, const char* measure) {
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (!is_finite(spheres[i].center) || !std::isfinite(spheres[i].radius) || spheres[i].radius < 0)
+      throw std::invalid_argument(std::string(measure) + ": sphere " + std::to_string(i) +
+                                  " is not finite or has a negative radius");
+}
+
+/// The same, and at least one sphere.
+inline void require_some_usable(std::span<const Sphere> spheres, const char* measure) {
+  if (spheres.empty()) throw std::invalid_argument(std::string(measure) + ": there are no spheres");
+  require_usable(spheres, measure);
+}
+
+}  // namespace morula

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Oriented lattices over points: which cells are occupied, and how few circumspheres of them contain everything.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <morula/geometry/sphere.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// An orthonormal frame.
+using Frame = std::array<Vec3, 3>;
+
+/// Principal axes of points, largest spread first; the coordinate axes when there is no spread.
+Frame principal_axes(std::span<const Vec3> points);
+
+/// `frame` turned by 45° about its axis k.
+Frame turned_by_45_degrees(const Frame& frame, int axis);
+
+/// Points in the coordinates of a frame.
+std::vector<Vec3> in_frame(const Frame& frame, std::span<const Vec3> points);
+Vec3 out_of_frame(const Frame& frame, const Vec3& local);
+
+/// A lattice in frame coordinates: cell (i, j, k) spans origin + (i, j, k) · edge to origin + (i + 1, …) · edge.
+struct Lattice {
+  Vec3 origin;
+  Vec3 edge;
+  double cell_radius() const { return 0.5 * length(edge); }
+};
+
+/// Centres of the cells that points lie in, in the order of first use; stops (returns false) at more than `most`.
+bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most, std::vector<Vec3>& centers);
+
+/// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index
+/// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored.
+std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points);
+
+}  // namespace morula

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Dividing a region among spheres by power (ALGORITHMS B.2, steps 3–4).
+#pragma once
+
+#include "tree/region.hpp"
+
+namespace morula {
+
+struct Partition {
+  std::vector<Region> regions;       // one per sphere; may be empty
+  std::size_t leftover_patches = 0;  // pieces outside their own sphere, handed to the one that grew least
+};
+
+/// Cuts every polygon by the power diagram of the spheres. A piece outside its own sphere goes whole to the sphere that
+/// contains it after the least growth, never by power alone: that gives gap pieces to minute spheres, which then swell.
+Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphere> spheres);
+
+}  // namespace morula

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Reducers: they propose a few spheres for a node's samples. What happens to a proposal is the same for all of them:
+// the region is divided by power, pieces that stick out are handed over, and each sphere is fitted again to what it
+// owns.
+#pragma once
+
+#include <morula/query/signed_distance.hpp>
+
+#include "build/top_down.hpp"
+
+namespace morula {
+
+/// What a reducer sees of a node.
+struct ReducerInput {
+  std::span<const Vec3> samples;  ///< points of the region: corners of its patches and points spread by area
+  Sphere sphere;                  ///< the node's
+  std::size_t branching;          ///< most spheres wanted
+  std::uint64_t seed;
+};
+/// Proposals: sets of at most `branching` spheres that together contain the samples. The best after fitting is taken.
+using Proposals = std::vector<std::vector<Sphere>>;
+using Reducer = std::function<Proposals(const ReducerInput&)>;
+
+/// The divider made of a reducer (ALGORITHMS B.2). shape: borrowed; what the fit is judged by.
+Divider divide_by(const Mesh& mesh, const BuildOptions& options, const SignedDistance& shape, Reducer reducer);
+
+}  // namespace morula

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// One sphere around the points it must contain, placed where it sticks out least (ALGORITHMS B.2 step 5, C.7).
+#pragma once
+
+#include <morula/geometry/sphere.hpp>
+#include <morula/query/signed_distance.hpp>
+#include <span>
+
+namespace morula {
+
+/// Searches a centre c that makes r(c) + φ(c) small, r(c) the farthest point's distance and φ the signed distance to
+/// the object: the bound of how far the sphere sticks out. Starts from the better of `start` and the smallest sphere's
+/// centre. Returns the exact radius max |x − c|, without pad.
+/// Cost: some forty evaluations, each over a few hundred extreme points and one closest-point query.
+Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
+
+}  // namespace morula

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/top_down.hpp"
+
+#include <cmath>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/random.hpp>
+
+namespace morula {
+namespace {
+
+// A single child is worth a level only if it is this much smaller than its parent.
+constexpr double least_gain_of_single_child = 0.02;
+// Regions smaller than this share of the mesh's diagonal are points for all purposes.
+constexpr double smallest_region = 1e-9;
+
+bool worth_keeping(const BuildNode& node, const Division& division) {
+  if (division.children.empty()) return false;
+  if (division.children.size() > 1) return true;
+  return division.children[0].sphere.radius < (1 - least_gain_of_single_child) * node.sphere.radius;
+}
+
+}  // namespace
+
+double largest_coordinate(const Mesh& mesh) {
+  const Box box = bounding_box(mesh);
+  return std::max(largest_component(box.lower), largest_component(box.upper));
+}
+
+Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
+               Workers& workers) {
+  Built built;
+  built.tree.branching = static_cast<std::uint32_t>(options.branching);
+  BuildReport& report = built.report;
+  report.method = name(options.method);
+  report.branching = built.tree.branching;
+  report.depth = static_cast<std::uint32_t>(options.depth);
+  report.seed = options.seed;
+  report.mesh_hash = mesh_hash(mesh);
+
+  // Progress: every level costs about the same, because each goes over the whole surface once.
+  const auto progress = [&](double done) {
+    if (options.progress) options.progress(done / std::max(1, options.depth));
+  };
+  progress(0);
+
+  std::vector<Region> finished;  // one per node of the tree; only leaves keep theirs
+  std::vector<BuildNode> level(1);
+  {
+    BuildNode& root = level[0];
+    root.region = whole_surface(mesh);
+    root.cell = root_cell;
+    root.seed = options.seed;
+    std::vector<Vec3> points;
+    corner_positions(mesh, root.region, points);
+    const Sphere smallest = enclosing_sphere(points);
+    root.sphere = {smallest.center, rounded_up_radius(smallest.radius, std::max(largest_coordinate(mesh),
+                                                                                largest_component(smallest.center)))};
+    built.tree.append_level({}, std::span(&root.sphere, 1));
+  }
+  const double too_small = smallest_region * bounding_box(mesh).diagonal();
+
+  for (int depth = 0; depth < options.depth && !level.empty(); ++depth) {
+    std::vector<Division> divisions(level.size());
+    const auto divide_node = [&](std::size_t i) {
+      if (!(level[i].sphere.radius > too_small)) return;
+      divisions[i] = divide(level[i]);
+      if (!worth_keeping(level[i], divisions[i])) divisions[i] = {};
+    };
+    // A few nodes at a time, so that progress is reported from here; results do not depend on the grouping.
+    constexpr std::size_t nodes_per_report = 16;
+    for (std::size_t begin = 0; begin < level.size(); begin += nodes_per_report) {
+      const std::size_t end = std::min(level.size(), begin + nodes_per_report);
+      workers.run(end - begin, [&](std::size_t i) { divide_node(begin + i); });
+      progress(depth + static_cast<double>(end) / static_cast<double>(level.size()));
+    }
+
+    std::vector<std::uint32_t> child_counts;
+    std::vector<Sphere> spheres;
+    std::vector<BuildNode> next;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      child_counts.push_back(static_cast<std::uint32_t>(divisions[i].children.size()));
+      report.leftover_patches += divisions[i].leftover_patches;
+      finished.push_back(divisions[i].children.empty() ? std::move(level[i].region) : Region{});
+      Random seeds(level[i].seed);
+      for (BuildNode& child : divisions[i].children) {
+        child.seed = seeds.next();
+        spheres.push_back(child.sphere);
+        next.push_back(std::move(child));
+      }
+    }
+    if (!next.empty()) built.tree.append_level(child_counts, spheres);
+    level = std::move(next);
+  }
+  for (BuildNode& node : level) finished.push_back(std::move(node.region));
+  built.cover = assemble_cover(mesh, built.tree, finished);
+  for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
+    report.early_leaves += built.tree.is_leaf(i);
+  if (built.tree.level_count() < static_cast<std::size_t>(options.depth) + 1)
+    report.notes.push_back("the surface cannot be divided further: the tree ends at level " +
+                           std::to_string(built.tree.level_count() - 1) + " of " + std::to_string(options.depth));
+  progress(options.depth);
+  return built;
+}
+
+}  // namespace morula

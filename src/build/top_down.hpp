@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The driver that every generator goes through: level by level, each node's region is divided among children.
+#pragma once
+
+#include <functional>
+#include <morula/build/build.hpp>
+
+#include "tree/region.hpp"
+
+namespace morula {
+
+/// A node while the tree is being built.
+struct BuildNode {
+  Region region;
+  Sphere sphere;         // wraps the region, radius rounded up
+  Box cell;              // the part of space that an octree node stands for; empty otherwise
+  std::uint64_t seed{};  // of this node's random choices, the same for any number of workers
+};
+
+/// What a generator did to one node.
+struct Division {
+  std::vector<BuildNode> children;  // their regions divide the node's; empty: the node stays a leaf
+  std::size_t leftover_patches = 0;
+};
+/// Called for the nodes of a level at the same time.
+using Divider = std::function<Division(const BuildNode&)>;
+
+/// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
+Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
+               Workers& workers);
+
+/// The generators: what divides a node, with whatever they need to know about the mesh.
+Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+
+/// Padding for radii: bounds |coordinates| of surface and centres.
+double largest_coordinate(const Mesh& mesh);
+
+}  // namespace morula

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Stretch, twist and bend after [barr1984]. Bits are promised: own sine, cosine and power, no library ones.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/trigonometry.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "deform/parameters.hpp"
+
+namespace morula {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double radians_per_degree = pi / 180;
+
+// What deformations know of the rest mesh.
+struct Rest {
+  const Mesh& mesh;
+  Box box;
+  Vec3 center;
+  double diagonal;
+
+  explicit Rest(const Mesh& m) : mesh(m), box(bounding_box(m)), center(box.center()), diagonal(box.diagonal()) {}
+};
+
+// The axis and the two across it, in the order that keeps orientation; x means x, y, z.
+struct Axes {
+  int along, across, third;
+
+  Axes(Axis axis, const Rest& rest)
+      : along(axis == Axis::automatic ? rest.box.longest_axis() : static_cast<int>(axis)),
+        across((along + 1) % 3),
+        third((along + 2) % 3) {}
+};
+
+// Unused vertices may hold anything; what is not finite stays as it is.
+template <class Move>
+void move_each(std::vector<Vec3>& positions, Move&& move) {
+  for (Vec3& p : positions)
+    if (is_finite(p)) move(p);
+}
+
+// base^exponent for base > 0: whole powers by multiplication, the binary digits of the rest by square roots, which
+// every machine rounds alike. Exponents 0, ½ and 1 take at most one rounding.
+double power(double base, double exponent) {
+  if (exponent < 0) return 1 / power(base, -exponent);
+  double result = 1;
+  for (; exponent >= 1; exponent -= 1) result *= base;
+  double root = base;
+  for (; exponent > 0; exponent *= 2) {
+    if (exponent >= 1) {
+      result *= root;
+      exponent -= 1;
+    }
+    root = std::sqrt(root);
+  }
+  return result;
+}
+
+void apply(const Stretch& stretch, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  const Axes axes(stretch.axis, rest);
+  const double factor = 1 + t * (stretch.factor - 1);
+  const double across = power(factor, -stretch.shrink);
+  Vec3 scale{across, across, across};
+  scale[axes.along] = factor;
+  move_each(positions, [&](Vec3& p) {
+    const Vec3 v = p - rest.center;
+    p = rest.center + Vec3{scale.x * v.x, scale.y * v.y, scale.z * v.z};
+  });
+}
+
+// About the line through `center` along axes.along.
+void turn(Vec3& p, const Axes& axes, const Vec3& center, const SinCos& angle) {
+  const double v = p[axes.across] - center[axes.across], w = p[axes.third] - center[axes.third];
+  p[axes.across] = center[axes.across] + (angle.cos * v - angle.sin * w);
+  p[axes.third] = center[axes.third] + (angle.sin * v + angle.cos * w);
+}
+
+void apply(const Rotate& rotate, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  const Axes axes(rotate.axis, rest);
+  const SinCos angle = sin_cos(t * rotate.degrees * radians_per_degree);
+  move_each(positions, [&](Vec3& p) { turn(p, axes, rest.center, angle); });
+}
+
+double extent_along(const Axes& axes, const Rest& rest, const Deformation& deformation) {
+  const double extent = rest.box.extent()[axes.along];
+  if (extent > 0) return extent;
+  throw std::invalid_argument(describe(deformation) + ": the mesh has no extent along " + axis_name(axes.along));
+}
+
+void apply(const Twist& twist, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  const Axes axes(twist.axis, rest);
+  const double extent = extent_along(axes, rest, twist), first = rest.box.lower[axes.along];
+  const double full_angle = t * twist.degrees * radians_per_degree;
+  move_each(positions, [&](Vec3& p) {
+    const double share = std::clamp((p[axes.along] - first) / extent, 0.0, 1.0);
+    turn(p, axes, rest.center, sin_cos(full_angle * share));
+  });
+}
+
+// Radians per unit of length.
+double curvature(const Bend& bend, const Axes& axes, const Rest& rest, double t) {
+  return t * bend.degrees * radians_per_degree / extent_along(axes, rest, bend);
+}
+
+// The bend maps a point at v across the axis to distance 1/k − v from the centre of the arc: beyond it, space has
+// turned inside out.
+void require_no_fold(const Bend& bend, const Rest& rest, double t, const std::vector<Vec3>& positions) {
+  const Axes axes(bend.axis, rest);
+  const double k = curvature(bend, axes, rest, t);
+  double reach = 0;
+  for (const Facet& f : rest.mesh.facets)
+    for (const std::uint32_t v : f) {
+      const double offset = positions[v][axes.across] - rest.center[axes.across];
+      reach = std::max(reach, k < 0 ? -offset : offset);
+    }
+  if (std::abs(k) * reach < 1) return;
+  const double limit = extent_along(axes, rest, bend) / reach / radians_per_degree;
+  // To three decimals, downwards and strictly below the limit, so that the angle named does work.
+  const double works = (std::ceil(limit * 1000) - 1) / 1000;
+  throw std::invalid_argument("bend of " + format_number(t * bend.degrees) + " degrees along " + axis_name(axes.along) +
+                              ": the body reaches " + format_number(reach) +
+                              " across the axis and would fold over itself; at most " + format_number(works) +
+                              " degrees work");
+}
+
+void apply(const Bend& bend, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  const Axes axes(bend.axis, rest);
+  const double k = curvature(bend, axes, rest, t);
+  const double first = rest.box.lower[axes.along], last = rest.box.upper[axes.along];
+  // Nothing moves by more than an eighth of this angle times the extent: below rounding, and 1/k stays finite.
+  if (std::abs(k) * (last - first) < 1e-15) return;
+  const double middle = rest.center[axes.along], base = rest.center[axes.across];
+  move_each(positions, [&](Vec3& p) {
+    const double v = p[axes.across] - base;
+    const double inside = std::clamp(p[axes.along], first, last), beyond = p[axes.along] - inside;
+    // With half angles R (1 − cos θ) = 2 R sin² θ/2 keeps its digits where R is large and θ small.
+    const auto [half_sin, half_cos] = sin_cos(0.5 * k * (inside - middle));
+    const double sin = 2 * half_sin * half_cos, one_minus_cos = 2 * half_sin * half_sin, cos = 1 - one_minus_cos;
+    p[axes.along] = middle + (sin / k - v * sin) + beyond * cos;
+    p[axes.across] = base + (one_minus_cos / k + v * cos) + beyond * sin;
+  });
+}
+
+void apply(const Poke& poke, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  const Vec3 size = rest.box.extent();
+  const Vec3 center = rest.box.lower + Vec3{poke.center.x * size.x, poke.center.y * size.y, poke.center.z * size.z};
+  const Vec3 push = poke.push * (t * rest.diagonal);
+  const double radius = poke.radius * rest.diagonal;
+  move_each(positions, [&](Vec3& p) {
+    const double squared = squared_distance(p, center) / (radius * radius);
+    // A mesh without extent has squared = 0/0 here and keeps its place.
+    if (!(squared < 1)) return;
+    const double rest_of_one = 1 - squared;
+    p += push * (rest_of_one * rest_of_one * rest_of_one);
+  });
+}
+
+Vec3 random_direction(Random& random) {
+  const double z = random.uniform(-1, 1);
+  const auto [s, c] = sin_cos(random.uniform(0, 2 * pi));
+  const double ring = std::sqrt(1 - z * z);
+  return {ring * c, ring * s, z};
+}
+
+void apply(const Noise& noise, const Rest& rest, double t, std::vector<Vec3>& positions) {
+  // Amplitudes are proportional to wavelengths and sum to 1, so that all waves are equally steep and the displacement
+  // is bounded by noise.amplitude.
+  struct Wave {
+    Vec3 push, per_unit;
+    double phase;
+  };
+  constexpr std::array<double, 6> lengths{1.0, 1.5, 2.0, 2.5, 3.0, 3.5};
+  constexpr double length_sum = 13.5;
+  std::array<Wave, lengths.size()> waves;
+  Random random(noise.seed);
+  for (std::size_t w = 0; w < waves.size(); ++w) {
+    const Vec3 push = random_direction(random), across = random_direction(random);
+    waves[w].push = push * (t * noise.amplitude * rest.diagonal * lengths[w] / length_sum);
+    waves[w].per_unit = across * (2 * pi / (noise.wavelength * lengths[w] * rest.diagonal));
+    waves[w].phase = random.uniform(0, 2 * pi);
+  }
+  // Only vertices a million diagonals away get such phases; there sine has no digits left, and for a mesh without
+  // extent it has no meaning.
+  constexpr double largest_phase = 1e9;
+  move_each(positions, [&](Vec3& p) {
+    const Vec3 from_center = p - rest.center;
+    for (const Wave& wave : waves) {
+      const double phase = dot(wave.per_unit, from_center) + wave.phase;
+      if (std::abs(phase) <= largest_phase) p += wave.push * sin_cos(phase).sin;
+    }
+  });
+}
+
+void apply_to(std::vector<Vec3>& positions, const Deformation& deformation, const Rest& rest, double t) {
+  if (const Bend* bend = std::get_if<Bend>(&deformation)) require_no_fold(*bend, rest, t, positions);
+  std::visit([&](const auto& d) { apply(d, rest, t, positions); }, deformation);
+}
+
+}  // namespace
+
+std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations, double t) {
+  if (!(t >= 0 && t <= 1)) throw std::invalid_argument("deformation parameter " + format_number(t) + " is not in 0…1");
+  for (const Deformation& deformation : deformations) require_in_range(deformation);
+  const Rest rest(rest_mesh);
+
+  // What cannot reach its full amount fails on the first frame of a motion, not halfway. Twists and bends can fail.
+  std::size_t checked = t < 1 ? deformations.size() : 0;
+  while (checked > 0 && !std::holds_alternative<Twist>(deformations[checked - 1]) &&
+         !std::holds_alternative<Bend>(deformations[checked - 1]))
+    --checked;
+  std::vector<Vec3> positions = rest_mesh.positions;
+  for (std::size_t i = 0; i < checked; ++i) apply_to(positions, deformations[i], rest, 1.0);
+
+  positions = rest_mesh.positions;
+  if (t == 0) return positions;
+  for (const Deformation& deformation : deformations) apply_to(positions, deformation, rest, t);
+  return positions;
+}
+
+}  // namespace morula

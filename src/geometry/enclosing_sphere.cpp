@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/random.hpp>
+#include <vector>
+
+namespace morula {
+namespace {
+
+struct Support {
+  std::array<Vec3, 4> points;
+  int count = 0;
+};
+
+// Smallest sphere with all support points on it. Points that are affinely dependent on the earlier ones are left out;
+// `independent` says how many were used.
+Sphere circumsphere(const Support& support, int& independent) {
+  // Centre = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
+  // dependence as a vanishing remainder.
+  std::array<Vec3, 3> basis;
+  Vec3 center = support.count > 0 ? support.points[0] : Vec3{};
+  independent = support.count > 0 ? 1 : 0;
+  double squared_radius = 0;
+  int dimension = 0;
+  for (int i = 1; i < support.count; ++i) {
+    Vec3 rest = support.points[i] - support.points[0];
+    const double squared = squared_length(rest);
+    for (int k = 0; k < dimension; ++k) rest -= basis[k] * dot(rest, basis[k]);
+    const double height = length(rest);
+    if (!(height * height > 1e-20 * squared)) continue;
+    const Vec3 direction = rest / height;
+    // Move the centre along the new direction until the new point is as far as the others.
+    const Vec3 to_point = support.points[i] - center;
+    const double shift = (squared_length(to_point) - squared_radius) / (2 * dot(to_point, direction));
+    center += direction * shift;
+    squared_radius += shift * shift;
+    basis[dimension++] = direction;
+    ++independent;
+  }
+  return {center, std::sqrt(squared_radius)};
+}
+
+// Smallest enclosing sphere of at most five points: the smallest circumsphere of a subset that contains them all.
+// Exhaustive, so nothing about the order of points can go wrong. Returns the support. Computed relative to the first
+// point: far from the origin, coordinates differ exactly although their squares do not.
+Sphere smallest_of_few(std::span<const Vec3> absolute, Support& best_support) {
+  std::array<Vec3, 5> relative;
+  for (std::size_t i = 0; i < absolute.size(); ++i) relative[i] = absolute[i] - absolute[0];
+  const std::span<const Vec3> points(relative.data(), absolute.size());
+  Sphere best{{}, -1};
+  unsigned best_subset = 0;
+  const unsigned subsets = 1u << points.size();
+  for (unsigned subset = 1; subset < subsets; ++subset) {
+    Support support;
+    bool too_many = false;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (subset >> i & 1u) {
+        if (support.count == 4) {
+          too_many = true;
+          break;
+        }
+        support.points[support.count++] = points[i];
+      }
+    if (too_many) continue;
+    int independent = 0;
+    const Sphere sphere = circumsphere(support, independent);
+    if (independent < support.count) continue;
+    if (best.radius >= 0 && sphere.radius >= best.radius) continue;
+    const double reach = sphere.radius * (1 + 1e-12) + 1e-300;
+    bool contains_all = true;
+    for (const Vec3& p : points) contains_all = contains_all && squared_distance(p, sphere.center) <= reach * reach;
+    if (contains_all) {
+      best = sphere;
+      best_subset = subset;
+    }
+  }
+  best.center += absolute[0];
+  best_support.count = 0;
+  for (std::size_t i = 0; i < absolute.size(); ++i)
+    if (best_subset >> i & 1u) best_support.points[best_support.count++] = absolute[i];
+  return best;
+}
+
+std::size_t farthest(const Vec3& center, std::span<const Vec3> points, double& squared) {
+  std::size_t index = 0;
+  squared = -1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double d = squared_distance(center, points[i]);
+    if (d > squared) squared = d, index = i;
+  }
+  return index;
+}
+
+}  // namespace
+
+double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
+  double largest = 0;
+  for (const Vec3& p : points) largest = std::max(largest, squared_distance(center, p));
+  return std::sqrt(largest);
+}
+
+Sphere enclosing_sphere(std::span<const Vec3> points) {
+  if (points.empty()) return {};
+  double squared = 0;
+  const Vec3 first = points[0];
+  Support support;
+  support.points[support.count++] = points[farthest(first, points, squared)];
+  Sphere sphere{support.points[0], 0};
+  // Take in the farthest point, keep what supports the sphere. The radius grows with every pivot, so it ends; the cap
+  // only guards against rounding, and the final radius is measured anyway.
+  constexpr int most_pivots = 100;
+  for (int pivot = 0; pivot < most_pivots; ++pivot) {
+    const std::size_t next = farthest(sphere.center, points, squared);
+    if (squared <= sphere.radius * sphere.radius * (1 + 1e-13)) break;
+    std::array<Vec3, 5> few;
+    for (int i = 0; i < support.count; ++i) few[i] = support.points[i];
+    few[support.count] = points[next];
+    Support next_support;
+    const Sphere grown = smallest_of_few(std::span(few).first(support.count + 1), next_support);
+    if (!(grown.radius > sphere.radius)) break;
+    sphere = grown;
+    support = next_support;
+  }
+  sphere.radius = farthest_distance(sphere.center, points);
+  return sphere;
+}
+
+}  // namespace morula

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Bodies are square grids rolled up, without poles, so that facets are well shaped at every resolution. Only + − × ÷ √
+// and our own sine and cosine are used: the same bits everywhere.
+#include <algorithm>
+#include <array>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/trigonometry.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace morula {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr std::array<std::string_view, 7> body_names{"bar", "capsule", "limb", "torus", "blob", "plate", "two"};
+
+// Two facets for the square a b c d, cut along the shorter diagonal. Equal ones are cut a–c, whatever their rounding.
+void add_square(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+  const std::vector<Vec3>& p = mesh.positions;
+  if (squared_distance(p[b], p[d]) < squared_distance(p[a], p[c]) * (1 - 1e-9))
+    mesh.facets.insert(mesh.facets.end(), {Facet{a, b, d}, Facet{b, c, d}});
+  else
+    mesh.facets.insert(mesh.facets.end(), {Facet{a, b, c}, Facet{a, c, d}});
+}
+
+// The surface of a box of nx × ny × nz cells; point(i, j, k) places the corners. Outward if point keeps orientation.
+//
+// Vertices in order: the bottom k = 0 row by row, the rings 0 < k < nz, the top k = nz row by row.
+template <class Point>
+Mesh box_surface(int nx, int ny, int nz, Point&& point) {
+  const int full = (nx + 1) * (ny + 1), ring = 2 * (nx + ny);
+  const auto index = [=](int i, int j, int k) {
+    if (k == 0) return static_cast<std::uint32_t>(j * (nx + 1) + i);
+    const int first = full + (k - 1) * ring;
+    if (k == nz) return static_cast<std::uint32_t>(first + j * (nx + 1) + i);
+    const int around = j == 0 ? i : i == nx ? nx + j : j == ny ? nx + ny + (nx - i) : ring - j;
+    return static_cast<std::uint32_t>(first + around);
+  };
+  Mesh mesh;
+  mesh.positions.resize(static_cast<std::size_t>(2 * full + (nz - 1) * ring));
+  mesh.facets.reserve(static_cast<std::size_t>(4 * (nx * ny + nz * (nx + ny))));
+  for (int k = 0; k <= nz; ++k)
+    for (int j = 0; j <= ny; ++j)
+      for (int i = 0; i <= nx; ++i)
+        if (k == 0 || k == nz || j == 0 || j == ny || i == 0 || i == nx)
+          mesh.positions[index(i, j, k)] = point(i, j, k);
+        else
+          i = nx - 1;  // nothing inside: go to the far side
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      add_square(mesh, index(i, j, 0), index(i, j + 1, 0), index(i + 1, j + 1, 0), index(i + 1, j, 0));
+      add_square(mesh, index(i, j, nz), index(i + 1, j, nz), index(i + 1, j + 1, nz), index(i, j + 1, nz));
+    }
+  for (int k = 0; k < nz; ++k) {
+    for (int i = 0; i < nx; ++i) {
+      add_square(mesh, index(i, 0, k), index(i + 1, 0, k), index(i + 1, 0, k + 1), index(i, 0, k + 1));
+      add_square(mesh, index(i + 1, ny, k), index(i, ny, k), index(i, ny, k + 1), index(i + 1, ny, k + 1));
+    }
+    for (int j = 0; j < ny; ++j) {
+      add_square(mesh, index(0, j + 1, k), index(0, j, k), index(0, j, k + 1), index(0, j + 1, k + 1));
+      add_square(mesh, index(nx, j, k), index(nx, j + 1, k), index(nx, j + 1, k + 1), index(nx, j, k + 1));
+    }
+  }
+  return mesh;
+}
+
+Mesh box(const std::array<int, 3>& cells, const Vec3& size) {
+  const auto place = [](int i, int n, double length) { return length * (static_cast<double>(i) / n - 0.5); };
+  return box_surface(cells[0], cells[1], cells[2], [&](int i, int j, int k) {
+    return Vec3{place(i, cells[0], size.x), place(j, cells[1], size.y), place(k, cells[2], size.z)};
+  });
+}
+
+// −1 … 1 as i runs from 0 to n, spaced so that on the sphere around a cube all steps turn by the same angle.
+double equal_angles(int i, int n) {
+  const auto [s, c] = sin_cos(pi / 4 * (2 * static_cast<double>(i) / n - 1));
+  // The ends exactly: the sides of the cube must be symmetric to the bit.
+  return i == 0 ? -1.0 : i == n ? 1.0 : s / c;
+}
+
+// A tube of 4 × quarter edges around with a half sphere on each end, `along` edges between them.
+//
+// point(direction, a): direction on the unit sphere, its z along the tube; a runs from 0 to 1 between the two half
+// spheres, where direction.z is 0, and is exactly 0 and 1 on them.
+template <class Point>
+Mesh rounded_tube(int quarter, int along, Point&& point) {
+  const int band = (quarter + 1) / 2;  // rows of a half sphere below its cap
+  const int rows = 2 * band + along;
+  return box_surface(quarter, quarter, rows, [&](int i, int j, int k) {
+    const double z = k < band ? equal_angles(k, 2 * band) : k > rows - band ? equal_angles(k - along, 2 * band) : 0.0;
+    const double a = static_cast<double>(std::clamp(k - band, 0, along)) / along;
+    return point(normalized(Vec3{equal_angles(i, quarter), equal_angles(j, quarter), z}), a);
+  });
+}
+
+// From 0 to 1 with level ends.
+double smooth_step(double a) {
+  return a * a * (3 - 2 * a);
+}
+
+// 1 at the middle, falling smoothly to 0 at `reach` from it.
+double bump(double a, double middle, double reach) {
+  const double q = (a - middle) / reach, rest = std::max(0.0, 1 - q * q);
+  return rest * rest * rest;
+}
+
+Mesh capsule(int resolution) {
+  const int quarter = std::max(1, (resolution + 2) / 4), along = std::max(1, resolution * 5 / 8);
+  constexpr double straight = 2.0, radius = 0.5;
+  return rounded_tube(quarter, along, [](const Vec3& d, double a) {
+    return Vec3{straight * (a - 0.5) + radius * d.z, radius * d.x, radius * d.y};
+  });
+}
+
+// An arm, roughly: bent at the elbow, thinner and flatter towards the hand, with muscles on the inside of the bend.
+Mesh limb(int resolution) {
+  const int quarter = std::max(1, (resolution + 2) / 4), along = std::max(1, resolution * 7 / 8);
+  return rounded_tube(quarter, along, [](const Vec3& d, double even) {
+    // Rows lie closer where the arm is thinner.
+    const double a = even + 0.25 * even * (1 - even);
+    // The centre line: a hyperbola with a slight sideways sweep. It turns with a radius of 1 at the elbow, wider than
+    // the arm is there, so that the surface cannot run into itself.
+    const double u = 2 * a - 1, root = std::sqrt(u * u + 0.16);
+    const Vec3 center{2 * u, 1.6 * root - 1.2, 0.15 * u * u * u};
+    const Vec3 tangent = normalized(Vec3{2, 1.6 * u / root, 0.45 * u * u});
+    const Vec3 side = normalized(Vec3{0, 0, 1} - tangent * tangent.z);
+    const Vec3 up = cross(side, tangent);
+    // Everything that changes with a does so with level ends: the half spheres join without a crease.
+    const double window = 16 * a * a * (1 - a) * (1 - a);
+    const double biceps = bump(a, 0.28, 0.28), forearm = bump(a, 0.66, 0.3);
+    const auto [ripple, other_ripple] = sin_cos(11 * a);
+    const double radius = 0.54 - 0.2 * smooth_step(a) + 0.08 * biceps + 0.07 * forearm;
+    const double swelling = 1 + 0.2 * biceps * d.x - 0.1 * forearm * d.x +
+                            window * (0.06 * ripple * d.y + 0.05 * other_ripple * (d.x * d.x - d.y * d.y));
+    const double flattening = 1 - 0.2 * smooth_step(a);
+    return center + (up * (d.x * flattening) + side * d.y + tangent * d.z) * (radius * swelling);
+  });
+}
+
+Mesh torus(int around, double tube_radius) {
+  const int across = std::max(3, static_cast<int>(tube_radius * around + 0.5));
+  Mesh mesh;
+  for (int i = 0; i < around; ++i) {
+    const auto [si, ci] = sin_cos(2 * pi * i / around);
+    for (int j = 0; j < across; ++j) {
+      const auto [sj, cj] = sin_cos(2 * pi * j / across);
+      const double reach = 1 + tube_radius * cj;
+      mesh.positions.push_back({reach * ci, reach * si, tube_radius * sj});
+    }
+  }
+  const auto index = [=](int i, int j) { return static_cast<std::uint32_t>(i % around * across + j % across); };
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j)
+      add_square(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+  return mesh;
+}
+
+Mesh blob(int resolution) {
+  // Unit directions of the lobes (to about 1e-2; normalized below) and how far each sticks out.
+  constexpr std::array<Vec3, 6> lobes{Vec3{0.9, 0.3, 0.3},    Vec3{-0.4, 0.9, 0.2},  Vec3{-0.8, -0.5, 0.3},
+                                      Vec3{0.3, -0.9, -0.35}, Vec3{0.1, 0.25, 0.96}, Vec3{-0.1, 0.3, -0.95}};
+  constexpr std::array<double, 6> heights{0.75, 0.55, 0.65, 0.5, 0.6, 0.4};
+  const int n = std::max(1, (3 * resolution + 4) / 8);
+  return box_surface(n, n, n, [&](int i, int j, int k) {
+    const Vec3 d = normalized(Vec3{equal_angles(i, n), equal_angles(j, n), equal_angles(k, n)});
+    double radius = 0.6;
+    for (std::size_t lobe = 0; lobe < lobes.size(); ++lobe) {
+      const double facing = 0.5 + 0.5 * dot(d, normalized(lobes[lobe]));
+      const double squared = facing * facing, fourth = squared * squared, eighth = fourth * fourth;
+      radius += heights[lobe] * eighth * fourth;
+    }
+    return d * radius;
+  });
+}
+
+// Two links of a chain: they hold each other but do not touch, 0.4 apart at the nearest.
+Mesh two(int resolution) {
+  Mesh mesh = torus(std::max(8, resolution), 0.3);  // with fewer edges, links cut their corners and each other
+  const std::size_t count = mesh.vertex_count(), facets = mesh.facet_count();
+  for (std::size_t v = 0; v < count; ++v) {
+    const Vec3 p = mesh.positions[v];
+    mesh.positions.push_back({p.x + 1, -p.z, p.y});
+  }
+  for (std::size_t f = 0; f < facets; ++f) {
+    Facet shifted = mesh.facets[f];
+    for (std::uint32_t& v : shifted) v += static_cast<std::uint32_t>(count);
+    mesh.facets.push_back(shifted);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::span<const std::string_view> sample_body_names() {
+  return body_names;
+}
+
+Mesh sample_body(std::string_view name, int resolution) {
+  constexpr int coarsest = 3, finest = 4096;
+  if (resolution < coarsest || resolution > finest)
+    throw std::invalid_argument("resolution " + std::to_string(resolution) + " is not in " + std::to_string(coarsest) +
+                                "…" + std::to_string(finest));
+  const int quarter = std::max(1, (resolution + 2) / 4);
+  if (name == "bar") return box({4 * quarter, quarter, quarter}, {4, 1, 1});
+  if (name == "capsule") return capsule(resolution);
+  if (name == "limb") return limb(resolution);
+  if (name == "torus") return torus((3 * resolution + 1) / 2, 0.35);
+  if (name == "blob") return blob(resolution);
+  // Thin along y, so that a bend, which is in the x-y plane, rolls it up.
+  if (name == "plate")
+    return box({resolution, std::max(1, resolution / 40), std::max(1, (resolution + 1) / 2)}, {4, 0.1, 2});
+  if (name == "two") return two(resolution);
+  std::string known;
+  for (const std::string_view body : body_names) known += (known.empty() ? "" : ", ") + std::string(body);
+  throw std::invalid_argument("no sample body is called '" + std::string(name) + "'; known are " + known);
+}
+
+}  // namespace morula

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <morula/geometry/triangle.hpp>
+
+namespace morula {
+namespace {
+
+// Nearest point of segment [t[i], t[j]].
+TrianglePoint closest_on_edge(const Triangle& t, int i, int j, const Vec3& p) {
+  const Vec3 edge = t[j] - t[i];
+  const double along = dot(p - t[i], edge);
+  const double squared = squared_length(edge);
+  const double s = along <= 0 || squared == 0 ? 0.0 : along >= squared ? 1.0 : along / squared;
+  TrianglePoint result{};
+  result.barycentric[i] = 1.0 - s;
+  result.barycentric[j] = s;
+  result.point = s == 0.0 ? t[i] : s == 1.0 ? t[j] : t[i] + edge * s;
+  result.squared_distance = squared_distance(result.point, p);
+  return result;
+}
+
+TrianglePoint nearer(const TrianglePoint& a, const TrianglePoint& b) {
+  return b.squared_distance < a.squared_distance ? b : a;
+}
+
+}  // namespace
+
+TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
+  // Voronoi regions of the corners and edges, decided by dot products [ericson2005, 5.1.5].
+  const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return {t[0], {1, 0, 0}, squared_distance(t[0], p)};
+
+  const Vec3 bp = p - t[1];
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return {t[1], {0, 1, 0}, squared_distance(t[1], p)};
+
+  const Vec3 cp = p - t[2];
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return {t[2], {0, 0, 1}, squared_distance(t[2], p)};
+
+  const double vc = d1 * d4 - d3 * d2;
+  const double vb = d5 * d2 - d1 * d6;
+  const double va = d3 * d6 - d5 * d4;
+  const double sum = va + vb + vc;  // (twice the area)²
+  const bool is_above_interior = va > 0 && vb > 0 && vc > 0 && std::isfinite(1 / sum);
+  TrianglePoint interior{};
+  if (is_above_interior) {
+    const double v = vb / sum, w = vc / sum;
+    const Vec3 point = t[0] + ab * v + ac * w;
+    interior = {point, {1 - v - w, v, w}, squared_distance(point, p)};
+    // In slivers the signs above are rounding: whatever they say, an edge may be nearer.
+    constexpr double sliver = 1e-6;
+    if (sum > sliver * squared_length(ab) * squared_length(ac)) return interior;
+  }
+  const TrianglePoint edge =
+      nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
+  return is_above_interior ? nearer(edge, interior) : edge;
+}
+
+double solid_angle(const Triangle& t, const Vec3& p) {
+  const Vec3 a = t[0] - p, b = t[1] - p, c = t[2] - p;
+  const double la = length(a), lb = length(b), lc = length(c);
+  const double numerator = dot(a, cross(b, c));
+  const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+  // In the facet's own plane the angle is 0 or a half space, which no sign decides: take 0.
+  if (numerator == 0) return 0;
+  return 2 * std::atan2(numerator, denominator);
+}
+
+}  // namespace morula

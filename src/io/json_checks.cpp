@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "io/json_checks.hpp"
+
+#include <algorithm>
+
+namespace morula {
+
+JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(path.string()) {
+  try {
+    root_ = nlohmann::json::parse(text.begin(), text.end());
+  } catch (const nlohmann::json::parse_error& error) {
+    const std::size_t before = std::min(text.size(), error.byte);
+    const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(before), '\n');
+    throw FileError(name_ + ":" + std::to_string(lines + 1) + ": is not JSON here; it was cut short or edited wrongly");
+  } catch (const nlohmann::json::exception&) {
+    fail("holds a number that is too large for double precision");
+  }
+}
+
+const nlohmann::json& JsonFile::member(const nlohmann::json& object, const char* key, const std::string& owner) const {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (found == object.end()) fail(owner + " has no \"" + key + "\"");
+  return *found;
+}
+
+std::uint64_t JsonFile::unsigned_member(const nlohmann::json& object, const char* key, const std::string& owner) const {
+  const nlohmann::json& value = member(object, key, owner);
+  if (!value.is_number_unsigned()) fail("\"" + std::string(key) + "\" of " + owner + " is not a whole number from 0");
+  return value.get<std::uint64_t>();
+}
+
+void JsonFile::fail(const std::string& problem) const {
+  throw FileError(name_ + ": " + problem);
+}
+
+}  // namespace morula

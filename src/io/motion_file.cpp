@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <morula/io/motion_file.hpp>
+
+#include "io/byte_reader.hpp"
+#include "io/mesh_formats.hpp"
+#include "io/npy.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+// Digits compare as numbers: frame9 comes before frame10. Names that differ in leading zeros only compare as text.
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i, ++j;
+      continue;
+    }
+    while (i < a.size() && a[i] == '0') ++i;
+    while (j < b.size() && b[j] == '0') ++j;
+    const std::size_t a_begin = i, b_begin = j;
+    while (i < a.size() && is_digit(a[i])) ++i;
+    while (j < b.size() && is_digit(b[j])) ++j;
+    if (i - a_begin != j - b_begin) return i - a_begin < j - b_begin;
+    if (const int order = a.compare(a_begin, i - a_begin, b, b_begin, j - b_begin)) return order < 0;
+  }
+  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
+  return a < b;
+}
+
+// * stands for any characters, ? for one.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0;
+  std::size_t star = pattern.npos, resume = 0;  // the last star, and where what it stands for ends
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = n;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+      ++p, ++n;
+    } else if (star != pattern.npos) {
+      p = star + 1;
+      n = ++resume;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+// Mesh files of a folder whose name matches, in natural order. Hidden files are left out.
+std::vector<fs::path> meshes_in(const fs::path& folder, std::string_view pattern) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+    const fs::path& file = entries->path();
+    std::error_code ignored;
+    const std::string name = file.filename().string();
+    if (name[0] != '.' && matches(pattern, name) && is_readable_mesh_extension(lower_extension(file)) &&
+        entries->is_regular_file(ignored))
+      files.push_back(file);
+  }
+  if (error) throw FileError(folder.string() + ": the folder cannot be read (" + error.message() + ")");
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& asked) {
+  std::vector<fs::path> files = meshes_in(folder.empty() ? "." : folder, pattern);
+  if (files.empty())
+    throw FileError(asked.string() + ": no mesh file is there; a motion needs files ending in " +
+                    readable_mesh_extensions());
+  for (const fs::path& file : files)
+    if (lower_extension(file) != lower_extension(files.front()))
+      throw FileError(asked.string() + ": holds meshes of several kinds (" + files.front().filename().string() + ", " +
+                      file.filename().string() + "); name one kind, such as " +
+                      (folder / ("*" + files.front().extension().string())).string());
+  return files;
+}
+
+std::string frame_file_name(std::size_t frame, const std::string& extension) {
+  const std::string digits = std::to_string(frame);
+  return std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + extension;
+}
+
+bool is_frame_of(const std::string& name, std::size_t frame_count, const std::string& extension) {
+  std::size_t frame = 0;
+  const char* const end = name.data() + name.size();
+  if (std::from_chars(name.data(), end, frame).ec != std::errc() || frame >= frame_count) return false;
+  return name == frame_file_name(frame, extension);
+}
+
+}  // namespace
+
+Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
+  std::error_code ignored;
+  const std::string name = path.filename().string();
+  if (fs::is_directory(path, ignored)) {
+    files_ = frames_in(path, "*", path);
+  } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != name.npos) {
+    files_ = frames_in(path.parent_path(), name, path);
+  } else {
+    is_npy_ = lower_extension(path) == ".npy";
+    if (!is_npy_ && !is_readable_mesh_extension(lower_extension(path)))
+      throw FileError(path.string() +
+                      ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
+                      "ending in .npy " + readable_mesh_extensions());
+    size_of_file(path);
+    files_ = {path};
+  }
+  frame_count_ = files_.size();
+  if (!is_npy_) return;
+
+  const NpyArray array = read_npy_header(path);
+  if (array.frame_count == 0) throw FileError(path.string() + ": the array has no frames");
+  if (array.vertex_count != vertex_count_)
+    throw FileError(path.string() + ": the array has " + std::to_string(array.vertex_count) +
+                    " vertices a frame, but the mesh has " + std::to_string(vertex_count_));
+  npy_is_double_ = array.is_double;
+  npy_data_offset_ = array.data_offset;
+  frame_count_ = array.frame_count;
+}
+
+std::vector<Vec3> Motion::frame(std::size_t i) const {
+  assert(i < frame_count_);
+  if (!is_npy_) {
+    Mesh mesh = read_mesh(files_[i]);
+    const auto differs = [&](const std::string& how) {
+      throw FileError(files_[i].string() + ": " + how +
+                      (lower_extension(files_[i]) == ".stl"
+                           ? "; STL frames lose their vertices, write them as .obj, .off or .ply"
+                           : "; all frames need the vertices and facets of the mesh at rest, in the same order"));
+    };
+    if (mesh.vertex_count() != vertex_count_)
+      differs("has " + std::to_string(mesh.vertex_count()) + " vertices, but the mesh has " +
+              std::to_string(vertex_count_));
+    if (mesh.facet_count() != facets_.size())
+      differs("has " + std::to_string(mesh.facet_count()) + " facets, but the mesh has " +
+              std::to_string(facets_.size()));
+    const auto [own, rest] = std::mismatch(mesh.facets.begin(), mesh.facets.end(), facets_.begin());
+    if (own != mesh.facets.end())
+      differs("facet " + std::to_string(rest - facets_.begin()) +
+              ", counted from 0, has other vertices than the mesh's");
+    return std::move(mesh.positions);
+  }
+
+  const std::size_t scalar = npy_is_double_ ? 8 : 4;
+  const std::size_t frame_bytes = vertex_count_ * 3 * scalar;
+  const std::string bytes = read_part(files_[0], npy_data_offset_ + i * frame_bytes, frame_bytes);
+  std::vector<Vec3> positions(vertex_count_);
+  for (std::size_t v = 0; v < vertex_count_; ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const char* at = bytes.data() + (v * 3 + static_cast<std::size_t>(axis)) * scalar;
+      positions[v][axis] = npy_is_double_ ? load<double>(at) : load<float>(at);
+    }
+    if (!is_finite(positions[v]))
+      throw FileError(files_[0].string() + ": frame " + std::to_string(i) + ": vertex " + std::to_string(v) +
+                      " has a coordinate that is not finite; repair it where the array was made");
+  }
+  return positions;
+}
+
+std::string Motion::frame_name(std::size_t i) const {
+  assert(i < frame_count_);
+  if (is_npy_) return files_[0].filename().string() + " frame " + std::to_string(i);
+  return files_[i].filename().string();
+}
+
+MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t frame_count,
+                           const std::string& extension)
+    : path_(path), extension_(extension), mesh_(mesh), frame_count_(frame_count) {
+  require_usable(mesh);
+  if (frame_count == 0) throw std::invalid_argument("a motion has at least one frame");
+  if (!is_writable_mesh_extension(extension))
+    throw std::invalid_argument("frames are written as .obj, .off or .ply, not as " + in_quotes(extension));
+  const std::string own_extension = lower_extension(path);
+  std::error_code error;
+  if (own_extension == ".npy") {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder, error)) throw FileError(path.string() + ": there is no such folder; make it first");
+    return;
+  }
+  if (fs::exists(path, error) ? !fs::is_directory(path, error) : is_readable_mesh_extension(own_extension))
+    throw FileError(path.string() + ": a motion is written into a folder or a .npy file, not into one mesh file");
+  fs::create_directories(path, error);
+  if (error) throw FileError(path.string() + ": the folder cannot be made (" + error.message() + ")");
+
+  // Frames of a longer motion that was here before would be read as part of this one.
+  for (const fs::path& file : meshes_in(path, "*"))
+    if (!is_frame_of(file.filename().string(), frame_count, extension))
+      throw FileError(file.string() + ": would be read as part of this motion of " + std::to_string(frame_count) +
+                      " frames; empty the folder, or choose another");
+}
+
+void MotionWriter::write(std::span<const Vec3> positions) {
+  if (written_ == frame_count_)
+    throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
+  const std::string frame = "frame " + std::to_string(written_);
+  if (positions.size() != mesh_.vertex_count())
+    throw std::invalid_argument(frame + " has " + std::to_string(positions.size()) + " positions, but the mesh has " +
+                                std::to_string(mesh_.vertex_count()) + " vertices");
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    if (!is_finite(positions[v]))
+      throw std::invalid_argument(frame + ": vertex " + std::to_string(v) + " has a coordinate that is not finite");
+
+  if (lower_extension(path_) == ".npy")
+    for (const Vec3& p : positions) npy_.insert(npy_.end(), {p.x, p.y, p.z});
+  else
+    write_whole(path_ / frame_file_name(written_, extension_), mesh_bytes(extension_, positions, mesh_.facets));
+  ++written_;
+}
+
+void MotionWriter::finish() {
+  if (written_ < frame_count_)
+    throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
+                    " frames were written; the motion is incomplete");
+  if (lower_extension(path_) == ".npy") write_whole(path_, npy_bytes(npy_, frame_count_, mesh_.vertex_count()));
+}
+
+}  // namespace morula

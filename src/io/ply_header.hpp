@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The header of a PLY file: which elements follow, and which properties their rows have.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/text_scanner.hpp"
+
+namespace morula {
+
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+std::size_t byte_size(PlyType type);
+inline bool is_integer(PlyType type) {
+  return type != PlyType::float32 && type != PlyType::float64;
+}
+
+struct PlyProperty {
+  std::string name;
+  PlyType type;
+  bool is_list = false;
+  PlyType count_type = PlyType::uint8;
+};
+
+/// A list of a face's corners, under either of its two usual names.
+inline bool is_vertex_list(const PlyProperty& property) {
+  return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+  bool is_text = false;
+  std::endian order = std::endian::little;
+  std::vector<PlyElement> elements;
+  std::uint64_t vertex_count = 0;
+};
+
+/// Leaves the scanner on the line "end_header". After: one vertex element with scalars x, y and z, at most one face
+/// element, which has one integer list of vertices; all lists have integer lengths.
+PlyHeader read_ply_header(TextScanner& in);
+
+}  // namespace morula

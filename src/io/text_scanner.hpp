@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Reads text files line by line and word by word, and says which line is wrong. Shared by all text formats.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace morula {
+
+/// Stands before the first line; next_line() steps onto it. Words are separated by blanks; carriage returns are blanks,
+/// so all line ends work. Every complaint is a FileError "FILE:LINE: what is wrong; remedy".
+class TextScanner {
+ public:
+  struct Syntax {
+    char comment = '\n';           ///< starts a comment that lasts to the end of the line; '\n': there are none
+    bool backslash_joins = false;  ///< a backslash at the end of a line continues it on the next
+  };
+
+  /// text must outlive the scanner.
+  TextScanner(std::filesystem::path path, std::string_view text) : TextScanner(std::move(path), text, Syntax{}) {}
+  TextScanner(std::filesystem::path path, std::string_view text, Syntax syntax);
+
+  /// Leaves the rest of this line and goes to the next one that holds a word. False at the end of the file.
+  bool next_line();
+  /// As next_line(), but the file must not end here: `done` of `total` rows of this kind were read.
+  void require_line(std::uint64_t done, std::uint64_t total, std::string_view kind);
+  /// No word is left on this line.
+  bool at_line_end();
+  /// The line has no more words, or FileError: `expected` says what should have been all.
+  void require_line_end(std::string_view expected);
+  /// The next word of this line; empty at its end.
+  std::string_view word();
+  /// Takes back the last characters of a word.
+  void back_up(std::size_t characters) { at_ -= characters; }
+
+  /// `what` names the value in messages, as in "a coordinate". Both accept a leading plus.
+  double number(std::string_view what);  ///< finite
+  std::int64_t integer(std::string_view what);
+  std::uint64_t count(std::string_view what);  ///< an integer that is not negative
+
+  std::size_t line() const { return line_; }
+  std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
+  /// What follows this line.
+  std::string_view after_line() const;
+
+  [[noreturn]] void fail(const std::string& problem) const { fail_at(line_, problem); }
+  [[noreturn]] void fail_at(std::size_t line, const std::string& problem) const;
+
+ private:
+  bool ends_word(char c) const;
+  template <class Value>
+  Value value(std::string_view what, const char* kind);
+
+  std::filesystem::path path_;
+  const char* at_;
+  const char* end_;
+  std::size_t line_ = 0;
+  Syntax syntax_;
+};
+
+}  // namespace morula

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The tree formats, one reader and writer each, from and to bytes in memory. docs/formats.md describes them.
+#pragma once
+
+#include <filesystem>
+#include <morula/io/tree_file.hpp>
+#include <string>
+#include <string_view>
+
+namespace morula {
+
+/// Readers check everything that they use; the trees that they return have passed validate(). path is for messages.
+SphereTree read_sph(const std::filesystem::path& path, std::string_view text, const Vec3& origin);
+SphereTree read_json_tree(const std::filesystem::path& path, std::string_view text);
+TreeFile read_native(const std::filesystem::path& path, std::string_view bytes);
+
+/// Trees and covers must be valid. Throws FileError, for which path is, when the format cannot hold the tree.
+std::string sph_text(const std::filesystem::path& path, const SphereTree& tree);
+std::string json_tree_text(const SphereTree& tree);
+std::string native_bytes(const Built& built);
+
+/// FileError with the first of validate()'s findings, if there are any.
+void require_valid(const std::filesystem::path& path, const SphereTree& tree);
+
+/// The first broken promise of the arrays of a tree's cover, in words; empty when all hold. Looks at no mesh.
+std::string cover_fault(const SphereTree& tree, const Cover& cover);
+
+}  // namespace morula

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Files as a whole: read into memory, written or not at all.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace morula {
+
+/// Size in bytes. Throws FileError when the file is missing, a folder, anything else but a regular file, or unreadable.
+std::uintmax_t size_of_file(const std::filesystem::path& path);
+
+/// All its bytes. Throws FileError as size_of_file, or when it is too large for memory.
+std::string read_whole(const std::filesystem::path& path);
+
+/// `count` bytes from `offset` on, which must lie inside the file. Throws FileError.
+std::string read_part(const std::filesystem::path& path, std::uintmax_t offset, std::uintmax_t count);
+
+/// Makes the file hold exactly these bytes: a temporary file in the same folder takes its name when it is complete, so
+/// that nobody ever sees half a file and a failure leaves the old one alone. Throws FileError.
+void write_whole(const std::filesystem::path& path, std::string_view bytes);
+
+/// The extension with its dot, in lower case.
+std::string lower_extension(const std::filesystem::path& path);
+
+/// Text from a file or a name as a message may show it: in quotes, no control characters, not endless.
+std::string in_quotes(std::string_view text);
+
+}  // namespace morula

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <morula/parallel/workers.hpp>
+#include <stdexcept>
+#include <utility>
+#ifdef MORULA_THREADS
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+#endif
+
+namespace morula {
+namespace {
+
+// True on a thread that is inside a chunk: nested loops then run where they are.
+thread_local bool inside_chunk = false;
+
+// Runs every chunk even when one throws, and keeps the exception of the lowest index, so that what the caller sees does
+// not depend on timing.
+void run_serially(std::size_t count, ChunkFunction chunk) {
+  std::exception_ptr first;
+  for (std::size_t i = 0; i < count; ++i) {
+    try {
+      chunk(i);
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+}  // namespace
+
+#ifdef MORULA_THREADS
+
+struct Workers::Pool {
+  explicit Pool(unsigned helpers) {
+    threads.reserve(helpers);
+    try {
+      for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });
+    } catch (...) {
+      stop();
+      throw;
+    }
+  }
+  ~Pool() { stop(); }
+
+  void run(std::size_t count, ChunkFunction f) {
+    {
+      const std::lock_guard lock(mutex);
+      chunk = &f;
+      chunk_count = count;
+      next.store(0, std::memory_order_relaxed);
+      busy = static_cast<unsigned>(threads.size());
+      failed_index = count;
+      failure = nullptr;
+      ++generation;
+    }
+    wake.notify_all();
+    take_chunks();
+    std::unique_lock lock(mutex);
+    idle.wait(lock, [this] { return busy == 0; });
+    if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+  }
+
+ private:
+  void serve() {
+    std::uint64_t seen = 0;
+    for (;;) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait(lock, [&] { return stopping || generation != seen; });
+        if (stopping) return;
+        seen = generation;
+      }
+      take_chunks();
+      const std::lock_guard lock(mutex);
+      if (--busy == 0) idle.notify_one();
+    }
+  }
+
+  void take_chunks() {
+    inside_chunk = true;
+    for (;;) {
+      const std::size_t i = next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= chunk_count) break;
+      try {
+        (*chunk)(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (i < failed_index) failed_index = i, failure = std::current_exception();
+      }
+    }
+    inside_chunk = false;
+  }
+
+  void stop() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+    }
+    wake.notify_all();
+    for (std::thread& t : threads) t.join();
+    threads.clear();
+  }
+
+  std::vector<std::thread> threads;
+  std::mutex mutex;
+  std::condition_variable wake, idle;
+  const ChunkFunction* chunk = nullptr;
+  std::size_t chunk_count = 0;
+  std::atomic<std::size_t> next{0};
+  unsigned busy = 0;
+  std::uint64_t generation = 0;
+  bool stopping = false;
+  std::size_t failed_index = 0;
+  std::exception_ptr failure;
+};
+
+Workers::Workers(unsigned thread_count) {
+  thread_count_ = thread_count == 0 ? std::max(1u, std::thread::hardware_concurrency()) : thread_count;
+  if (thread_count_ > 1) pool_ = std::make_unique<Pool>(thread_count_ - 1);
+}
+
+#else
+
+struct Workers::Pool {
+  void run(std::size_t count, ChunkFunction f) { run_serially(count, f); }
+};
+
+Workers::Workers(unsigned) {}
+
+#endif
+
+Workers::Workers() = default;
+Workers::Workers(Executor run, unsigned thread_count)
+    : executor_(std::move(run)), thread_count_(std::max(1u, thread_count)) {
+  if (!executor_) throw std::invalid_argument("Workers: the executor is empty");
+}
+Workers::~Workers() = default;
+Workers::Workers(Workers&&) noexcept = default;
+Workers& Workers::operator=(Workers&&) noexcept = default;
+
+unsigned Workers::thread_count() const {
+  return thread_count_;
+}
+
+void Workers::run(std::size_t count, ChunkFunction chunk) {
+  if (count == 0) return;
+  if (inside_chunk || count == 1 || (!pool_ && !executor_)) return run_serially(count, chunk);
+  if (executor_) return executor_(count, chunk);
+  pool_->run(count, chunk);
+}
+
+Workers& serial_workers() {
+  static Workers workers;
+  return workers;
+}
+
+}  // namespace morula

@@ -1,0 +1,370 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <morula/geometry/box.hpp>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/query/power_diagram.hpp>
+#include <numeric>
+
+namespace morula {
+namespace {
+
+struct Corner {
+  Barycentric barycentric;
+  Vec3 point;
+};
+
+// Powers nearer to each other than this share of the squared distances involved count as equal: below it a sign is
+// rounding, and cutting there would only make slivers.
+constexpr double relative_tie = 0x1p-50;
+
+struct Power {
+  double value;
+  double rounding;  // of the value
+};
+Power power_with_rounding(const Sphere& s, const Vec3& x) {
+  const double squared = squared_distance(s.center, x), squared_radius = s.radius * s.radius;
+  return {squared - squared_radius, relative_tie * (squared + squared_radius)};
+}
+
+// Difference of powers of spheres a and b; zero when it is only rounding. Antisymmetric in a and b, bit for bit.
+double power_difference(const Sphere& a, const Sphere& b, const Vec3& x) {
+  const Power pa = power_with_rounding(a, x), pb = power_with_rounding(b, x);
+  const double difference = pa.value - pb.value;
+  return std::abs(difference) <= pa.rounding + pb.rounding ? 0.0 : difference;
+}
+
+// A power at this distance from the centre, lowered by more than rounding can have raised it.
+double least_power(double distance, double radius) {
+  return distance * distance - radius * radius - 0x1p-40 * (distance * distance + radius * radius);
+}
+
+// Splits one polygon by bisectors of pairs that both own one of its corners. After a split by (a, b) neither half needs
+// both any more, so the recursion ends; every cut point is made once and belongs to both halves, so the pieces tile the
+// polygon whatever the rounding.
+class Cutter {
+ public:
+  Cutter(const FacetGeometry& facet, std::span<const Sphere> spheres, CutFacet& result)
+      : facet_(facet), spheres_(spheres), result_(result) {}
+
+  void cut(std::span<const Corner> polygon, std::span<const std::uint32_t> candidates) {
+    // One owner at all corners: the whole polygon is its, because differences of powers are affine. Most end here.
+    const std::uint32_t first = owner_at(polygon[0].point, candidates);
+    std::uint32_t rival = first;
+    for (std::size_t k = 1; k < polygon.size() && rival == first; ++k) {
+      const std::uint32_t other = owner_at(polygon[k].point, candidates);
+      if (other != first && power_difference(spheres_[first], spheres_[other], polygon[k].point) > 0) rival = other;
+    }
+    if (rival == first) return emit(polygon, first);
+
+    std::vector<std::uint32_t> remaining = still_possible(polygon, candidates);
+    std::vector<Corner> side_of_first, side_of_rival;
+    if (split(polygon, first, rival, side_of_first, side_of_rival)) {
+      std::vector<std::uint32_t> without_rival = remaining;
+      std::erase(without_rival, rival);
+      cut(side_of_first, without_rival);
+      std::erase(remaining, first);
+      cut(side_of_rival, remaining);
+    } else {
+      // Nowhere is `first` better than its rival by more than rounding.
+      std::erase(remaining, first);
+      cut(polygon, remaining);
+    }
+  }
+
+ private:
+  std::uint32_t owner_at(const Vec3& x, std::span<const std::uint32_t> candidates) const {
+    std::uint32_t best = candidates[0];
+    double least = power(spheres_[best], x);
+    for (const std::uint32_t i : candidates.subspan(1)) {
+      const double p = power(spheres_[i], x);
+      if (p < least) least = p, best = i;
+    }
+    return best;
+  }
+
+  // Candidates that can own a part of the polygon: their least power over its bounding ball is not above the least
+  // power that some sphere guarantees on all of it.
+  std::vector<std::uint32_t> still_possible(std::span<const Corner> polygon,
+                                            std::span<const std::uint32_t> candidates) const {
+    Vec3 middle{};
+    for (const Corner& c : polygon) middle += c.point;
+    middle = middle / static_cast<double>(polygon.size());
+    double reach = 0;
+    for (const Corner& c : polygon) reach = std::max(reach, distance(c.point, middle));
+    double guaranteed = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : candidates) {
+      double worst = -std::numeric_limits<double>::infinity();
+      for (const Corner& c : polygon) worst = std::max(worst, power(spheres_[i], c.point));
+      guaranteed = std::min(guaranteed, worst);
+    }
+    std::vector<std::uint32_t> kept;
+    for (const std::uint32_t i : candidates) {
+      const double nearest = std::max(0.0, distance(spheres_[i].center, middle) - reach);
+      if (least_power(nearest, spheres_[i].radius) <= guaranteed) kept.push_back(i);
+    }
+    return kept;
+  }
+
+  // False when no corner lies strictly on the side of a.
+  bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, std::vector<Corner>& side_a,
+             std::vector<Corner>& side_b) const {
+    std::vector<double> difference;
+    bool any_a = false;
+    for (const Corner& c : polygon) {
+      difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
+      any_a = any_a || difference.back() < 0;
+    }
+    if (!any_a) return false;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const std::size_t next = (k + 1) % polygon.size();
+      if (difference[k] <= 0) side_a.push_back(polygon[k]);
+      if (difference[k] >= 0) side_b.push_back(polygon[k]);
+      if ((difference[k] < 0 && difference[next] > 0) || (difference[k] > 0 && difference[next] < 0)) {
+        const Corner made = cut_point(polygon[k], polygon[next], difference[k], difference[next], a, b);
+        side_a.push_back(made);
+        side_b.push_back(made);
+      }
+    }
+    // Corners on the bisector alone can leave a side without area: its points belong to the other side as well.
+    return side_a.size() >= 3 && side_b.size() >= 3;
+  }
+
+  Corner cut_point(const Corner& p, const Corner& q, double at_p, double at_q, std::uint32_t a, std::uint32_t b) const {
+    Barycentric made{};
+    if (!cut_on_mesh_edge(p, q, a, b, made)) {
+      const double t = at_p / (at_p - at_q);
+      for (int k = 0; k < 3; ++k) made[k] = p.barycentric[k] + t * (q.barycentric[k] - p.barycentric[k]);
+    }
+    return {made, at_barycentric(facet_.corners, made)};
+  }
+
+  // On a mesh edge the cut is computed from its two vertices, lower index first, lower sphere first: the facet on the
+  // other side then finds the same bits, and the two share one cut point.
+  bool cut_on_mesh_edge(const Corner& p, const Corner& q, std::uint32_t a, std::uint32_t b, Barycentric& made) const {
+    for (int opposite = 0; opposite < 3; ++opposite) {
+      if (p.barycentric[opposite] != 0 || q.barycentric[opposite] != 0) continue;
+      int from = (opposite + 1) % 3, to = (opposite + 2) % 3;
+      if (facet_.vertices[from] > facet_.vertices[to]) std::swap(from, to);
+      const Sphere& lower = spheres_[std::min(a, b)];
+      const Sphere& higher = spheres_[std::max(a, b)];
+      const double at_from = power(lower, facet_.corners[from]) - power(higher, facet_.corners[from]);
+      const double at_to = power(lower, facet_.corners[to]) - power(higher, facet_.corners[to]);
+      const double t = at_from / (at_from - at_to);
+      const double one = p.barycentric[to], other = q.barycentric[to];
+      if (!(std::min(one, other) < t && t < std::max(one, other))) return false;
+      made[opposite] = 0;
+      made[to] = t;
+      made[from] = 1 - t;
+      return made[from] > 0;
+    }
+    return false;
+  }
+
+  void emit(std::span<const Corner> polygon, std::uint32_t owner) {
+    for (const Corner& c : polygon) result_.corners.push_back(c.barycentric);
+    result_.corner_begin.push_back(static_cast<std::uint32_t>(result_.corners.size()));
+    result_.owner.push_back(owner);
+  }
+
+  const FacetGeometry& facet_;
+  std::span<const Sphere> spheres_;
+  CutFacet& result_;
+};
+
+constexpr std::array<Barycentric, 3> whole_facet{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}};
+
+}  // namespace
+
+void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,
+                  std::span<const std::uint32_t> candidates, CutFacet& cut) {
+  assert(polygon.size() >= 3 && !candidates.empty());
+  // Corners of uncut facets and of pieces cut a few times fit without allocation.
+  std::array<Corner, 16> few;
+  std::vector<Corner> many;
+  std::span<Corner> corners(few.data(), std::min(few.size(), polygon.size()));
+  if (polygon.size() > few.size()) {
+    many.resize(polygon.size());
+    corners = many;
+  }
+  for (std::size_t k = 0; k < polygon.size(); ++k) corners[k] = {polygon[k], at_barycentric(facet.corners, polygon[k])};
+
+  const auto& v = facet.vertices;
+  if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) {
+    // Barycentric coordinates are ambiguous here; the facet is a segment or a point and stays whole, with the sphere
+    // that needs to grow least.
+    std::uint32_t best = candidates[0];
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : candidates) {
+      double excess = -std::numeric_limits<double>::infinity();
+      for (const Corner& c : corners)
+        excess = std::max(excess, distance(c.point, spheres[i].center) - spheres[i].radius);
+      if (excess < least) least = excess, best = i;
+    }
+    candidates = std::span(&best, 1);
+    Cutter(facet, spheres, cut).cut(corners, candidates);
+    return;
+  }
+  Cutter(facet, spheres, cut).cut(corners, candidates);
+}
+
+PowerDiagram::PowerDiagram(std::span<const Sphere> spheres) : spheres_(spheres), order_(spheres.size()) {
+  assert(!spheres.empty());
+  std::iota(order_.begin(), order_.end(), 0u);
+  nodes_.reserve(2 * spheres.size());
+  nodes_.push_back({{}, {}, 0, 0, static_cast<std::uint32_t>(spheres.size()), 0});
+  split(0);
+}
+
+void PowerDiagram::split(std::uint32_t index) {
+  constexpr std::uint32_t leaf_size = 4;
+  const std::uint32_t begin = nodes_[index].begin, end = nodes_[index].end;
+  Box box;
+  double largest_radius = 0;
+  for (std::uint32_t k = begin; k < end; ++k) {
+    box.add(spheres_[order_[k]].center);
+    largest_radius = std::max(largest_radius, spheres_[order_[k]].radius);
+  }
+  nodes_[index].lower = box.lower;
+  nodes_[index].upper = box.upper;
+  nodes_[index].largest_radius = largest_radius;
+  if (end - begin <= leaf_size) return;
+  const int axis = box.longest_axis();
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double ca = spheres_[a].center[axis], cb = spheres_[b].center[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  const auto left = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[index].left = left;
+  nodes_.push_back({{}, {}, 0, begin, middle, 0});
+  nodes_.push_back({{}, {}, 0, middle, end, 0});
+  split(left);
+  split(left + 1);
+}
+
+namespace {
+
+// Depth first, nearer child first; the tree is balanced, so a small fixed stack is enough.
+constexpr int stack_size = 128;
+
+}  // namespace
+
+std::uint32_t PowerDiagram::owner(const Vec3& x) const {
+  std::uint32_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  std::array<std::uint32_t, stack_size> stack;
+  int top = 0;
+  stack[top++] = 0;
+  const auto bound = [&](const Node& n) {
+    return squared_distance(Box{n.lower, n.upper}, x) - n.largest_radius * n.largest_radius;
+  };
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (bound(node) > least) continue;
+    if (node.left == 0) {
+      for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const std::uint32_t i = order_[k];
+        const double p = power(spheres_[i], x);
+        if (p < least || (p == least && i < best)) least = p, best = i;
+      }
+    } else {
+      const bool left_first = bound(nodes_[node.left]) <= bound(nodes_[node.left + 1]);
+      stack[top++] = node.left + (left_first ? 1 : 0);
+      stack[top++] = node.left + (left_first ? 0 : 1);
+    }
+  }
+  return best;
+}
+
+PowerDiagram::Growth PowerDiagram::least_growth(std::span<const Vec3> points) const {
+  assert(!points.empty());
+  Growth best{0, std::numeric_limits<double>::infinity()};
+  std::array<std::uint32_t, stack_size> stack;
+  int top = 0;
+  stack[top++] = 0;
+  const auto bound = [&](const Node& n) {
+    double farthest = 0;
+    for (const Vec3& p : points) farthest = std::max(farthest, squared_distance(Box{n.lower, n.upper}, p));
+    return std::sqrt(farthest) - n.largest_radius;
+  };
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (bound(node) > best.amount) continue;
+    if (node.left == 0) {
+      for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const std::uint32_t i = order_[k];
+        const double amount = farthest_distance(spheres_[i].center, points) - spheres_[i].radius;
+        if (amount < best.amount || (amount == best.amount && i < best.sphere)) best = {i, amount};
+      }
+    } else {
+      const bool left_first = bound(nodes_[node.left]) <= bound(nodes_[node.left + 1]);
+      stack[top++] = node.left + (left_first ? 1 : 0);
+      stack[top++] = node.left + (left_first ? 0 : 1);
+    }
+  }
+  return best;
+}
+
+void PowerDiagram::candidates(const Triangle& triangle, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Vec3 middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+  double reach = 0;
+  for (const Vec3& p : triangle) reach = std::max(reach, distance(p, middle));
+
+  // The power that some sphere guarantees on the whole triangle: max over corners, because powers are convex.
+  double guaranteed = std::numeric_limits<double>::infinity();
+  std::array<std::uint32_t, stack_size> stack;
+  int top = 0;
+  stack[top++] = 0;
+  const auto lower_bound_of_guarantee = [&](const Node& n) {
+    double farthest = 0;
+    for (const Vec3& p : triangle) farthest = std::max(farthest, squared_distance(Box{n.lower, n.upper}, p));
+    return farthest - n.largest_radius * n.largest_radius;
+  };
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (lower_bound_of_guarantee(node) > guaranteed) continue;
+    if (node.left == 0) {
+      for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const Sphere& s = spheres_[order_[k]];
+        guaranteed =
+            std::min(guaranteed, std::max({power(s, triangle[0]), power(s, triangle[1]), power(s, triangle[2])}));
+      }
+    } else {
+      const bool left_first =
+          lower_bound_of_guarantee(nodes_[node.left]) <= lower_bound_of_guarantee(nodes_[node.left + 1]);
+      stack[top++] = node.left + (left_first ? 1 : 0);
+      stack[top++] = node.left + (left_first ? 0 : 1);
+    }
+  }
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    const double to_box = std::sqrt(squared_distance(Box{node.lower, node.upper}, middle));
+    const double nearest_in_node = std::max(0.0, to_box - reach);
+    if (least_power(nearest_in_node, node.largest_radius) > guaranteed) continue;
+    if (node.left != 0) {
+      stack[top++] = node.left;
+      stack[top++] = node.left + 1;
+      continue;
+    }
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const Sphere& s = spheres_[order_[k]];
+      const double nearest = std::max(0.0, distance(s.center, middle) - reach);
+      if (least_power(nearest, s.radius) <= guaranteed) found.push_back(order_[k]);
+    }
+  }
+  std::sort(found.begin(), found.end());
+}
+
+void PowerDiagram::cut(const FacetGeometry& facet, std::vector<std::uint32_t>& scratch, CutFacet& cut) const {
+  candidates(facet.corners, scratch);
+  cut_by_power(facet, whole_facet, spheres_, scratch, cut);
+}
+
+}  // namespace morula

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cassert>
+#include <morula/query/triangle_bvh.hpp>
+#include <numbers>
+
+#include "query/wide_tree.hpp"
+
+namespace morula {
+
+struct TriangleBvh::Data {
+  wide::Tree tree;
+};
+
+namespace {
+
+using wide::Clusters;
+using wide::Node;
+
+// A child waiting to be looked at: a node, or the slots of a leaf.
+struct Waiting {
+  double squared_distance;
+  std::uint32_t first, count;
+};
+
+// Nearest last, so that it is popped first. Children at the same distance keep their order.
+void push_by_distance(const Node& node, const double* distances, double limit, Waiting* stack, int& top) {
+  const int bottom = top;
+  for (int k = node.size; k-- > 0;) {
+    if (!(distances[k] <= limit)) continue;
+    int at = top++;
+    for (; at > bottom && stack[at - 1].squared_distance < distances[k]; --at) stack[at] = stack[at - 1];
+    stack[at] = {distances[k], node.first[k], node.count[k]};
+  }
+}
+
+// ∫ (x − p)·n / |x − p|³ over each cluster, expanded about its centroid to first order: with R = centroid − p, area
+// vector N and moment M,  R·N / R³ + tr(M) / R³ − 3 Rᵀ M R / R⁵.
+void far_fields(const Clusters& c, const Vec3& p, double* squared_distances, double* fields) {
+  for (int k = 0; k < wide::width; ++k) {
+    const double x = c.centroid[0][k] - p.x, y = c.centroid[1][k] - p.y, z = c.centroid[2][k] - p.z;
+    const double squared = x * x + y * y + z * z;
+    const double flux = x * c.area_vector[0][k] + y * c.area_vector[1][k] + z * c.area_vector[2][k];
+    const double trace = c.moment[0][k] + c.moment[1][k] + c.moment[2][k];
+    const double form = x * x * c.moment[0][k] + y * y * c.moment[1][k] + z * z * c.moment[2][k] +
+                        x * y * c.moment[3][k] + x * z * c.moment[4][k] + y * z * c.moment[5][k];
+    squared_distances[k] = squared;
+    fields[k] = (flux + trace - 3 * form / squared) / (squared * std::sqrt(squared));
+  }
+}
+
+}  // namespace
+
+TriangleBvh::TriangleBvh(const Mesh& mesh, Workers& workers)
+    : data_(std::make_unique<const Data>(Data{wide::build(mesh, workers)})) {}
+TriangleBvh::~TriangleBvh() = default;
+TriangleBvh::TriangleBvh(TriangleBvh&&) noexcept = default;
+TriangleBvh& TriangleBvh::operator=(TriangleBvh&&) noexcept = default;
+
+std::size_t TriangleBvh::facet_count() const {
+  return data_->tree.facets.size();
+}
+
+const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
+  return data_->tree.triangles[data_->tree.slots[facet]];
+}
+
+std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, double max_distance) const {
+  if (!(max_distance >= 0)) return std::nullopt;
+  const wide::Tree& tree = data_->tree;
+  constexpr std::uint32_t none = 0xffffffffu;
+  double limit = max_distance * max_distance;
+  TrianglePoint best{};
+  std::uint32_t best_facet = none;
+
+  // What is exactly as far as the best is still looked at: it may hold a facet of lower index.
+  Waiting stack[wide::stack_size];
+  int top = 0;
+  stack[top++] = {0, 0, 0};
+  while (top > 0) {
+    const Waiting next = stack[--top];
+    if (!(next.squared_distance <= limit)) continue;
+    if (next.count == 0) {
+      double distances[wide::width];
+      wide::squared_distances(tree.nodes[next.first], p, distances);
+      push_by_distance(tree.nodes[next.first], distances, limit, stack, top);
+      continue;
+    }
+    for (std::uint32_t slot = next.first; slot < next.first + next.count; ++slot) {
+      const TrianglePoint found = morula::closest_point(tree.triangles[slot], p);
+      const bool nearer = found.squared_distance < limit;
+      const bool as_near = found.squared_distance == limit && tree.facets[slot] < best_facet;
+      if (!nearer && !as_near) continue;
+      limit = found.squared_distance;
+      best = found;
+      best_facet = tree.facets[slot];
+    }
+  }
+  if (best_facet == none) return std::nullopt;
+  return ClosestFacetPoint{best_facet, best.point, best.barycentric, best.squared_distance};
+}
+
+void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const {
+  facets.clear();
+  if (!(ball.radius >= 0)) return;
+  const wide::Tree& tree = data_->tree;
+  const double limit = ball.radius * ball.radius;
+  std::uint32_t stack[wide::stack_size];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = tree.nodes[stack[--top]];
+    double distances[wide::width];
+    wide::squared_distances(node, ball.center, distances);
+    for (int k = 0; k < node.size; ++k) {
+      if (!(distances[k] <= limit)) continue;
+      if (node.count[k] == 0) stack[top++] = node.first[k];
+      for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
+        if (morula::closest_point(tree.triangles[slot], ball.center).squared_distance <= limit)
+          facets.push_back(tree.facets[slot]);
+    }
+  }
+  std::sort(facets.begin(), facets.end());
+}
+
+double TriangleBvh::winding_number(const Vec3& p, double accuracy) const {
+  const wide::Tree& tree = data_->tree;
+  const double squared_accuracy = accuracy * accuracy;
+  double sum = 0;
+  std::uint32_t stack[wide::stack_size];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t index = stack[--top];
+    const Node& node = tree.nodes[index];
+    const Clusters& clusters = tree.clusters[index];
+    double squared[wide::width], fields[wide::width];
+    far_fields(clusters, p, squared, fields);
+    for (int k = 0; k < node.size; ++k) {
+      // An infinite accuracy makes the right side infinite or, for a cluster of radius zero, NaN: never far.
+      if (squared[k] > squared_accuracy * (clusters.radius[k] * clusters.radius[k])) {
+        sum += fields[k];
+        continue;
+      }
+      if (node.count[k] == 0) stack[top++] = node.first[k];
+      for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
+        sum += solid_angle(tree.triangles[slot], p);
+    }
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
+}  // namespace morula

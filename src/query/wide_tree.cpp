@@ -1,0 +1,397 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Top-down build by the surface area heuristic over bins [wald2007], four ranges at a time: a node's range is split,
+// then the half of larger area again, until there are four.
+#include "query/wide_tree.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <morula/geometry/box.hpp>
+#include <utility>
+
+namespace morula::wide {
+namespace {
+
+using lanes::Float4;
+
+// Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
+// one chunk. Large enough to amortise a chunk, small enough that a few cores have something to do.
+constexpr std::uint32_t subtree_grain = 4096;
+constexpr std::size_t facet_grain = 8192;
+
+// A box as its lower corner and the negative of its upper one, so that growing it is one kind of minimum, in
+// coordinates that the mesh's box maps to [−½, ½]. It only steers splits: nothing depends on its rounding but speed.
+struct FloatBox {
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
+  Float4 lower{infinity, infinity, infinity, infinity};
+  Float4 minus_upper{infinity, infinity, infinity, infinity};
+
+  void add(const FloatBox& other) {
+    lower = lanes::min(other.lower, lower);
+    minus_upper = lanes::min(other.minus_upper, minus_upper);
+  }
+  Float4 doubled_center() const { return lower - minus_upper; }
+  float half_area() const {
+    const Float4 size = -minus_upper - lower;
+    return size[0] >= 0 ? size[0] * size[1] + size[1] * size[2] + size[2] * size[0] : 0;
+  }
+};
+
+// A facet's box; the lane that boxes have no use for holds the facet's index.
+struct Reference {
+  FloatBox box;
+  std::uint32_t facet() const { return std::bit_cast<std::uint32_t>(float{box.minus_upper[3]}); }
+};
+static_assert(sizeof(Reference) == 32);
+
+struct Range {
+  std::uint32_t begin, end;
+  float half_area;
+  std::uint32_t count() const { return end - begin; }
+};
+
+// Box, far-field expansion and bounding radius of a set of facets; built up from the leaves.
+struct Summary {
+  Box box;
+  Vec3 centroid;
+  double area = 0;
+  Vec3 area_vector;
+  double moment[6] = {};
+  double radius = 0;
+};
+
+// The nearest point of a triangle is computed as corner + edges × weights, so rounding may put it outside the box of
+// the corners by a few ulps of the coordinates. Boxes are padded by more, and pruning by box distance can never
+// contradict the distance that the facet itself would report.
+Box facet_box(const Triangle& t) {
+  Box box;
+  for (const Vec3& corner : t) box.add(corner);
+  const double pad = 0x1p-48 * std::max(largest_component(box.lower), largest_component(box.upper));
+  return {box.lower - Vec3{pad, pad, pad}, box.upper + Vec3{pad, pad, pad}};
+}
+
+Summary summary_of(const Triangle& t) {
+  Summary s;
+  s.box = facet_box(t);
+  s.centroid = t[0] + ((t[1] - t[0]) + (t[2] - t[0])) / 3.0;
+  s.area_vector = 0.5 * area_vector(t);
+  s.area = length(s.area_vector);
+  for (const Vec3& corner : t) s.radius = std::max(s.radius, distance(corner, s.centroid));
+  return s;
+}
+
+Summary joined(const Summary* parts, int count) {
+  Summary s;
+  Vec3 weighted, first = parts[0].centroid;
+  for (int i = 0; i < count; ++i) {
+    s.box.add(parts[i].box);
+    s.area += parts[i].area;
+    s.area_vector += parts[i].area_vector;
+    weighted += (parts[i].centroid - first) * parts[i].area;
+  }
+  s.centroid = s.area > 0 ? first + weighted / s.area : s.box.center();
+  for (int i = 0; i < count; ++i) {
+    const Vec3 y = parts[i].centroid - s.centroid, n = parts[i].area_vector;
+    const double shift[6] = {
+        y.x * n.x, y.y * n.y, y.z * n.z, y.x * n.y + y.y * n.x, y.x * n.z + y.z * n.x, y.y * n.z + y.z * n.y};
+    for (int m = 0; m < 6; ++m) s.moment[m] += parts[i].moment[m] + shift[m];
+    s.radius = std::max(s.radius, length(y) + parts[i].radius);
+  }
+  const Vec3 reach = max(s.centroid - s.box.lower, s.box.upper - s.centroid);
+  s.radius = std::min(s.radius, length(reach));
+  return s;
+}
+
+void set_child(Node& node, Clusters& clusters, int k, const Summary& s) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.lower[axis][k] = s.box.lower[axis];
+    node.upper[axis][k] = s.box.upper[axis];
+    clusters.centroid[axis][k] = s.centroid[axis];
+    clusters.area_vector[axis][k] = s.area_vector[axis];
+  }
+  for (int m = 0; m < 6; ++m) clusters.moment[m][k] = s.moment[m];
+  clusters.radius[k] = s.radius;
+}
+
+class Builder {
+ public:
+  Builder(const Mesh& mesh, Workers& workers) : mesh_(mesh), workers_(workers) {}
+
+  Tree build() {
+    const std::size_t count = mesh_.facet_count();
+    references_.resize(count);
+    tree_.facets.resize(count);
+    tree_.triangles.resize(count);
+    tree_.slots.resize(count);
+    make_references();
+    split_large_ranges();
+
+    std::vector<Subtree> subtrees(pending_.size());
+    parallel_for(workers_, pending_.size(), 1, [&](std::size_t i, std::size_t) {
+      Subtree& subtree = subtrees[i];
+      subtree.nodes.reserve(pending_[i].range.count() / 3);
+      subtree.summary = build_node(subtree, pending_[i].range, pending_[i].depth);
+    });
+    append(subtrees);
+    return std::move(tree_);
+  }
+
+ private:
+  struct Subtree {
+    std::vector<Node> nodes;
+    std::vector<Clusters> clusters;
+    Summary summary;
+  };
+  // A node still to be made, and the child slot that will point to it.
+  struct Pending {
+    Range range;
+    int depth;
+    std::uint32_t parent;
+    int child;
+  };
+  static constexpr std::uint32_t no_parent = 0xffffffffu;
+
+  void make_references() {
+    const std::size_t count = mesh_.facet_count();
+    std::vector<Box> boxes((count + facet_grain - 1) / facet_grain);
+    parallel_for(workers_, count, facet_grain, [&](std::size_t begin, std::size_t end) {
+      Box& box = boxes[begin / facet_grain];
+      for (std::size_t f = begin; f < end; ++f)
+        for (const Vec3& corner : mesh_.corners(f)) box.add(corner);
+    });
+    Box whole;
+    for (const Box& box : boxes) whole.add(box);
+    const Vec3 center = whole.center();
+    const double size = largest_component(whole.extent());
+    const double scale = size > 1e-300 ? 1 / size : 0;
+    parallel_for(workers_, count, facet_grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        Box box;
+        for (const Vec3& corner : mesh_.corners(f)) box.add(corner);
+        const Vec3 lower = (box.lower - center) * scale, upper = (box.upper - center) * scale;
+        const auto index = std::bit_cast<float>(static_cast<std::uint32_t>(f));
+        references_[f].box.lower =
+            Float4{static_cast<float>(lower.x), static_cast<float>(lower.y), static_cast<float>(lower.z), 0};
+        references_[f].box.minus_upper =
+            Float4{static_cast<float>(-upper.x), static_cast<float>(-upper.y), static_cast<float>(-upper.z), index};
+      }
+    });
+  }
+
+  // One level of nodes after the other; leaves pending_ with ranges that are small enough for one chunk each.
+  void split_large_ranges() {
+    std::vector<Pending> level{{{0, static_cast<std::uint32_t>(references_.size()), 0}, 0, no_parent, 0}};
+    while (!level.empty()) {
+      std::vector<Pending> large;
+      for (const Pending& p : level) (p.range.count() > subtree_grain ? large : pending_).push_back(p);
+      struct Children {
+        Range ranges[width];
+        int count;
+      };
+      std::vector<Children> made(large.size());
+      parallel_for(workers_, large.size(), 1, [&](std::size_t i, std::size_t) {
+        made[i].count = split_node(large[i].range, large[i].depth, made[i].ranges);
+      });
+      level.clear();
+      for (std::size_t i = 0; i < large.size(); ++i) {
+        const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
+        if (large[i].parent != no_parent) tree_.nodes[large[i].parent].first[large[i].child] = index;
+        tree_.nodes.push_back({});
+        tree_.nodes.back().size = made[i].count;
+        for (int k = 0; k < made[i].count; ++k) level.push_back({made[i].ranges[k], large[i].depth + 1, index, k});
+      }
+    }
+  }
+
+  // Joins the subtrees behind the top nodes and closes the top from its last node up to the root.
+  void append(const std::vector<Subtree>& subtrees) {
+    const std::size_t top_count = tree_.nodes.size();
+    tree_.clusters.resize(top_count);
+    std::vector<std::array<Summary, width>> summaries(top_count);
+    std::size_t node_count = top_count;
+    for (const Subtree& subtree : subtrees) node_count += subtree.nodes.size();
+    tree_.nodes.reserve(node_count);
+    tree_.clusters.reserve(node_count);
+    for (std::size_t i = 0; i < subtrees.size(); ++i) {
+      const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
+      for (Node node : subtrees[i].nodes) {
+        for (int k = 0; k < node.size; ++k)
+          if (node.count[k] == 0) node.first[k] += offset;
+        tree_.nodes.push_back(node);
+      }
+      tree_.clusters.insert(tree_.clusters.end(), subtrees[i].clusters.begin(), subtrees[i].clusters.end());
+      if (pending_[i].parent == no_parent) continue;
+      tree_.nodes[pending_[i].parent].first[pending_[i].child] = offset;
+      summaries[pending_[i].parent][static_cast<std::size_t>(pending_[i].child)] = subtrees[i].summary;
+    }
+    for (std::size_t n = top_count; n-- > 0;) {
+      Node& node = tree_.nodes[n];
+      for (int k = 0; k < node.size; ++k) {
+        Summary& s = summaries[n][static_cast<std::size_t>(k)];
+        if (node.first[k] < top_count) s = joined(summaries[node.first[k]].data(), tree_.nodes[node.first[k]].size);
+        set_child(node, tree_.clusters[n], k, s);
+      }
+    }
+  }
+
+  // Depth-first, parents before children. Returns what the node's own parent needs to know.
+  Summary build_node(Subtree& subtree, const Range& range, int depth) {
+    const std::size_t index = subtree.nodes.size();
+    subtree.nodes.emplace_back();
+    subtree.clusters.emplace_back();
+    Range ranges[width];
+    const int count = split_node(range, depth, ranges);
+    subtree.nodes[index].size = count;
+    Summary summaries[width];
+    for (int k = 0; k < count; ++k) {
+      const bool is_leaf = ranges[k].count() <= largest_leaf;
+      const auto next = static_cast<std::uint32_t>(subtree.nodes.size());
+      summaries[k] = is_leaf ? build_leaf(ranges[k]) : build_node(subtree, ranges[k], depth + 1);
+      subtree.nodes[index].first[k] = is_leaf ? ranges[k].begin : next;
+      subtree.nodes[index].count[k] = is_leaf ? ranges[k].count() : 0;
+      set_child(subtree.nodes[index], subtree.clusters[index], k, summaries[k]);
+    }
+    return joined(summaries, count);
+  }
+
+  Summary build_leaf(const Range& range) {
+    Summary summaries[largest_leaf];
+    for (std::uint32_t slot = range.begin; slot < range.end; ++slot) {
+      const std::uint32_t facet = references_[slot].facet();
+      tree_.facets[slot] = facet;
+      tree_.slots[facet] = slot;
+      tree_.triangles[slot] = mesh_.corners(facet);
+      summaries[slot - range.begin] = summary_of(tree_.triangles[slot]);
+    }
+    return joined(summaries, static_cast<int>(range.count()));
+  }
+
+  // Cuts a range into up to `width` parts. Parts that would do as a leaf are cut too while there is room: a tighter box
+  // costs nothing in a node that is tested as a whole.
+  int split_node(const Range& range, int depth, Range* parts) {
+    parts[0] = range;
+    int count = 1;
+    while (count < width) {
+      int widest = -1;
+      for (int k = 0; k < count; ++k) {
+        if (parts[k].count() < 2) continue;
+        const bool prefer_size = widest >= 0 && depth >= deepest_shaped_split;
+        if (widest < 0 || (prefer_size ? parts[k].count() > parts[widest].count() : is_wider(parts[k], parts[widest])))
+          widest = k;
+      }
+      if (widest < 0) break;
+      const Range whole = parts[widest];
+      const Cut cut = depth >= deepest_shaped_split ? halves(whole) : best_cut(whole);
+      // The halves stay next to each other, so a node's facets lie in the order of its children.
+      std::copy_backward(parts + widest + 1, parts + count, parts + count + 1);
+      parts[widest] = {whole.begin, cut.middle, cut.half_area[0]};
+      parts[widest + 1] = {cut.middle, whole.end, cut.half_area[1]};
+      ++count;
+    }
+    return count;
+  }
+
+  // Ranges too large for a leaf come first: the others need no further node.
+  static bool is_wider(const Range& a, const Range& b) {
+    const bool a_is_leaf = a.count() <= largest_leaf, b_is_leaf = b.count() <= largest_leaf;
+    return a_is_leaf != b_is_leaf ? b_is_leaf : a.half_area > b.half_area;
+  }
+
+  struct Cut {
+    std::uint32_t middle;
+    float half_area[2];
+  };
+  static Cut halves(const Range& range) {
+    return {range.begin + range.count() / 2, {range.half_area, range.half_area}};
+  }
+
+  static constexpr int most_bins = 16;
+  // Where a box falls on each axis: by its centre, doubled.
+  struct Binning {
+    Float4 lower, scale, last;
+    Float4 operator()(const FloatBox& box) const {
+      return lanes::min(lanes::max((box.doubled_center() - lower) * scale, Float4{}), last);
+    }
+  };
+
+  Cut best_cut(const Range& range) {
+    Reference* const begin = references_.data() + range.begin;
+    Reference* const end = references_.data() + range.end;
+    FloatBox centers;
+    for (const Reference* r = begin; r != end; ++r) {
+      const Float4 center = r->box.doubled_center();
+      centers.add({center, -center});
+    }
+    const int bin_count = range.count() >= 32 ? most_bins : range.count() >= 8 ? most_bins / 2 : most_bins / 4;
+    const auto bin_float = static_cast<float>(bin_count);
+    const Float4 size = -centers.minus_upper - centers.lower;
+    const auto scale = [&](int axis) { return size[axis] > 0 ? std::min(bin_float / size[axis], 1e30f) : 0.0f; };
+    const float last = bin_float - 1;
+    const Binning binning{centers.lower, {scale(0), scale(1), scale(2), 0}, {last, last, last, last}};
+    FloatBox bins[3][most_bins];
+    std::uint32_t counts[3][most_bins] = {};
+    for (const Reference* r = begin; r != end; ++r) {
+      const Float4 at = binning(r->box);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int bin = static_cast<int>(at[axis]);
+        bins[axis][bin].add(r->box);
+        ++counts[axis][bin];
+      }
+    }
+
+    float least_cost = std::numeric_limits<float>::infinity();
+    int best_axis = -1, best_bin = 0;
+    Cut cut{};
+    for (int axis = 0; axis < 3; ++axis) {
+      // Cutting in front of bin b leaves bins b and up on the right.
+      float right_area[most_bins];
+      FloatBox right, left;
+      for (int b = bin_count - 1; b > 0; --b) {
+        right.add(bins[axis][b]);
+        right_area[b] = right.half_area();
+      }
+      std::uint32_t left_count = 0;
+      for (int b = 1; b < bin_count; ++b) {
+        left.add(bins[axis][b - 1]);
+        left_count += counts[axis][b - 1];
+        if (left_count == 0 || left_count == range.count()) continue;
+        const float left_area = left.half_area();
+        const float cost =
+            left_area * static_cast<float>(left_count) + right_area[b] * static_cast<float>(range.count() - left_count);
+        if (!(cost < least_cost)) continue;
+        least_cost = cost;
+        best_axis = axis;
+        best_bin = b;
+        cut.half_area[0] = left_area;
+        cut.half_area[1] = right_area[b];
+      }
+    }
+    if (best_axis < 0) return halves(range);  // all centres at one point
+
+    const auto best = static_cast<float>(best_bin);
+    Reference *low = begin, *high = end;
+    for (;;) {
+      while (low != high && binning(low->box)[best_axis] < best) ++low;
+      while (low != high && binning((high - 1)->box)[best_axis] >= best) --high;
+      if (low == high) break;
+      std::swap(*low++, *--high);
+    }
+    cut.middle = static_cast<std::uint32_t>(low - references_.data());
+    return cut;
+  }
+
+  const Mesh& mesh_;
+  Workers& workers_;
+  Tree tree_;
+  std::vector<Reference> references_;
+  std::vector<Pending> pending_;
+};
+
+}  // namespace
+
+Tree build(const Mesh& mesh, Workers& workers) {
+  return Builder(mesh, workers).build();
+}
+
+}  // namespace morula::wide

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/tree/cover.hpp>
+#include <stdexcept>
+
+#include "tree/region.hpp"
+
+namespace morula {
+namespace {
+
+double largest_coordinate(const Mesh& mesh) {
+  const Box box = bounding_box(mesh);
+  return std::max(largest_component(box.lower), largest_component(box.upper));
+}
+
+struct Piece {
+  std::uint32_t facet;
+  std::uint32_t leaf;  // index into the leaves
+  bool leftover;
+};
+
+// The pieces of a run of facets, in facet order.
+struct Pieces {
+  std::vector<Piece> pieces;
+  std::vector<std::uint32_t> corner_begin{0};
+  std::vector<Barycentric> corners;
+};
+
+// Cuts facets by the power diagram of all leaves; a piece that sticks out of its owner goes whole to the leaf that
+// contains it after the least growth.
+Pieces share_out(const Mesh& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
+                 std::size_t end) {
+  Pieces result;
+  CutFacet cut;
+  std::vector<std::uint32_t> scratch;
+  std::vector<Vec3> points;
+  for (std::size_t f = begin; f < end; ++f) {
+    const FacetGeometry facet = facet_geometry(mesh, static_cast<std::uint32_t>(f));
+    cut.clear();
+    diagram.cut(facet, scratch, cut);
+    for (std::size_t k = 0; k < cut.size(); ++k) {
+      points.clear();
+      for (const Barycentric& b : cut.polygon(k)) points.push_back(at_barycentric(facet.corners, b));
+      Piece piece{static_cast<std::uint32_t>(f), cut.owner[k], false};
+      if (farthest_distance(leaves[piece.leaf].center, points) > leaves[piece.leaf].radius) {
+        piece.leaf = diagram.least_growth(points).sphere;
+        piece.leftover = true;
+      }
+      result.pieces.push_back(piece);
+      result.corners.insert(result.corners.end(), cut.polygon(k).begin(), cut.polygon(k).end());
+      result.corner_begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    }
+  }
+  return result;
+}
+
+// The tree without leaves that own nothing and without inner nodes that lost all their leaves. kept: old node of each
+// new one.
+SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions, std::vector<std::uint32_t>& kept) {
+  std::vector<char> owns(tree.node_count());
+  for (std::size_t i = tree.node_count(); i-- > 0;) {
+    if (tree.is_leaf(static_cast<std::uint32_t>(i))) owns[i] = !regions[i].empty();
+    if (owns[i] && tree.parent[i] != no_node) owns[tree.parent[i]] = 1;
+  }
+  SphereTree result;
+  result.branching = tree.branching;
+  std::vector<std::uint32_t> child_counts;
+  std::vector<Sphere> spheres;
+  for (std::size_t level = 0; level < tree.level_count(); ++level) {
+    child_counts.clear();
+    spheres.clear();
+    if (level > 0)
+      for (std::uint32_t p = tree.level_begin[level - 1]; p < tree.level_begin[level]; ++p) {
+        if (!owns[p]) continue;
+        std::uint32_t count = 0;
+        for (std::uint32_t c = 0; c < tree.child_count[p]; ++c) count += owns[tree.first_child[p] + c] ? 1u : 0u;
+        child_counts.push_back(count);
+      }
+    for (std::uint32_t i = tree.level_begin[level]; i < tree.level_begin[level + 1]; ++i)
+      if (owns[i]) {
+        spheres.push_back(tree.spheres[i]);
+        kept.push_back(i);
+      }
+    if (spheres.empty()) break;
+    result.append_level(child_counts, spheres);
+  }
+  return result;
+}
+
+// The smaller of {same centre, larger radius} and {smallest sphere of the points}, padded against rounding.
+Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, double pad_coordinate) {
+  const auto padded = [&](const Vec3& center, double farthest) {
+    return Sphere{center, rounded_up_radius(farthest, std::max(pad_coordinate, largest_component(center)))};
+  };
+  const Sphere same_center = padded(sphere.center, farthest_distance(sphere.center, points));
+  const Sphere smallest = enclosing_sphere(points);
+  const Sphere moved = padded(smallest.center, smallest.radius);
+  return moved.radius < same_center.radius ? moved : same_center;
+}
+
+}  // namespace
+
+Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionView& positions) {
+  if (corner < cover.vertex_count) return positions[corner];
+  const CutPoint& c = cover.cut_points[corner - cover.vertex_count];
+  return positions[c.vertex[0]] * c.weight[0] + positions[c.vertex[1]] * c.weight[1] +
+         positions[c.vertex[2]] * c.weight[2];
+}
+
+Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
+  require_usable(mesh);
+  if (const auto faults = validate(tree); !faults.empty())
+    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
+
+  std::vector<std::uint32_t> leaf_nodes;
+  std::vector<Sphere> leaves;
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i)
+    if (tree.is_leaf(i)) {
+      leaf_nodes.push_back(i);
+      leaves.push_back(tree.spheres[i]);
+    }
+  const PowerDiagram diagram(leaves);
+
+  constexpr std::size_t facets_per_chunk = 1024;
+  std::vector<Pieces> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
+  parallel_for(workers, mesh.facet_count(), facets_per_chunk, [&](std::size_t begin, std::size_t end) {
+    chunks[begin / facets_per_chunk] = share_out(mesh, diagram, leaves, begin, end);
+  });
+
+  Built built;
+  std::vector<Region> regions(tree.node_count());
+  for (const Pieces& chunk : chunks)
+    for (std::size_t k = 0; k < chunk.pieces.size(); ++k) {
+      const Piece& piece = chunk.pieces[k];
+      built.report.leftover_patches += piece.leftover;
+      const std::uint32_t begin = chunk.corner_begin[k];
+      regions[leaf_nodes[piece.leaf]].add(piece.facet,
+                                          std::span(chunk.corners).subspan(begin, chunk.corner_begin[k + 1] - begin));
+    }
+  chunks.clear();
+
+  std::vector<std::uint32_t> kept;
+  built.tree = without_empty(tree, regions, kept);
+  std::vector<Region> kept_regions(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) kept_regions[i] = std::move(regions[kept[i]]);
+  built.cover = assemble_cover(mesh, built.tree, kept_regions);
+
+  const double pad_coordinate = largest_coordinate(mesh);
+  parallel_for(workers, built.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
+    std::vector<Vec3> points;
+    for (const std::uint32_t c : built.cover.region_corners(static_cast<std::uint32_t>(i)))
+      points.push_back(corner_position(built.cover, c, mesh.positions));
+    Sphere& sphere = built.tree.spheres[i];
+    if (farthest_distance(sphere.center, points) > sphere.radius)
+      sphere = grown_to_contain(sphere, points, pad_coordinate);
+  });
+
+  BuildReport& report = built.report;
+  report.method = "imported";
+  report.branching = tree.branching;
+  report.depth = static_cast<std::uint32_t>(tree.level_count() - 1);
+  report.mesh_hash = mesh_hash(mesh);
+  report.dropped_spheres = tree.node_count() - built.tree.node_count();
+  report.growth.resize(built.tree.level_count());
+  for (std::size_t level = 0; level < built.tree.level_count(); ++level)
+    for (std::uint32_t i = built.tree.level_begin[level]; i < built.tree.level_begin[level + 1]; ++i) {
+      const double before = tree.spheres[kept[i]].radius, after = built.tree.spheres[i].radius;
+      if (tree.spheres[kept[i]] == built.tree.spheres[i]) continue;
+      LevelGrowth& growth = report.growth[level];
+      ++growth.grown;
+      growth.largest_growth = std::max(growth.largest_growth, after - before);
+      growth.largest_factor = std::max(growth.largest_factor, before > 0 ? after / before : 1.0);
+    }
+  for (std::uint32_t i = 0; i + 1 < built.tree.level_begin.back(); ++i)
+    report.early_leaves += built.tree.is_leaf(i) && i < built.tree.level_begin[built.tree.level_count() - 1];
+  return built;
+}
+
+Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
+                    Workers& workers) {
+  if (positions.size() != cover.vertex_count)
+    throw std::invalid_argument("certify: " + std::to_string(positions.size()) + " positions for a cover of " +
+                                std::to_string(cover.vertex_count) + " vertices");
+  if (spheres.size() != cover.region_begin.size())
+    throw std::invalid_argument("certify: " + std::to_string(spheres.size()) + " spheres for a cover of " +
+                                std::to_string(cover.region_begin.size()) + " nodes");
+  std::vector<Vec3> points(cover.vertex_count + cover.cut_points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = corner_position(cover, static_cast<std::uint32_t>(i), positions);
+
+  std::vector<double> excess(spheres.size());
+  parallel_for(workers, spheres.size(), 1, [&](std::size_t i, std::size_t) {
+    double farthest = 0;
+    bool comparable = !std::isnan(spheres[i].radius);
+    for (const std::uint32_t c : cover.region_corners(static_cast<std::uint32_t>(i))) {
+      const double squared = squared_distance(spheres[i].center, points[c]);
+      comparable = comparable && !std::isnan(squared);
+      farthest = std::max(farthest, squared);
+    }
+    excess[i] = comparable ? std::sqrt(farthest) - spheres[i].radius : std::numeric_limits<double>::infinity();
+  });
+  Certificate certificate;
+  certificate.worst_excess = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < excess.size(); ++i)
+    if (excess[i] > certificate.worst_excess) {
+      certificate.worst_excess = excess[i];
+      certificate.worst_node = static_cast<std::uint32_t>(i);
+    }
+  certificate.covered = certificate.worst_excess <= 0;
+  return certificate;
+}
+
+}  // namespace morula

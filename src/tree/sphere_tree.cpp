@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cassert>
+#include <morula/tree/sphere_tree.hpp>
+
+#include "geometry/hash.hpp"
+
+namespace morula {
+
+std::size_t SphereTree::leaf_count() const {
+  std::size_t count = 0;
+  for (const std::uint32_t children : child_count) count += children == 0;
+  return count;
+}
+
+std::uint32_t SphereTree::level_of(std::uint32_t node) const {
+  assert(node < node_count());
+  std::uint32_t level = 0;
+  while (node >= level_begin[level + 1]) ++level;
+  return level;
+}
+
+std::uint32_t SphereTree::append_level(std::span<const std::uint32_t> child_counts,
+                                       std::span<const Sphere> new_spheres) {
+  const auto first_new = static_cast<std::uint32_t>(node_count());
+  const std::uint32_t first_parent = level_count() == 0 ? 0 : level_begin[level_count() - 1];
+  assert(level_count() == 0 ? child_counts.empty() && new_spheres.size() == 1
+                            : child_counts.size() == first_new - first_parent);
+  if (level_begin.empty()) level_begin.push_back(0);
+  spheres.insert(spheres.end(), new_spheres.begin(), new_spheres.end());
+  first_child.resize(spheres.size(), no_node);
+  child_count.resize(spheres.size(), 0);
+  parent.resize(spheres.size(), no_node);
+  std::uint32_t next = first_new;
+  for (std::size_t k = 0; k < child_counts.size(); ++k) {
+    if (child_counts[k] == 0) continue;
+    const auto p = static_cast<std::uint32_t>(first_parent + k);
+    first_child[p] = next;
+    child_count[p] = child_counts[k];
+    for (std::uint32_t c = 0; c < child_counts[k]; ++c) parent[next++] = p;
+  }
+  assert(level_count() == 0 || next == node_count());
+  level_begin.push_back(static_cast<std::uint32_t>(node_count()));
+  return first_new;
+}
+
+std::vector<std::uint32_t> level_set(const SphereTree& tree, std::size_t level) {
+  assert(level < tree.level_count());
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t i = 0; i < tree.level_begin[level]; ++i)
+    if (tree.is_leaf(i)) nodes.push_back(i);
+  for (std::uint32_t i = tree.level_begin[level]; i < tree.level_begin[level + 1]; ++i) nodes.push_back(i);
+  return nodes;
+}
+
+std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::span<const Sphere> spheres, std::size_t level) {
+  std::vector<Sphere> set;
+  for (const std::uint32_t i : level_set(tree, level)) set.push_back(spheres[i]);
+  return set;
+}
+
+std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::size_t level) {
+  return level_set_spheres(tree, tree.spheres, level);
+}
+
+std::vector<std::string> validate(const SphereTree& tree) {
+  std::vector<std::string> faults;
+  const std::size_t n = tree.node_count();
+  if (tree.branching < 2 || tree.branching > static_cast<std::uint32_t>(max_branching))
+    faults.push_back("branching " + std::to_string(tree.branching) + " is not in 2…64");
+  if (n == 0) {
+    faults.emplace_back("the tree has no nodes");
+    return faults;
+  }
+  if (tree.first_child.size() != n || tree.child_count.size() != n || tree.parent.size() != n) {
+    faults.emplace_back("spheres, first_child, child_count and parent differ in length");
+    return faults;
+  }
+  if (tree.level_begin.size() < 2 || tree.level_begin.front() != 0 || tree.level_begin.back() != n ||
+      tree.level_begin[1] != 1) {
+    faults.emplace_back("level_begin does not span the nodes with a single root");
+    return faults;
+  }
+  for (std::size_t j = 0; j + 1 < tree.level_begin.size(); ++j)
+    if (tree.level_begin[j] >= tree.level_begin[j + 1]) {
+      faults.push_back("level " + std::to_string(j) + " is empty or out of order");
+      return faults;
+    }
+  if (tree.parent[0] != no_node) faults.emplace_back("the root has a parent");
+
+  const auto node = [](std::size_t i) { return "node " + std::to_string(i); };
+  std::size_t next = 1;  // children follow one another in the order of their parents
+  for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level)
+    for (std::uint32_t i = tree.level_begin[level]; i < tree.level_begin[level + 1]; ++i) {
+      const Sphere& s = tree.spheres[i];
+      if (!is_finite(s.center) || !std::isfinite(s.radius))
+        faults.push_back(node(i) + " has a number that is not finite");
+      if (s.radius < 0) faults.push_back(node(i) + " has a negative radius");
+      const std::uint32_t count = tree.child_count[i];
+      if (count > tree.branching)
+        faults.push_back(node(i) + " has " + std::to_string(count) + " children, more than the branching");
+      if (count == 0) {
+        if (tree.first_child[i] != no_node) faults.push_back(node(i) + " is a leaf with a first child");
+        continue;
+      }
+      if (tree.first_child[i] != next || next + count > n) {
+        faults.push_back("the children of " + node(i) + " are not where they belong");
+        return faults;
+      }
+      for (std::uint32_t c = 0; c < count; ++c)
+        if (tree.parent[next + c] != i)
+          faults.push_back(node(next + c) + " does not name " + node(i) + " as its parent");
+      if (level + 2 >= tree.level_begin.size() || next < tree.level_begin[level + 1] ||
+          next + count > tree.level_begin[level + 2])
+        faults.push_back("the children of " + node(i) + " are not on the next level");
+      next += count;
+    }
+  if (next != n) faults.emplace_back("some nodes have no parent");
+  return faults;
+}
+
+std::uint64_t tree_hash(const SphereTree& tree) {
+  Hasher hash;
+  hash.add(tree.branching);
+  for (const Sphere& s : tree.spheres) hash.add(s);
+  for (const auto* indices : {&tree.first_child, &tree.child_count, &tree.parent, &tree.level_begin})
+    for (const std::uint32_t i : *indices) hash.add(i);
+  return hash.value();
+}
+
+}  // namespace morula

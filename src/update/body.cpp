@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/update/body.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "geometry/hash.hpp"
+#include "update/exact.hpp"
+#include "update/local_points.hpp"
+#include "update/ownership.hpp"
+#include "update/paper_rules.hpp"
+
+namespace morula {
+namespace {
+
+// One rule per level of the tree; throws for an empty list and for options out of range.
+std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t level_count) {
+  if (options.rules.empty()) throw std::invalid_argument("the list of update rules is empty");
+  const double floor = options.details.distance_floor;
+  if (!(floor >= 0 && floor <= 1))
+    throw std::invalid_argument("distance_floor " + std::to_string(floor) + " is not in 0…1");
+  std::vector<Rule> rules(level_count);
+  for (std::size_t level = 0; level < level_count; ++level)
+    rules[level] = options.rules[std::min(level, options.rules.size() - 1)];
+  return rules;
+}
+
+void require_fitting(const Mesh& mesh, const Built& built) {
+  require_usable(mesh);
+  if (const auto faults = validate(built.tree); !faults.empty())
+    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
+  require_belonging(mesh, built);
+  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
+  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
+    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
+}
+
+// The tree's spheres about an origin, narrowed so that each contains what it was.
+std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
+  std::vector<Spheref> narrow;
+  for (const Sphere& s : tree.spheres) {
+    const Vec3 center = s.center - origin;
+    // Adding zero makes a negative zero positive, as the rules do.
+    const Vec3f nearest = Vec3f(center) + Vec3f{};
+    narrow.push_back({nearest, rounded_up(s.radius + distance(Vec3(nearest), center))});
+    if (!(largest_component(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
+      throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
+                                  " is too large for an update: scale " +
+                                  "mesh and tree so that coordinates about the centre stay below 1e17");
+  }
+  return narrow;
+}
+
+}  // namespace
+
+struct Body::State {
+  SphereTree tree;
+  Cover cover;
+  UpdateOptions options;
+  LocalPoints local;
+  std::vector<Spheref> spheres{};
+  Vec3 origin{};
+  BindReport report{};
+  UpdateStatus work{};  // of a good update: the same every time
+  std::optional<ExactRule> exact{};
+  std::optional<PaperRules> paper{};
+
+  // The exact rule reads points alone, the others their children: all levels of the first, then level by level upwards.
+  void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
+    if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
+    if (paper)
+      for (std::size_t level = tree.level_count(); level-- > 0;)
+        paper->update_level(level, local.points(), frame.rounding, spheres, workers);
+    origin = frame.origin;
+  }
+};
+
+Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers) {
+  require_fitting(mesh, built);
+  const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
+  const LeafOrder order = depth_first_leaves(built.tree);
+  const Ownership ownership =
+      share_points(mesh, built.cover, order, leaves_below_exact(built.tree, order, rule_of_level));
+  state_ = std::make_unique<State>(
+      State{built.tree, built.cover, std::move(options), LocalPoints(mesh, built.cover, ownership)});
+  State& s = *state_;
+
+  const LocalPoints::Frame rest = s.local.move(mesh.positions, workers);
+  if (!rest.finite)
+    throw std::invalid_argument("vertex " + std::to_string(rest.first_bad_vertex) +
+                                " is too far from the centre for an update: scale mesh and tree so that coordinates "
+                                "about it stay below 1e17");
+  s.origin = rest.origin;
+  s.spheres = narrowed(s.tree, rest.origin);
+  const std::vector<Spheref> of_tree = s.spheres;
+  const TriangleBvh bvh(mesh, workers);
+  const Binding binding{mesh, s.tree, rule_of_level, bvh, s.local, rest.rounding, of_tree, workers};
+  const auto exact_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::exact);
+  if (exact_levels > 0) {
+    s.exact.emplace(binding, order, ownership);
+    s.exact->update(s.local.points(), rest.rounding, s.spheres, workers);
+    s.report.corners_owned = s.exact->owned_points();
+    s.work.points_tested += s.exact->tested_points();
+    for (std::size_t k = 0; k < s.exact->anchors().size(); ++k) {
+      const CenterTie& tie = s.exact->anchors()[k];
+      s.report.degenerate_anchors += tie.degenerate;
+      s.report.carried_centers += tie.carries && !tie.degenerate;
+    }
+  }
+  if (exact_levels < std::ssize(rule_of_level)) {
+    s.paper.emplace(binding, s.options.details, s.spheres, s.report);
+    s.work.points_tested += s.paper->tested_points();
+  }
+  s.work.nodes_updated = s.tree.node_count();
+  s.work.vertices_read = s.local.vertex_count();
+  s.work.cut_points_moved = s.local.cut_point_count();
+}
+
+Body::~Body() = default;
+Body::Body(Body&&) noexcept = default;
+Body& Body::operator=(Body&&) noexcept = default;
+
+UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
+  State& s = *state_;
+  if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  const LocalPoints::Frame frame = s.local.move(positions, workers);
+  if (!frame.finite)
+    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
+  s.write_spheres(frame, workers);
+  return s.work;
+}
+
+std::span<const Spheref> Body::spheres() const {
+  return state_->spheres;
+}
+
+Vec3 Body::origin() const {
+  return state_->origin;
+}
+
+Sphere Body::sphere(std::uint32_t node) const {
+  const Spheref& s = state_->spheres[node];
+  return {state_->origin + Vec3(s.center), static_cast<double>(s.radius)};
+}
+
+void Body::copy_spheres(std::vector<Sphere>& spheres) const {
+  spheres.resize(state_->spheres.size());
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) spheres[i] = sphere(i);
+}
+
+SphereTree Body::current_tree() const {
+  SphereTree tree = state_->tree;
+  copy_spheres(tree.spheres);
+  return tree;
+}
+
+std::uint64_t Body::hash() const {
+  Hasher hash;
+  hash.add(state_->origin);
+  for (const Spheref& s : state_->spheres) hash.add(s);
+  return hash.value();
+}
+
+const SphereTree& Body::rest_tree() const {
+  return state_->tree;
+}
+
+const Cover& Body::cover() const {
+  return state_->cover;
+}
+
+const UpdateOptions& Body::options() const {
+  return state_->options;
+}
+
+const BindReport& Body::bind_report() const {
+  return state_->report;
+}
+
+std::size_t Body::vertex_count() const {
+  return state_->cover.vertex_count;
+}
+
+}  // namespace morula

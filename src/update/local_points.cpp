@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/local_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace morula {
+namespace {
+
+constexpr std::size_t vertices_per_chunk = 4096;
+constexpr std::size_t cut_points_per_chunk = 4096;
+
+// Largest |coordinate| of the narrowed points; infinity when one is not finite (or does not fit a float).
+float narrow(PositionView positions, std::span<const std::uint32_t> vertices, const Vec3 origin, LocalPoint* out) {
+  Float4 lowest(0.0f), highest(0.0f), trap(0.0f);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vec3f p(positions[vertices[i]] - origin);
+    out[i] = {p.x, p.y, p.z, 0.0f};
+    const Float4 wide = Float4::load(out[i]);
+    // Minima and maxima lose a NaN; x - x is zero unless x is infinite or NaN, and a sum never loses that.
+    trap = trap + (wide - wide);
+    lowest = min(wide, lowest);
+    highest = max(wide, highest);
+  }
+  for (const float lane : trap.lanes())
+    if (lane != 0.0f) return std::numeric_limits<float>::infinity();
+  return std::max(largest_lane(highest), largest_lane(Float4(0.0f) - lowest));
+}
+
+}  // namespace
+
+LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership)
+    : vertices_(ownership.vertices), point_of_(rest.vertex_count(), 0xffffffffu) {
+  for (std::uint32_t i = 0; i < vertices_.size(); ++i) point_of_[vertices_[i]] = i;
+  for (const std::uint32_t k : ownership.cut_points) {
+    const CutPoint& c = cover.cut_points[k];
+    const auto heaviest =
+        static_cast<std::size_t>(std::max_element(c.weight.begin(), c.weight.end()) - c.weight.begin());
+    const std::size_t second = (heaviest + 1) % 3, third = (heaviest + 2) % 3;
+    // A vertex without weight may be anything, even one that no facet uses.
+    const auto point = [&](std::size_t i) { return point_of_[c.vertex[c.weight[i] == 0 ? heaviest : i]]; };
+    cuts_.push_back({{point(heaviest), point(second), point(third)},
+                     static_cast<float>(c.weight[second]),
+                     static_cast<float>(c.weight[third])});
+  }
+  // Over all cut points: a certificate looks at those that no leaf has to test as well.
+  for (const CutPoint& c : cover.cut_points)
+    weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
+  points_.resize(vertices_.size() + cuts_.size());
+  chunk_largest_.resize((vertices_.size() + vertices_per_chunk - 1) / vertices_per_chunk);
+  rest_origin_ = bounding_box(rest).center();
+  guide_ = *std::min_element(vertices_.begin(), vertices_.end());
+  guide_rest_ = rest.positions[guide_];
+}
+
+LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
+  Frame frame;
+  frame.origin = rest_origin_ + (positions[guide_] - guide_rest_);
+  parallel_for(workers, vertices_.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
+    chunk_largest_[begin / vertices_per_chunk] =
+        narrow(positions, std::span(vertices_).subspan(begin, end - begin), frame.origin, &points_[begin]);
+  });
+  const float largest = *std::max_element(chunk_largest_.begin(), chunk_largest_.end());
+  if (!(largest <= largest_local_coordinate)) {
+    frame.finite = false;
+    frame.first_bad_vertex = first_bad_vertex(positions, frame.origin);
+    return frame;
+  }
+  frame.rounding = {static_cast<double>(largest), largest_component(frame.origin), weight_slack_};
+  move_cut_points(workers);
+  return frame;
+}
+
+void LocalPoints::move_cut_points(Workers& workers) noexcept {
+  const std::size_t vertex_count = vertices_.size();
+  parallel_for(workers, cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Cut& cut = cuts_[i];
+      const Float4 v0 = Float4::load(points_[cut.point[0]]);
+      const Float4 v1 = Float4::load(points_[cut.point[1]]), v2 = Float4::load(points_[cut.point[2]]);
+      (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(points_[vertex_count + i]);
+    }
+  });
+}
+
+// The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.
+std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept {
+  std::size_t first = positions.size();
+  for (const std::uint32_t v : vertices_) {
+    const Vec3f p(positions[v] - origin);
+    const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
+                      std::abs(p.z) <= largest_local_coordinate;
+    if (!good) first = std::min<std::size_t>(first, v);
+  }
+  return first;
+}
+
+}  // namespace morula

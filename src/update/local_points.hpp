@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The points of a body about an origin that moves with it: the caller's positions narrowed to float, and cut points.
+#pragma once
+
+#include <morula/geometry/positions.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/tree/cover.hpp>
+#include <vector>
+
+#include "update/float4.hpp"
+#include "update/ownership.hpp"
+#include "update/rounding.hpp"
+
+namespace morula {
+
+class LocalPoints {
+ public:
+  LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership);
+
+  struct Frame {
+    bool finite = true;                ///< otherwise the points are of no use and nothing else here is set
+    std::size_t first_bad_vertex = 0;  ///< lowest mesh vertex that is not finite or out of range
+    Vec3 origin;
+    Rounding rounding;
+  };
+  /// Reads every used vertex once and moves the cut points. Afterwards points() belongs to the frame returned.
+  Frame move(const PositionView& positions, Workers& workers) noexcept;
+
+  /// Vertices in the ownership's order, then cut points.
+  std::span<const LocalPoint> points() const { return points_; }
+  std::size_t vertex_count() const { return vertices_.size(); }
+  std::size_t cut_point_count() const { return cuts_.size(); }
+  /// At rest: the centre of the mesh's box.
+  const Vec3& rest_origin() const { return rest_origin_; }
+  /// Point of a mesh vertex that facets use.
+  std::uint32_t point_of(std::uint32_t vertex) const { return point_of_[vertex]; }
+
+ private:
+  struct Cut {
+    std::array<std::uint32_t, 3> point;  // the first has the largest weight
+    float weight1, weight2;
+  };
+  std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
+  void move_cut_points(Workers& workers) noexcept;
+
+  std::vector<std::uint32_t> vertices_;
+  std::vector<std::uint32_t> point_of_;
+  std::vector<Cut> cuts_;
+  std::vector<LocalPoint> points_;
+  std::vector<float> chunk_largest_;  // per chunk of vertices; infinity when something in it is not finite
+  Vec3 rest_origin_;
+  Vec3 guide_rest_;  // the vertex that the origin moves with
+  std::uint32_t guide_ = 0;
+  double weight_slack_ = 0;
+};
+
+}  // namespace morula

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/ownership.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace morula {
+namespace {
+
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw std::invalid_argument("mesh and tree do not belong together: " + otherwise);
+}
+
+void require_array_sizes(const Mesh& mesh, const Built& built) {
+  const Cover& cover = built.cover;
+  require(cover.vertex_count == mesh.vertex_count(), "the cover is for " + std::to_string(cover.vertex_count) +
+                                                         " vertices, the mesh has " +
+                                                         std::to_string(mesh.vertex_count()));
+  require(cover.facet_count == mesh.facet_count(), "the cover is for " + std::to_string(cover.facet_count) +
+                                                       " facets, the mesh has " + std::to_string(mesh.facet_count()));
+  const std::size_t nodes = built.tree.node_count();
+  require(cover.region_begin.size() == nodes && cover.region_end.size() == nodes,
+          "the cover is for " + std::to_string(cover.region_begin.size()) + " nodes, the tree has " +
+              std::to_string(nodes));
+  require(cover.corner_begin.size() == cover.patch_count() + 1 && cover.corner_begin.front() == 0 &&
+              cover.corner_begin.back() == cover.corners.size() &&
+              std::is_sorted(cover.corner_begin.begin(), cover.corner_begin.end()),
+          "the patches do not span the corners");
+}
+
+void require_corners(const Cover& cover) {
+  for (const std::uint32_t corner : cover.corners)
+    require(corner < cover.vertex_count + cover.cut_points.size(),
+            "corner " + std::to_string(corner) + " does not exist");
+  for (std::size_t i = 0; i < cover.cut_points.size(); ++i) {
+    const CutPoint& c = cover.cut_points[i];
+    double sum = 0;
+    bool in_range = true;
+    for (int k = 0; k < 3; ++k) {
+      in_range = in_range && c.vertex[k] < cover.vertex_count && c.weight[k] >= 0 && c.weight[k] <= 1;
+      sum += c.weight[k];
+    }
+    require(in_range && std::abs(sum - 1) < 1e-9, "cut point " + std::to_string(i) + " is not on a facet");
+  }
+}
+
+void require_regions(const SphereTree& tree, const Cover& cover) {
+  require(cover.region_begin[0] == 0 && cover.region_end[0] == cover.patch_count(),
+          "the root does not own all patches");
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    require(cover.region_begin[node] < cover.region_end[node], "node " + std::to_string(node) + " owns no patch");
+    if (tree.is_leaf(node)) continue;
+    std::uint32_t next = cover.region_begin[node];
+    for (std::uint32_t c = 0; c < tree.child_count[node]; ++c) {
+      const std::uint32_t child = tree.first_child[node] + c;
+      require(cover.region_begin[child] == next,
+              "the region of node " + std::to_string(child) + " does not follow its sibling's");
+      next = cover.region_end[child];
+    }
+    require(next == cover.region_end[node],
+            "the region of node " + std::to_string(node) + " is not the union of its children's");
+  }
+}
+
+bool all_owned(const CutPoint& c, const std::vector<std::uint32_t>& owner, std::uint32_t leaf) {
+  for (int k = 0; k < 3; ++k)
+    if (c.weight[k] != 0 && owner[c.vertex[k]] != leaf) return false;
+  return true;
+}
+
+}  // namespace
+
+void require_belonging(const Mesh& mesh, const Built& built) {
+  require_array_sizes(mesh, built);
+  require_corners(built.cover);
+  require_regions(built.tree, built.cover);
+}
+
+LeafOrder depth_first_leaves(const SphereTree& tree) {
+  LeafOrder order;
+  order.begin.resize(tree.node_count());
+  order.end.resize(tree.node_count());
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const std::uint32_t node = open.back();
+    open.pop_back();
+    order.begin[node] = static_cast<std::uint32_t>(order.leaves.size());
+    if (tree.is_leaf(node)) order.leaves.push_back(node);
+    for (std::uint32_t c = tree.child_count[node]; c-- > 0;) open.push_back(tree.first_child[node] + c);
+  }
+  // Children have higher numbers than their parent.
+  for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;)
+    order.end[node] =
+        tree.is_leaf(node) ? order.begin[node] + 1 : order.end[tree.first_child[node] + tree.child_count[node] - 1];
+  return order;
+}
+
+Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
+                       std::span<const std::uint8_t> needs_cut_points) {
+  constexpr std::uint32_t none = 0xffffffffu;
+  Ownership result;
+  result.begin.push_back(0);
+  std::vector<std::uint32_t> number(mesh.vertex_count() + cover.cut_points.size(), none);
+  std::vector<std::uint32_t> owner(number.size(), none);  // last leaf seen to own a corner
+  std::vector<std::uint32_t> cuts, cut_begin{0};          // cover corners, leaf after leaf
+  std::vector<std::uint32_t> vertices;                    // of one leaf
+
+  // Vertices first: cut points get the numbers after the last of them.
+  for (std::uint32_t k = 0; k < order.leaves.size(); ++k) {
+    vertices.clear();
+    const auto corners = cover.region_corners(order.leaves[k]);
+    for (const std::uint32_t c : corners)
+      if (c < cover.vertex_count && owner[c] != k) owner[c] = k, vertices.push_back(c);
+    if (needs_cut_points[k])
+      for (const std::uint32_t c : corners)
+        if (c >= cover.vertex_count && owner[c] != k && !all_owned(cover.cut_points[c - cover.vertex_count], owner, k))
+          owner[c] = k, cuts.push_back(c);
+    cut_begin.push_back(static_cast<std::uint32_t>(cuts.size()));
+    std::sort(vertices.begin(), vertices.end());
+    for (const std::uint32_t v : vertices) {
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.push_back(v);
+      }
+      result.points.push_back(number[v]);
+    }
+    result.begin.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  // Vertices of facets that no patch has as a corner: cut points and links may still refer to them.
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f)
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.push_back(v);
+      }
+
+  std::vector<std::uint32_t> merged, merged_begin{0};
+  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+    const auto owned = result.of_leaf(k);
+    merged.insert(merged.end(), owned.begin(), owned.end());
+    for (std::uint32_t i = cut_begin[k]; i < cut_begin[k + 1]; ++i) {
+      const std::uint32_t c = cuts[i];
+      if (number[c] == none) {
+        number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
+        result.cut_points.push_back(c - cover.vertex_count);
+      }
+      merged.push_back(number[c]);
+    }
+    std::sort(merged.begin() + merged_begin.back(), merged.end());
+    merged_begin.push_back(static_cast<std::uint32_t>(merged.size()));
+  }
+  result.points = std::move(merged);
+  result.begin = std::move(merged_begin);
+  return result;
+}
+
+}  // namespace morula

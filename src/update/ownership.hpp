@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Who answers for which points: the cover's patches, boiled down to lists of distinct points per leaf.
+#pragma once
+
+#include <morula/tree/cover.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// Throws std::invalid_argument unless mesh, tree and cover have the right sizes for each other, every index is in
+/// range, and regions are the disjoint unions of their children's. Looks at no position.
+void require_belonging(const Mesh& mesh, const Built& built);
+
+/// Leaves in depth-first order, so that the leaves below any node are one range.
+struct LeafOrder {
+  std::vector<std::uint32_t> leaves;  ///< nodes
+  std::vector<std::uint32_t>
+      begin;  ///< per node: the leaves below it (itself, for a leaf) are [begin, end) of `leaves`
+  std::vector<std::uint32_t> end;
+};
+LeafOrder depth_first_leaves(const SphereTree& tree);
+
+/// Points are numbered anew: the vertices that facets use, those of the first leaf first, then the cut points that some
+/// leaf has to test, likewise. What a leaf reads then lies together.
+struct Ownership {
+  std::vector<std::uint32_t> vertices;    ///< mesh vertex of point i < vertices.size()
+  std::vector<std::uint32_t> cut_points;  ///< of the cover; that of point vertices.size() + k
+  /// Leaf k of the leaf order owns points[begin[k] … begin[k + 1]), ascending, each once. A cut corner is left out when
+  /// all its vertices are there: it is a convex combination of them, so no sphere can contain them and miss it.
+  std::vector<std::uint32_t> begin;
+  std::vector<std::uint32_t> points;
+
+  std::span<const std::uint32_t> of_leaf(std::size_t k) const {
+    return std::span(points).subspan(begin[k], begin[k + 1] - begin[k]);
+  }
+};
+/// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether.
+Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
+                       std::span<const std::uint8_t> needs_cut_points);
+
+}  // namespace morula

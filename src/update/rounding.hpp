@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// How radii survive rounding: the error budget of every distance that an update takes.
+//
+// Let e = 2^-24, M the largest |coordinate| of a vertex about the frame's origin (after narrowing to float), A the
+// largest |coordinate| of origin, points and centre in mesh units, and s the largest |1 - sum of weights| over the
+// cover's cut points. Per coordinate:
+//   narrowing       p - origin in double, then to float                                        e M
+//   cut points      v0 + w1 (v1 - v0) + w2 (v2 - v0) in float, where v0 has the largest weight, so w1 + w2 <= 2/3 and
+//                   |w1 (v1 - v0)| + |w2 (v2 - v0)| <= 4/3 M: weights narrowed 4/3 e M, differences 4/3 e M,
+//                   products 4/3 e M, two sums 2 e M                                           6 e M
+//                   With the narrowing: 7 e M, as a length below 12.2 e M. Allowed: 2^-20 M = 16 e M.
+//   distance        squared in float: differences e, products e, two sums; (1 + e)^5 in all, so 2.5 e of the distance,
+//                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
+//   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more: 3 x 2^-126
+//   of
+//                   the square, below 2^-62 of the distance. Allowed: 2^-62.
+//   reading         origin + centre in double 2^-53 A, a cut point as a weighted sum of mesh coordinates 3 x 2^-53 A
+//   and
+//                   s A: as a length below 7 x 2^-53 A + 2 s A. Allowed: 2^-48 A + 2 s A, which is also what
+//                   rounded_up_radius and so certify() ask for.
+// What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <morula/geometry/vector.hpp>
+
+namespace morula {
+
+/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centres
+/// that lie outside the hull of their anchors.
+inline constexpr float largest_local_coordinate = 0x1p57f;
+/// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
+inline constexpr float largest_radius = 0x1p60f;
+
+/// The least float that is not below x.
+inline float rounded_up(double x) {
+  const float nearest = static_cast<float>(x);
+  return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
+}
+
+/// What the points of one frame allow for.
+struct Rounding {
+  double largest_coordinate = 0;         ///< M
+  double largest_origin_coordinate = 0;  ///< |origin|
+  double weight_slack = 0;               ///< s
+
+  /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
+  /// is.
+  float covering_radius(float squared_distance, const Vec3f& center) const {
+    const double farthest = std::sqrt(static_cast<double>(squared_distance));
+    const double mesh_coordinate =
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+    const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 2 * weight_slack) * mesh_coordinate + 0x1p-62;
+    return rounded_up(farthest * (1 + 0x1p-22) + pad);
+  }
+};
+
+}  // namespace morula

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <morula/io/tree_file.hpp>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+TEST(ConvertCommand, meshes_keep_their_bits_through_every_format) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 6");
+  bench.require("convert limb.obj limb.off");
+  bench.require("convert limb.off limb.ply");
+  bench.require("convert limb.ply again.obj");
+  EXPECT_EQ(mesh_hash(read_mesh(bench / "again.obj")), mesh_hash(read_mesh(bench / "limb.obj")));
+}
+
+TEST(ConvertCommand, spheres_keep_their_bits_and_covers_stay_in_native_files) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula --depth 2");
+  const CommandResult bare = bench.require("convert limb.morula limb.sph");
+  EXPECT_NE(bare.err.find("the cover stays behind"), std::string::npos) << bare.err;
+  bench.require("convert limb.sph limb.json");
+  bench.require("convert limb.morula copy.morula");
+  const std::uint64_t hash = tree_hash(read_tree(bench / "limb.morula").tree);
+  EXPECT_EQ(tree_hash(read_tree(bench / "limb.json").tree), hash);
+  EXPECT_EQ(bench.read("copy.morula"), bench.read("limb.morula"));
+}
+
+TEST(ConvertCommand, bare_trees_need_the_mesh_to_get_a_cover) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.write("bar.sph", "1 8\n0 0 0 1 0\n");
+  const auto before = bench.listing();
+  const CommandResult without = bench.run("convert bar.sph bar.morula");
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("add --mesh MESH"), std::string::npos) << without.err;
+  EXPECT_EQ(bench.listing(), before);
+  const CommandResult with = bench.require("convert bar.sph bar.morula --mesh bar.obj");
+  EXPECT_NE(with.out.find("Grown so that every level covers the mesh:"), std::string::npos) << with.out;
+  EXPECT_EQ(bench.require("info bar.morula --check --mesh bar.obj").exit_code, 0);
+}
+
+TEST(ConvertCommand, does_not_cross_between_meshes_and_trees) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  const auto before = bench.listing();
+  const CommandResult tree = bench.run("convert bar.obj x.morula");
+  EXPECT_EQ(tree.exit_code, 2);
+  EXPECT_NE(tree.err.find("morula build makes trees"), std::string::npos) << tree.err;
+  EXPECT_EQ(bench.run("convert bar.morula x.obj").exit_code, 2);
+  EXPECT_EQ(bench.run("convert bar.obj x.stl").exit_code, 2);
+  EXPECT_EQ(bench.listing(), before);
+}
+
+}  // namespace
+}  // namespace morula::test

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+using nlohmann::json;
+
+const json& cell_of(const json& demo, const std::string& method, const std::string& motion, const std::string& rule) {
+  for (const json& tree : demo["trees"]) {
+    for (const json& cell : tree["cells"]) {
+      if (tree["method"] == method && cell["motion"] == motion && cell["rule"] == rule) return cell;
+    }
+  }
+  throw std::out_of_range(method + ' ' + motion + ' ' + rule);
+}
+
+TEST(DemoCommand, its_figures_come_again_from_files) {
+  const Workbench bench;
+  const CommandResult text = bench.require("demo --quick -o demo");
+  const json demo = json::parse(bench.read("demo/demo.json"));
+  ASSERT_EQ(demo["trees"].size(), 2u);
+  ASSERT_EQ(demo["trees"][0]["cells"].size(), 15u);
+  const std::string frames = std::to_string(demo["frame_count"].get<int>());
+  const std::string resolution = std::to_string(demo["grid"]["resolution"].get<int>());
+  const std::vector<std::size_t> measured = demo["measured_frames"];
+
+  // What the table shows, made again one command at a time, for one cell of every motion and every rule.
+  const std::vector<std::array<std::string, 3>> cells{{"grid", "stretch 2", "approach2"},
+                                                      {"grid", "twist 180", "exact"},
+                                                      {"octree", "bend 90", "approach1"},
+                                                      {"octree", "twist 180", "traditional"},
+                                                      {"grid", "bend 90", "weighted"}};
+  for (const auto& [method, motion, rule] : cells) {
+    bench.require("deform demo/limb.obj -o motion --" + motion + " --frames " + frames);
+    bench.require("build demo/limb.obj -o limb.morula --method " + method);
+    EXPECT_EQ(bench.read("limb.morula"), bench.read("demo/limb-" + method + ".morula"));
+    bench.require("update demo/limb.obj limb.morula motion -o spheres --rule " + rule);
+    const json again = bench
+                           .require(
+                               "measure demo/limb.obj spheres --motion motion --grid fixed --no-protrusion --json "
+                               "--resolution " +
+                               resolution)
+                           .json();
+    const json& cell = cell_of(demo, method, motion, rule);
+    ASSERT_EQ(cell["frames"].size(), measured.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      const json& leaves = again["frames"][measured[i]]["levels"].back();
+      for (const char* figure : {"looseness", "missed_volume", "union_volume", "bare_area", "gap", "covered"}) {
+        EXPECT_EQ(cell["frames"][i][figure], leaves[figure]) << method << ' ' << motion << ' ' << rule << ' ' << figure;
+      }
+      worst = std::max(worst, leaves["looseness"].get<double>());
+    }
+    EXPECT_EQ(cell["worst_looseness"].get<double>(), worst);
+  }
+}
+
+TEST(DemoCommand, what_it_says_is_what_it_measured) {
+  const Workbench bench;
+  const CommandResult text = bench.require("demo --quick -o demo");
+  const json demo = json::parse(bench.read("demo/demo.json"));
+  std::size_t bare_motions = 0;
+  double most_bare = 0;
+  for (const json& tree : demo["trees"]) {
+    for (const json& cell : tree["cells"]) {
+      EXPECT_TRUE(cell["returns_to_rest"].get<bool>()) << tree["method"] << cell["motion"] << cell["rule"];
+      if (cell["rule"] == "exact") {
+        EXPECT_EQ(cell["worst_bare_area"].get<double>(), 0);
+        EXPECT_EQ(cell["worst_gap"].get<double>(), 0);
+        EXPECT_TRUE(cell["certificate"]["covered"].get<bool>());
+      }
+      if (cell["rule"] == "approach2") {
+        bare_motions += cell["worst_bare_area"].get<double>() > 0 ? 1 : 0;
+        most_bare = std::max(most_bare, cell["worst_bare_area"].get<double>());
+      }
+    }
+  }
+  EXPECT_NE(text.out.find("exact leaves no surface bare"), std::string::npos) << text.out;
+  EXPECT_EQ(text.out.find("approach2 left nothing bare here") != std::string::npos, bare_motions == 0) << text.out;
+  if (bare_motions > 0) {
+    std::ostringstream percentage;
+    percentage.precision(1);
+    percentage << std::fixed << 100 * most_bare << '%';
+    EXPECT_NE(text.out.find("up to " + percentage.str()), std::string::npos) << percentage.str() << '\n' << text.out;
+  }
+  for (const json& finding : demo["findings"]) {
+    EXPECT_NE(text.out.find(finding.get<std::string>()), std::string::npos) << finding;
+  }
+}
+
+TEST(DemoCommand, writes_a_row_of_csv_for_every_measurement_and_the_files_it_names) {
+  const Workbench bench;
+  const json demo = bench.require("demo --quick -o demo --json").json();
+  std::size_t measurements = 0;
+  for (const json& tree : demo["trees"]) {
+    for (const json& cell : tree["cells"]) measurements += cell["frames"].size();
+  }
+  const std::string csv = bench.read("demo/demo.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), measurements + 1);
+  for (const char* name : {"demo.json", "limb.obj", "limb-grid.morula", "limb-octree.morula", "limb-stretch-2.obj",
+                           "limb-stretch-2-exact.sph", "limb-bend-90-approach2.sph"}) {
+    EXPECT_TRUE(std::filesystem::is_regular_file(bench / (std::string("demo/") + name))) << name;
+  }
+  EXPECT_EQ(json::parse(bench.read("demo/demo.json")), demo);
+}
+
+}  // namespace
+}  // namespace morula::test

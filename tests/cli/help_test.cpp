@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <morula/version.hpp>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+const std::vector<std::string> commands{"build", "measure", "deform", "update", "info", "sample", "convert", "demo"};
+
+/// Bad use: exit 2, one line on stderr that says what is wrong, nothing on stdout, nothing written.
+void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& reason) {
+  const std::vector<std::string> before = bench.listing();
+  const CommandResult result = bench.run(arguments);
+  EXPECT_EQ(result.exit_code, 2) << "morula " << arguments << "\n" << result.err;
+  EXPECT_EQ(result.out, "") << arguments;
+  EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << arguments << "\n" << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(reason), std::string::npos) << arguments << "\n" << result.err;
+  EXPECT_EQ(bench.listing(), before) << arguments;
+}
+
+TEST(Help, lists_the_commands_that_exist_and_no_others) {
+  const Workbench bench;
+  const std::string help = bench.require("--help").out;
+  const std::size_t list = help.find("Subcommands:");
+  ASSERT_NE(list, std::string::npos) << help;
+  std::istringstream lines(help.substr(list));
+  std::vector<std::string> listed;
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (line[2] != ' ') listed.push_back(word);
+  }
+  EXPECT_EQ(listed, commands);
+}
+
+TEST(Help, every_command_explains_itself_with_an_example) {
+  const Workbench bench;
+  for (const std::string& command : commands) {
+    const std::string help = bench.require(command + " --help").out;
+    EXPECT_NE(help.find("Example:"), std::string::npos) << help;
+    EXPECT_NE(help.find("  morula " + command + " "), std::string::npos) << help;
+  }
+}
+
+TEST(Help, says_the_version_of_the_library) {
+  const Workbench bench;
+  EXPECT_EQ(bench.require("--version").out, std::string("morula ") + version + "\n");
+}
+
+TEST(BadUse, without_a_command_shows_the_help_and_fails) {
+  const Workbench bench;
+  const CommandResult result = bench.run("");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.out.find("Subcommands:"), std::string::npos);
+  EXPECT_EQ(result.err, "morula: error: no command; see morula --help\n");
+}
+
+TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  expect_refused(bench, "biuld bar.obj -o x.morula", "did you mean build?");
+  expect_refused(bench, "build bar.obj -o x.morula --methd grid", "did you mean --method?");
+  expect_refused(bench, "build bar.obj -o x.morula --method gird", "known: octree, grid; did you mean grid?");
+  expect_refused(bench, "build bar.obj -o x.morula --method medial", "unknown method 'medial'; known: octree, grid");
+  expect_refused(bench, "sample lim -o x.obj", "did you mean limb?");
+  expect_refused(bench, "update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
+  expect_refused(bench, "measure bar.obj bar.morula --grid levels", "known: level, fixed; did you mean level?");
+  expect_refused(bench, "deform bar.obj -o m --bend 90 --axis w", "unknown axis 'w'; known: x, y, z, auto");
+}
+
+TEST(BadUse, missing_and_surplus_arguments_are_named) {
+  const Workbench bench;
+  expect_refused(bench, "build", "MESH is required; see morula build --help");
+  expect_refused(bench, "build bar.obj", "--output is required");
+  expect_refused(bench, "sample bar -o x.obj y.obj", "unexpected argument 'y.obj'");
+  expect_refused(bench, "sample bar -o x.obj --resolution many", "--resolution");
+  expect_refused(bench, "sample bar -o x.obj --resolution 2", "resolution");
+}
+
+TEST(BadUse, outputs_that_cannot_be_are_refused_before_any_work) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  expect_refused(bench, "sample bar -o bar.stl", "meshes are written as .obj, .off or .ply");
+  expect_refused(bench, "sample bar -o nowhere/bar.obj", "there is no folder nowhere");
+  expect_refused(bench, "build bar.obj -o bar.tree", "trees are written as .morula");
+  expect_refused(bench, "build missing.obj -o nowhere/bar.morula", "there is no folder nowhere");
+  expect_refused(bench, "deform bar.obj -o motion.obj --bend 90", "folder of meshes or a .npy file");
+  expect_refused(bench, "measure bar.obj bar.obj --csv nowhere/x.csv", "there is no folder nowhere");
+}
+
+TEST(BadInput, broken_files_are_named_and_nothing_is_written) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.write("empty.obj", "");
+  bench.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+  bench.write("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n");
+  bench.write("lying.morula", "this is no tree");
+  bench.write("short.sph", "2 8\n0 0 0 1 0\n");
+  expect_refused(bench, "build missing.obj -o x.morula", "missing.obj");
+  expect_refused(bench, "build empty.obj -o x.morula", "empty.obj");
+  expect_refused(bench, "build broken.obj -o x.morula", "broken.obj");
+  expect_refused(bench, "build nan.obj -o x.morula", "nan.obj");
+  expect_refused(bench, "build bar.xyz -o x.morula", "bar.xyz");
+  expect_refused(bench, "measure bar.obj lying.morula", "lying.morula");
+  expect_refused(bench, "measure bar.obj short.sph --csv x.csv", "short.sph");
+  expect_refused(bench, "info bar.xyz", "neither a mesh");
+  expect_refused(bench, "convert lying.morula x.sph", "lying.morula");
+  expect_refused(bench, "deform broken.obj -o motion --twist 90", "broken.obj");
+}
+
+}  // namespace
+}  // namespace morula::test

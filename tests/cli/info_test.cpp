@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/io/tree_file.hpp>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+TEST(InfoCommand, says_what_a_mesh_is_good_for) {
+  const Workbench bench;
+  bench.require("sample two -o two.obj --resolution 8");
+  const auto closed = bench.require("info two.obj --check --json").json();
+  EXPECT_EQ(closed["kind"], "mesh");
+  EXPECT_EQ(closed["components"], 2);
+  EXPECT_TRUE(closed["closed"].get<bool>());
+  EXPECT_GT(closed["volume"].get<double>(), 0);
+  EXPECT_NE(bench.require("info two.obj").out.find("every figure can be measured"), std::string::npos);
+
+  bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");
+  const CommandResult open = bench.require("info open.obj");
+  EXPECT_NE(open.out.find("open: 4 boundary edges; looseness and protrusion cannot be answered"), std::string::npos)
+      << open.out;
+  EXPECT_NE(open.out.find("1 vertex of no facet"), std::string::npos) << open.out;
+  EXPECT_EQ(bench.run("info open.obj --check").exit_code, 1);
+  EXPECT_TRUE(bench.require("info open.obj --json").json()["volume"].is_null());
+}
+
+TEST(InfoCommand, describes_and_checks_trees) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 2 --seed 5");
+  const auto native = bench.require("info bar.morula --check --mesh bar.obj --json").json();
+  EXPECT_EQ(native["method"], "octree");
+  EXPECT_EQ(native["seed"], 5);
+  EXPECT_EQ(native["levels"].size(), 3u);
+  EXPECT_TRUE(native["faults"].empty());
+  EXPECT_GT(native["cover"]["patches"].get<int>(), 0);
+
+  bench.require("convert bar.morula bar.sph");
+  const auto bare = bench.require("info bar.sph --json").json();
+  EXPECT_TRUE(bare["cover"].is_null());
+  EXPECT_EQ(bare["nodes"], native["nodes"]);
+  bench.write("small.sph", "1 8\n0 0 0 1 0\n");
+  const auto small = bench.require("info small.sph --check --mesh bar.obj --json").json();
+  EXPECT_EQ(small["growth_to_cover"]["levels"][0]["grown"], 1);
+}
+
+TEST(InfoCommand, finds_a_sphere_that_does_not_wrap_its_region) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.require("build bar.obj -o bar.morula --depth 2");
+  const Mesh mesh = read_mesh(bench / "bar.obj");
+  Built built = read_built(bench / "bar.morula", mesh);
+  built.tree.spheres.back().radius *= 0.5;
+  write_tree(bench / "bad.morula", built);
+  const CommandResult result = bench.run("info bad.morula --check --mesh bar.obj");
+  EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
+  EXPECT_NE(result.out.find("fault "), std::string::npos) << result.out;
+}
+
+TEST(InfoCommand, a_mesh_that_is_not_the_trees_own_is_refused) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.require("sample bar -o other.obj --resolution 7");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  EXPECT_EQ(bench.run("info bar.morula --check --mesh other.obj").exit_code, 2);
+  EXPECT_EQ(bench.run("info bar.obj --mesh other.obj").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace morula::test

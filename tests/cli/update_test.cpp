@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <morula/io/motion_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/update/body.hpp>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula --depth 2");
+  bench.require("deform limb.obj -o motion --stretch 2 --frames 3");
+  const Mesh mesh = read_mesh(bench / "limb.obj");
+  const Built built = read_built(bench / "limb.morula", mesh);
+  const Motion motion(bench / "motion", mesh);
+  for (const Rule rule : all_rules()) {
+    const std::string rule_name(name(rule));
+    bench.require("update limb.obj limb.morula motion -o " + rule_name + " --rule " + rule_name);
+    Body body(mesh, built, {.rules = {rule}, .details = {}});
+    ASSERT_TRUE(body.update(motion.frame(1)));
+    const SphereTree read = read_tree(bench / (rule_name + "/0001.sph")).tree;
+    EXPECT_EQ(tree_hash(read), tree_hash(body.current_tree())) << rule_name;
+    EXPECT_EQ(bench.read(rule_name + "/0000.sph"), bench.read(rule_name + "/0002.sph")) << rule_name;
+  }
+}
+
+TEST(UpdateCommand, rules_can_be_mixed_by_level_and_the_certificate_follows_the_exact_ones) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula");
+  bench.require("deform limb.obj -o motion.npy --stretch 2 --twist 90 --frames 5");
+  const auto mixed =
+      bench.require("update limb.obj limb.morula motion.npy -o mixed --rule 0:exact,2:approach2 --json").json();
+  EXPECT_EQ(mixed["rule"], "exact on levels 0-1, approach2 on levels 2-3");
+  EXPECT_TRUE(mixed["certificate"]["covered"].get<bool>());
+  bench.require("update limb.obj limb.morula motion.npy -o exact");
+  bench.require("update limb.obj limb.morula motion.npy -o two --rule approach2");
+  const SphereTree a = read_tree(bench / "mixed/0002.sph").tree;
+  const SphereTree exact = read_tree(bench / "exact/0002.sph").tree;
+  const SphereTree two = read_tree(bench / "two/0002.sph").tree;
+  ASSERT_EQ(a.level_count(), 4u);
+  for (std::uint32_t node = 0; node < a.node_count(); ++node) {
+    EXPECT_EQ(a.spheres[node], (a.level_of(node) < 2 ? exact : two).spheres[node]) << node;
+  }
+  const auto without = bench.require("update limb.obj limb.morula motion.npy -o two --rule approach2 --json").json();
+  EXPECT_TRUE(without["certificate"].is_null());
+  const auto unchecked = bench.require("update limb.obj limb.morula motion.npy -o exact --no-check --json").json();
+  EXPECT_TRUE(unchecked["certificate"].is_null());
+}
+
+TEST(UpdateCommand, refuses_rule_lists_that_do_not_fit) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  const auto before = bench.listing();
+  for (const char* rule :
+       {"1:exact", "0:exact,0:approach2", "0:exact,5:approach2", "exact,approach2", "0:", "x:exact", ""}) {
+    const CommandResult result = bench.run(std::string("update bar.obj bar.morula bar.obj -o s --rule '") + rule + "'");
+    EXPECT_EQ(result.exit_code, 2) << rule << result.err;
+    EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << rule << result.err;
+  }
+  EXPECT_EQ(bench.listing(), before);
+}
+
+TEST(UpdateCommand, details_of_rules_change_the_spheres) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula --depth 2");
+  bench.require("deform limb.obj -o motion.npy --stretch 2 --frames 2 --one-way");
+  const auto spheres = [&](const std::string& options) {
+    bench.require("update limb.obj limb.morula motion.npy -o s --rule " + options);
+    return bench.read("s/0001.sph");
+  };
+  const std::string plain1 = spheres("approach1");
+  EXPECT_EQ(spheres("approach1 --approach1-weights uniform --distance-floor 0"), plain1);
+  EXPECT_NE(spheres("approach1 --approach1-weights area"), plain1);
+  EXPECT_NE(spheres("approach1 --approach1-weights inverse-distance"), plain1);
+  EXPECT_NE(spheres("approach1 --approach1-inner-center linked-vertices"), plain1);
+  EXPECT_NE(spheres("approach1 --distance-floor 0.25"), plain1);
+  EXPECT_NE(spheres("approach2 --approach2-inner-boxes child-centers"), spheres("approach2"));
+  EXPECT_EQ(bench.run("update limb.obj limb.morula motion.npy -o t --approach1-weights heavy").exit_code, 2);
+}
+
+TEST(UpdateCommand, bare_trees_are_covered_first_and_the_growth_is_printed) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.write("bar.sph", "2 2\n0 0 0 3 0\n-1 0 0 1.1 0\n1 0 0 1.1 0\n");
+  bench.require("deform bar.obj -o motion --bend 90 --frames 3");
+  const CommandResult text = bench.require("update bar.obj bar.sph motion -o spheres");
+  EXPECT_NE(text.out.find("Grown so that every level covers the mesh:"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("certificate  holds in every frame"), std::string::npos) << text.out;
+  const auto json = bench.require("update bar.obj bar.sph motion -o spheres --json").json();
+  EXPECT_EQ(json["growth"]["levels"][0]["grown"], 0);
+  EXPECT_EQ(json["growth"]["levels"][1]["grown"], 2);
+}
+
+TEST(UpdateCommand, a_bad_frame_is_named_and_nothing_is_written) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("deform bar.obj -o motion --bend 90 --frames 5");
+  std::string text = bench.read("motion/0003.obj");
+  text.replace(text.find("v ") + 2, 1, "nan ");
+  bench.write("motion/0003.obj", text);
+  const auto before = bench.listing();
+  const CommandResult result = bench.run("update bar.obj bar.morula motion -o spheres");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("0003.obj"), std::string::npos) << result.err;
+  EXPECT_EQ(bench.listing(), before);
+}
+
+TEST(UpdateCommand, refuses_a_tree_of_another_mesh) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("sample bar -o finer.obj --resolution 5");
+  bench.require("build bar.obj -o bar.morula --depth 1");
+  const auto before = bench.listing();
+  EXPECT_EQ(bench.run("update finer.obj bar.morula finer.obj -o spheres").exit_code, 2);
+  EXPECT_EQ(bench.listing(), before);
+}
+
+}  // namespace
+}  // namespace morula::test

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "workbench.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+
+namespace morula::test {
+namespace {
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+Workbench::Workbench() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "morula-cli-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder for the test");
+  folder_ = pattern;
+}
+
+Workbench::~Workbench() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+CommandResult Workbench::run(const std::string& arguments) const {
+  // Beside the folder, so that the listing holds what the command wrote and nothing else.
+  const std::string out = folder_.string() + ".out";
+  const std::string err = folder_.string() + ".err";
+  const std::string line = "cd '" + folder_.string() + "' && '" MORULA_COMMAND "' " + arguments + " >'" + out +
+                           "' 2>'" + err + "' </dev/null";
+  const int status = std::system(line.c_str());
+  CommandResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  result.out = contents(out);
+  result.err = contents(err);
+  std::filesystem::remove(out);
+  std::filesystem::remove(err);
+  return result;
+}
+
+CommandResult Workbench::require(const std::string& arguments) const {
+  CommandResult result = run(arguments);
+  EXPECT_EQ(result.exit_code, 0) << "morula " << arguments << "\n" << result.out << result.err;
+  return result;
+}
+
+void Workbench::write(const std::string& name, const std::string& text) const {
+  std::ofstream file(folder_ / name, std::ios::binary);
+  file << text;
+}
+
+std::string Workbench::read(const std::string& name) const {
+  return contents(folder_ / name);
+}
+
+std::vector<std::string> Workbench::listing() const {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
+    std::string line = std::filesystem::relative(entry.path(), folder_).string();
+    if (entry.is_regular_file()) line += ' ' + std::to_string(std::hash<std::string>{}(contents(entry.path())));
+    names.push_back(line);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace morula::test

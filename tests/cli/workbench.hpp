@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A folder of its own for every test, in which the command is run as from a shell.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace morula::test {
+
+struct CommandResult {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+
+  nlohmann::json json() const { return nlohmann::json::parse(out); }
+};
+
+class Workbench {
+ public:
+  Workbench();
+  ~Workbench();
+  Workbench(const Workbench&) = delete;
+  Workbench& operator=(const Workbench&) = delete;
+
+  const std::filesystem::path& folder() const { return folder_; }
+  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+  /// Runs "morula ARGUMENTS" in the folder, through the shell.
+  CommandResult run(const std::string& arguments) const;
+  /// As run(), and fails the test unless the command says that all is done.
+  CommandResult require(const std::string& arguments) const;
+  void write(const std::string& name, const std::string& text) const;
+  std::string read(const std::string& name) const;
+  /// Everything in the folder and below, sorted, with sizes and contents hashed: two equal listings, nothing touched.
+  std::vector<std::string> listing() const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace morula::test

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+# Configures, builds and runs the consumer's project. WAY: find_package or add_subdirectory.
+cmake_minimum_required(VERSION 3.24)
+
+# A consumer keeps nothing of an earlier run: a header that is no longer installed must not be found.
+file(REMOVE_RECURSE "${FOLDER}/prefix")
+
+set(configuration -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+if(WAY STREQUAL find_package)
+  execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${FOLDER}/prefix" --component development
+    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
+    -D CMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON)
+  set(programs body_core body_files)
+else()
+  # Unoptimised, for speed; assertions are on.
+  list(APPEND configuration -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS=-O0 -D "MORULA_SOURCE=${SOURCE}"
+    -D MORULA_IO=OFF)
+  set(programs body_core)
+endif()
+
+execute_process(COMMAND ${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}/project" -B "${FOLDER}/build" ${configuration}
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/build" COMMAND_ERROR_IS_FATAL ANY)
+foreach(program IN LISTS programs)
+  execute_process(COMMAND "${FOLDER}/build/${program}" "${MESH}" COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

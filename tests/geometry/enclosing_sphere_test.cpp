@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/sampling.hpp>
+#include <vector>
+
+namespace morula {
+namespace {
+
+std::vector<Vec3> random_points(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back({random.uniform(-1, 1), random.uniform(-2, 2), random.uniform(-0.5, 0.5)});
+  return points;
+}
+
+// Bădoiu and Clarkson: stepping towards the farthest point by 1/(k+1) converges to the smallest sphere's centre; the
+// radius is within 1/√k of it. Slow and obvious.
+double radius_by_stepping(std::span<const Vec3> points, int steps) {
+  Vec3 center = points[0];
+  double best = farthest_distance(center, points);
+  for (int k = 1; k <= steps; ++k) {
+    Vec3 far = points[0];
+    for (const Vec3& p : points)
+      if (squared_distance(p, center) > squared_distance(far, center)) far = p;
+    center += (far - center) / static_cast<double>(k + 1);
+    best = std::min(best, farthest_distance(center, points));
+  }
+  return best;
+}
+
+TEST(EnclosingSphere, contains_all_points_and_is_as_small_as_stepping_finds) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const std::vector<Vec3> points = random_points(3 + seed * 7, seed);
+    const Sphere s = enclosing_sphere(points);
+    EXPECT_EQ(s.radius, farthest_distance(s.center, points));
+    const double other = radius_by_stepping(points, 20000);
+    EXPECT_LE(s.radius, other * (1 + 1e-9));
+    EXPECT_GE(s.radius, other * (1 - 1e-3));
+  }
+}
+
+TEST(EnclosingSphere, is_the_known_one_for_exact_shapes) {
+  const std::vector<Vec3> two{{1, 2, 3}, {1, 2, 7}};
+  EXPECT_EQ(enclosing_sphere(two), (Sphere{{1, 2, 5}, 2}));
+  std::vector<Vec3> cube;
+  for (int i = 0; i < 8; ++i) cube.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
+  const Sphere around_cube = enclosing_sphere(cube);
+  EXPECT_NEAR(around_cube.radius, std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(length(around_cube.center), 0, 1e-14);
+  // An obtuse triangle is spanned by its longest side.
+  const std::vector<Vec3> obtuse{{0, 0, 0}, {4, 0, 0}, {1, 0.5, 0}};
+  EXPECT_NEAR(enclosing_sphere(obtuse).radius, 2, 1e-14);
+}
+
+TEST(EnclosingSphere, finds_a_unit_sphere_from_points_on_it_anywhere_and_at_any_scale) {
+  for (const double scale : {1e-6, 1.0, 1e6})
+    for (const double offset : {0.0, 1e6}) {
+      std::vector<Vec3> points;
+      const Vec3 center{offset * scale, -offset * scale, 0.5 * scale};
+      for (const Vec3& d : fibonacci_directions(500)) points.push_back(center + d * scale);
+      const Sphere s = enclosing_sphere(points);
+      // Any closed hemisphere of samples misses the poles by about one spacing, hence the loose centre.
+      EXPECT_NEAR(s.radius / scale, 1, 1e-4);
+      EXPECT_LT(distance(s.center, center) / scale, 1e-2);
+    }
+}
+
+TEST(EnclosingSphere, survives_degenerate_sets) {
+  EXPECT_EQ(enclosing_sphere({}), (Sphere{}));
+  const std::vector<Vec3> one{{3, 4, 5}};
+  EXPECT_EQ(enclosing_sphere(one), (Sphere{{3, 4, 5}, 0}));
+  const std::vector<Vec3> same(100, Vec3{1, 1, 1});
+  EXPECT_EQ(enclosing_sphere(same).radius, 0);
+  std::vector<Vec3> line;
+  for (int i = 0; i <= 100; ++i) line.push_back({0.1 * i, 0.2 * i, -0.3 * i});
+  EXPECT_NEAR(enclosing_sphere(line).radius, 0.5 * length(line.back()), 1e-12);
+  std::vector<Vec3> circle;  // cospherical and coplanar: every triple supports the same sphere
+  for (const Vec3& d : fibonacci_directions(64)) circle.push_back(normalized(Vec3{d.x, d.y, 0}));
+  EXPECT_NEAR(enclosing_sphere(circle).radius, 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace morula

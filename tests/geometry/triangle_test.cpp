@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <numbers>
+
+namespace morula {
+namespace {
+
+Vec3 random_point(Random& random, double size) {
+  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
+
+TEST(Triangle, closest_point_is_nearer_than_every_point_of_a_fine_grid) {
+  Random random(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    Triangle t{random_point(random, 1), random_point(random, 1), random_point(random, 1)};
+    if (trial % 5 == 1) t[2] = t[0] + (t[1] - t[0]) * 0.3;  // a segment
+    if (trial % 5 == 2) t[2] = t[1];                        // a repeated corner
+    if (trial % 5 == 3) t = {t[0], t[0], t[0]};             // a point
+    const Vec3 p = random_point(random, 2);
+    const TrianglePoint found = closest_point(t, p);
+    const auto& b = found.barycentric;
+    EXPECT_NEAR(b[0] + b[1] + b[2], 1, 1e-12);
+    EXPECT_TRUE(b[0] >= 0 && b[1] >= 0 && b[2] >= 0);
+    EXPECT_LT(distance(at_barycentric(t, b), found.point), 1e-12);
+    EXPECT_NEAR(found.squared_distance, squared_distance(found.point, p), 1e-12);
+    constexpr int n = 40;
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const Vec3 q = at_barycentric(t, {1.0 * i / n, 1.0 * j / n, 1.0 * (n - i - j) / n});
+        EXPECT_LE(found.squared_distance, squared_distance(q, p) + 1e-12);
+      }
+  }
+}
+
+TEST(Triangle, closest_point_on_corners_and_edges_has_zero_coordinates) {
+  const Triangle t{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+  EXPECT_EQ(closest_point(t, {-1, -1, 2}).barycentric, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(closest_point(t, {0.25, -3, 1}).barycentric, (std::array<double, 3>{0.75, 0.25, 0}));
+  EXPECT_EQ(closest_point(t, {0.25, 0.25, 5}).point, (Vec3{0.25, 0.25, 0}));
+}
+
+TEST(Triangle, solid_angles_of_a_closed_box_add_up_to_a_full_sphere_inside_and_nothing_outside) {
+  const std::array<Vec3, 8> v{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 1, 0},
+                              Vec3{0, 0, 1}, Vec3{1, 0, 1}, Vec3{1, 1, 1}, Vec3{0, 1, 1}};
+  constexpr int facets[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                                 {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  const auto sum = [&](const Vec3& p) {
+    double total = 0;
+    for (const auto& f : facets) total += solid_angle({v[f[0]], v[f[1]], v[f[2]]}, p);
+    return total;
+  };
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_NEAR(sum({random.uniform(0.01, 0.99), random.uniform(0.01, 0.99), random.uniform(0.01, 0.99)}),
+                4 * std::numbers::pi, 1e-10);
+    EXPECT_NEAR(sum({random.uniform(1.01, 3), random.uniform(-2, 2), random.uniform(-2, 2)}), 0, 1e-10);
+  }
+}
+
+TEST(Triangle, solid_angle_of_an_octant_is_a_half_pi) {
+  const Triangle t{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  EXPECT_NEAR(solid_angle(t, {0, 0, 0}), std::numbers::pi / 2, 1e-15);
+  EXPECT_EQ(solid_angle({t[0], t[0], t[2]}, {0, 0, 0}), 0);
+}
+
+}  // namespace
+}  // namespace morula

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+# Plants faults in a small tree of files and expects the checks to name each of them, and nothing in a sound tree.
+# Run as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
+cmake_minimum_required(VERSION 3.24)
+
+set(licence "// SPDX-FileCopyrightText: 2026 The Morula authors\n// SPDX-License-Identifier: Apache-2.0\n")
+
+# run(CHECK EXPECTED_RESULT TEXTS...): runs a check over FOLDER; its output has to hold all the texts.
+function(run check expected)
+  execute_process(COMMAND ${CMAKE_COMMAND} -D ROOT=${FOLDER} -P "${CHECKS}/${check}.cmake"
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if((expected STREQUAL "passes") AND NOT result EQUAL 0)
+    message(FATAL_ERROR "${check} complains about a sound tree:\n${output}")
+  elseif((expected STREQUAL "fails") AND result EQUAL 0)
+    message(FATAL_ERROR "${check} finds nothing wrong:\n${output}")
+  endif()
+  foreach(text IN LISTS ARGN)
+    string(FIND "${output}" "${text}" position)
+    if(position LESS 0)
+      message(FATAL_ERROR "${check} does not say '${text}', but:\n${output}")
+    endif()
+  endforeach()
+endfunction()
+
+file(REMOVE_RECURSE "${FOLDER}")
+file(WRITE "${FOLDER}/include/morula/morula.hpp" "${licence}#include <morula/update/body.hpp>\n")
+file(WRITE "${FOLDER}/include/morula/update/body.hpp" "${licence}#include <morula/tree/cover.hpp>\n#include <vector>\n")
+file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}")
+file(WRITE "${FOLDER}/src/tree/region.hpp" "${licence}")
+file(WRITE "${FOLDER}/src/update/body.cpp" "${licence}#include \"tree/region.hpp\"\n")
+file(WRITE "${FOLDER}/apps/morula/main.cpp" "${licence}#include <morula/morula.hpp>\n#include \"table.hpp\"\n")
+file(WRITE "${FOLDER}/apps/morula/table.hpp" "${licence}")
+file(WRITE "${FOLDER}/scripts/test" "#!/bin/sh\n# SPDX-FileCopyrightText: 2026 The Morula authors\n"
+  "# SPDX-License-Identifier: Apache-2.0\n")
+file(WRITE "${FOLDER}/docs/references.bib" "@article{welzl1991,\n}\n@book{ericson2005,\n}\n")
+file(WRITE "${FOLDER}/src/tree/cover.cpp" "${licence}// [ericson2005, 5.1.5] and [welzl1991]\n")
+run(check_layers passes "4 includes point down")
+run(check_licence passes "9 files carry their licence lines")
+run(check_references passes "2 papers cited")
+
+file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}# include <morula/build/build.hpp>  // up\n")
+file(WRITE "${FOLDER}/src/update/sideways.cpp" "${licence}#include <morula/build/build.hpp>\n")
+file(WRITE "${FOLDER}/include/morula/geometry/private.hpp" "${licence}#include \"geometry/hash.hpp\"\n")
+file(WRITE "${FOLDER}/src/geometry/everything.cpp" "${licence}#include <morula/morula.hpp>\n")
+file(WRITE "${FOLDER}/src/novelty/new.cpp" "${licence}")
+file(WRITE "${FOLDER}/apps/morula/private.cpp" "${licence}#include <tree/region.hpp>\n")
+file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${licence}#include \"../../src/tree/region.hpp\"\n")
+run(check_layers fails
+  "include/morula/tree/cover.hpp includes <morula/build/build.hpp>: build is not below tree"
+  "src/update/sideways.cpp includes <morula/build/build.hpp>: build is not below update"
+  "include/morula/geometry/private.hpp includes \"geometry/hash.hpp\": a public header may include public"
+  "src/geometry/everything.cpp includes <morula/morula.hpp>: the library includes what it uses"
+  "src/novelty/new.cpp: the folder novelty has no height"
+  "apps/morula/private.cpp includes <tree/region.hpp>: a private header"
+  "tests/consumer/path.cpp includes \"../../src/tree/region.hpp\": a private header"
+  "7 includes break the layers")
+
+file(WRITE "${FOLDER}/src/tree/bare.cpp" "int bare;\n")
+file(WRITE "${FOLDER}/scripts/late" "#!/bin/sh\n\n# SPDX-License-Identifier: Apache-2.0\n")
+run(check_licence fails "2 of" "src/tree/bare.cpp" "scripts/late")
+
+file(WRITE "${FOLDER}/src/tree/cover.cpp" "${licence}/// As in [ericson2005, 5.1.5; welzl1991].\n// [welzl1991, nobody1999]\n")
+run(check_references fails "src/tree/cover.cpp: nobody1999")

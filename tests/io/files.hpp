@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Files for tests: a scratch folder, bytes in and out, and what a complaint has to say.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <locale>
+#include <morula/io/tree_file.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace morula::test {
+
+/// A folder of its own for each test, empty at first, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Writes a file into the folder and returns its path.
+  std::filesystem::path file(const std::string& name, std::string_view bytes) const;
+  /// Names of all files in it, hidden ones included, sorted.
+  std::vector<std::string> names() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string bytes_of(const std::filesystem::path& path);
+
+/// Expects a FileError whose text begins with the file's path and holds the fragment. line: 0, or the line that it has
+/// to name right after the path.
+void expect_file_error(const std::filesystem::path& path, std::size_t line, const std::string& fragment,
+                       const std::function<void()>& action);
+
+/// A file that must be refused.
+struct HostileFile {
+  std::string name;
+  std::string bytes;
+  std::size_t line;
+  std::string fragment;
+};
+
+/// Numbers that a careless writer or reader changes: the largest, the smallest, −0, many digits.
+std::vector<double> awkward_numbers();
+/// A box whose vertices, used and unused, are awkward numbers; its coordinates stay small enough to compute with.
+Mesh awkward_mesh();
+
+bool same_bits(double a, double b);
+bool same_bits(const Mesh& a, const Mesh& b);
+bool same_bits(const SphereTree& a, const SphereTree& b);
+bool same_bits(const Cover& a, const Cover& b);
+bool same_bits(const BuildReport& a, const BuildReport& b);
+
+/// A cube under a root with eight children, one of which has two of its own; many of its facets are cut.
+Built small_built(const Mesh& mesh);
+Mesh small_mesh();
+
+/// While it lives, streams write 1.234,5 for 1234.5.
+class CommaLocale {
+ public:
+  CommaLocale();
+  ~CommaLocale() { std::locale::global(before_); }
+  CommaLocale(const CommaLocale&) = delete;
+  CommaLocale& operator=(const CommaLocale&) = delete;
+
+ private:
+  std::locale before_;
+};
+
+/// Numbers as they lie in binary files.
+template <class Value>
+std::string raw(Value value, bool big_endian = false) {
+  std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+  return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+}
+
+/// Puts the size and the checksum that its contents call for into a .morula.
+std::string resealed(std::string morula);
+
+}  // namespace morula::test

@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <morula/io/tree_file.hpp>
+#include <support/meshes.hpp>
+
+#include "files.hpp"
+
+namespace morula::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A chain and bushes, early leaves, centres that are hard to write.
+SphereTree awkward_tree() {
+  const std::vector<double> numbers = awkward_numbers();
+  const auto sphere = [&](std::size_t i) {
+    return Sphere{{numbers[i % numbers.size()], numbers[(i + 1) % numbers.size()], numbers[(i + 2) % numbers.size()]},
+                  std::abs(numbers[(i + 2) % numbers.size()]) + 1e-310};
+  };
+  SphereTree tree;
+  tree.branching = 5;
+  std::size_t next = 0;
+  const auto append = [&](const std::vector<std::uint32_t>& counts, std::size_t nodes) {
+    std::vector<Sphere> spheres;
+    for (std::size_t i = 0; i < nodes; ++i) spheres.push_back(sphere(next++));
+    tree.append_level(counts, spheres);
+  };
+  append({}, 1);
+  append({1}, 1);
+  append({5}, 5);
+  append({0, 2, 0, 1, 5}, 8);
+  return tree;
+}
+
+TEST(TreeFile, bare_trees_read_back_bit_for_bit) {
+  const ScratchFolder folder;
+  const SphereTree tree = awkward_tree();
+  SphereTree root;
+  root.append_level({}, std::vector<Sphere>{{{1, 2, 3}, 4}});
+  ASSERT_TRUE(validate(tree).empty());
+  for (const std::string extension : {".sph", ".json", ".JSON"})
+    for (const SphereTree& written : {tree, root}) {
+      const fs::path path = folder.path() / ("tree" + extension);
+      write_tree(path, written);
+      const TreeFile read = read_tree(path);
+      EXPECT_TRUE(same_bits(read.tree, written)) << extension;
+      EXPECT_FALSE(read.cover.has_value());
+    }
+}
+
+TEST(TreeFile, native_files_read_back_bit_for_bit) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  Built built = small_built(mesh);
+  ASSERT_FALSE(built.cover.cut_points.empty());
+  built.report.method = "grid";
+  built.report.seed = 0xffffffffffffffffu;
+  built.report.notes = {"a note", "", "Größe \"1\"\n\\"};
+  built.report.growth[0] = {7, std::numeric_limits<double>::infinity(), -0.0};
+  built.report.growth[1] = {std::numeric_limits<std::size_t>::max(), 1.0 / 3, 1e-320};
+  const fs::path path = folder.path() / "tree.morula";
+  write_tree(path, built);
+  const TreeFile read = read_tree(path);
+  EXPECT_TRUE(same_bits(read.tree, built.tree));
+  ASSERT_TRUE(read.cover.has_value());
+  EXPECT_TRUE(same_bits(*read.cover, built.cover));
+  EXPECT_TRUE(same_bits(read.report, built.report));
+  EXPECT_TRUE(validate(mesh, read_built(path, mesh)).empty());
+}
+
+TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {
+  const ScratchFolder folder;
+  const Built built = small_built(small_mesh());
+  for (const std::string name : {"a.sph", "a.json"}) {
+    write_tree(folder.path() / name, built);
+    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, built.tree)) << name;
+  }
+}
+
+TEST(TreeFile, same_tree_gives_same_bytes_in_every_locale) {
+  const ScratchFolder folder;
+  const Built built = small_built(small_mesh());
+  for (const std::string name : {"a.morula", "a.sph", "a.json"}) {
+    write_tree(folder.path() / name, built);
+    const CommaLocale commas;
+    write_tree(folder.path() / ("again_" + name), built);
+    EXPECT_EQ(bytes_of(folder.path() / name), bytes_of(folder.path() / ("again_" + name)));
+    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, built.tree));
+  }
+}
+
+// The layout that docs/formats.md promises: other programs rely on it.
+TEST(TreeFile, native_bytes_are_laid_out_as_documented) {
+  const ScratchFolder folder;
+  const Built built = small_built(small_mesh());
+  write_tree(folder.path() / "a.morula", built);
+  const std::string bytes = bytes_of(folder.path() / "a.morula");
+  EXPECT_EQ(bytes.substr(0, 8), "MORULA\r\n");
+  EXPECT_EQ(bytes.substr(8, 4), raw(std::uint32_t{1}));
+  EXPECT_EQ(bytes.substr(16, 8), raw(std::uint64_t{bytes.size()}));
+  EXPECT_EQ(resealed(bytes), bytes);
+  std::uint32_t header_size = 0;
+  std::memcpy(&header_size, bytes.data() + 12, 4);
+  const std::size_t data = 24 + header_size;
+  EXPECT_EQ(data % 8, 0u);
+  EXPECT_EQ(bytes.substr(data, 32), raw(built.tree.spheres[0]));
+  EXPECT_EQ(bytes.substr(data + 32 * built.tree.node_count(), 4), raw(built.tree.child_count[0]));
+}
+
+TEST(TreeFile, sph_is_written_as_documented) {
+  const ScratchFolder folder;
+  SphereTree tree;
+  tree.branching = 2;
+  tree.append_level({}, std::vector<Sphere>{{{0, 0, -0.0}, 1}});
+  tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{{{0.1, 0, 0}, 0.5}, {{-1e300, 0, 0}, 0.25}});
+  tree.append_level(std::vector<std::uint32_t>{0, 1}, std::vector<Sphere>{{{1, 2, 3}, 1e-5}});
+  write_tree(folder.path() / "a.sph", tree);
+  EXPECT_EQ(bytes_of(folder.path() / "a.sph"),
+            "3 2\n0 0 -0 1 1\n0.1 0 0 0.5 1\n-1e+300 0 0 0.25 1\n"
+            "0 0 0 -1 0\n0 0 0 -1 0\n1 2 3 1e-05 1\n0 0 0 -1 0\n");
+}
+
+// What the published toolkit writes: centres relative to the box centre, unused slots with a negative radius that is
+// not −1 or with 0, valid-looking nodes below unused ones, options and an evaluation after the last node.
+constexpr const char* toolkit_file =
+    "3 2\n"
+    "0.500000 0.000000 0.000000 10.000000 1.000000\n"
+    "-4.000000 0.000000 0.000000 5.000000 1.000000\n"
+    "0.000000 0.000000 0.000000 -0.002000 1.000000\n"
+    "9.000000 9.000000 9.000000 0.000000 1.000000\n"
+    "-5.000000 1.000000 -1.000000 2.500000 1.000000\n"
+    "7.000000 7.000000 7.000000 7.000000 1.000000\n"
+    "0.000000 0.000000 0.000000 -0.002000 1.000000\n"
+    "\n\nOptions :\n  testerLevels = 2\n  nan inf 1e999 %s\n";
+
+TEST(TreeFile, reads_the_toolkits_own_files) {
+  const ScratchFolder folder;
+  const TreeFile file = read_tree(folder.file("toolkit.sph", toolkit_file), {.sph_origin = {100, 20, 3}});
+  SphereTree expected;
+  expected.branching = 2;
+  expected.append_level({}, std::vector<Sphere>{{{100.5, 20, 3}, 10}});
+  expected.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{96, 20, 3}, 5}});
+  expected.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{95, 21, 2}, 2.5}});
+  EXPECT_TRUE(same_bits(file.tree, expected));
+
+  std::string windows;
+  for (const char c : std::string(toolkit_file)) windows += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_TRUE(same_bits(read_tree(folder.file("windows.sph", windows), {.sph_origin = {100, 20, 3}}).tree, expected));
+}
+
+TEST(TreeFile, sph_levels_that_are_all_unused_are_left_out) {
+  const ScratchFolder folder;
+  const TreeFile file = read_tree(folder.file("a.sph",
+                                              "3 2\n0 0 0 1 1\n0 0 0 -1 0\n0 0 0 0 0\n1 1 1 1 1\n1 1 1 1 1\n"
+                                              "1 1 1 1 1\n1 1 1 1 1\n"));
+  EXPECT_EQ(file.tree.node_count(), 1u);
+  EXPECT_EQ(file.tree.level_count(), 1u);
+}
+
+TEST(TreeFile, a_bare_tree_gets_a_cover_for_the_mesh) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  SphereTree tree = small_built(mesh).tree;
+  for (Sphere& s : tree.spheres) s.radius *= 0.75;  // no longer covers
+  for (const std::string name : {"a.sph", "a.json"}) {
+    write_tree(folder.path() / name, tree);
+    const Built built = read_built(folder.path() / name, mesh);
+    EXPECT_TRUE(validate(mesh, built).empty());
+    EXPECT_EQ(built.report.method, "imported");
+    ASSERT_EQ(built.report.growth.size(), built.tree.level_count());
+    EXPECT_GT(built.report.growth[0].grown, 0u);
+  }
+}
+
+TEST(TreeFile, json_may_number_its_nodes_in_any_order) {
+  const ScratchFolder folder;
+  const TreeFile file = read_tree(folder.file("a.json", R"({"nodes": [
+    {"radius": 4, "children": [3, 1], "center": [0, 0, 0], "colour": "red"},
+    {"radius": 2, "children": [], "center": [1, 0, 0]},
+    {"radius": 1, "children": [], "center": [-1e0, 0.5, 0]},
+    {"radius": 3, "children": [2], "center": [-1, 0, 0]}],
+    "levels": 3, "branching": 2, "version": 1, "format": "morula spheres"})"));
+  SphereTree expected;
+  expected.branching = 2;
+  expected.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 4}});
+  expected.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{{{-1, 0, 0}, 3}, {{1, 0, 0}, 2}});
+  expected.append_level(std::vector<std::uint32_t>{1, 0}, std::vector<Sphere>{{{-1, 0.5, 0}, 1}});
+  EXPECT_TRUE(same_bits(file.tree, expected));
+}
+
+TEST(TreeFile, what_a_format_cannot_hold_is_refused_and_nothing_is_written) {
+  const ScratchFolder folder;
+  const auto refused = [&](const std::string& name, const SphereTree& tree, const std::string& fragment) {
+    const fs::path path = folder.path() / name;
+    expect_file_error(path, 0, fragment, [&] { write_tree(path, tree); });
+  };
+  // Nine levels of one node each: ten nodes in memory, 19 million lines in a .sph.
+  SphereTree chain;
+  chain.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 1}});
+  for (int level = 1; level <= max_depth; ++level)
+    chain.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{0, 0, 0}, 1}});
+  refused("chain.sph", chain, "use the native format, .morula");
+  SphereTree point;
+  point.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 0}});
+  refused("point.sph", point, "node 0 has radius 0");
+  refused("bare.morula", chain, "holds a tree with its cover");
+  refused("tree.txt", chain, "use one of .morula .sph .json");
+  refused("tree", chain, "no extension");
+
+  Built built = small_built(small_mesh());
+  EXPECT_THROW(write_tree(folder.path() / "empty.json", SphereTree{}), std::invalid_argument);
+  chain.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{0, 0, 0}, 1}});
+  EXPECT_THROW(write_tree(folder.path() / "deep.json", chain), std::invalid_argument);
+  built.tree.spheres[3].radius = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_tree(folder.path() / "nan.json", built), std::invalid_argument);
+  EXPECT_THROW(write_tree(folder.path() / "nan.morula", built), std::invalid_argument);
+  built = small_built(small_mesh());
+  built.cover.corners[5] = 1'000'000;
+  EXPECT_THROW(write_tree(folder.path() / "cover.morula", built), std::invalid_argument);
+  EXPECT_TRUE(folder.names().empty());
+
+  write_tree(folder.path() / "point.json", point);
+  EXPECT_TRUE(same_bits(read_tree(folder.path() / "point.json").tree, point));
+}
+
+}  // namespace
+}  // namespace morula::test

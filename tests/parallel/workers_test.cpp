@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <morula/parallel/workers.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace morula {
+namespace {
+
+std::vector<unsigned> thread_counts() {
+  return {1, 2, 3, 8};
+}
+
+TEST(Workers, call_every_chunk_once) {
+  for (const unsigned threads : thread_counts()) {
+    Workers workers(threads);
+    for (const std::size_t count : {0u, 1u, 2u, 7u, 1000u}) {
+      std::vector<std::atomic<int>> calls(count);
+      workers.run(count, [&](std::size_t i) { calls[i].fetch_add(1); });
+      for (const auto& c : calls) EXPECT_EQ(c.load(), 1);
+    }
+  }
+}
+
+TEST(Workers, split_ranges_by_count_and_grain_alone) {
+  for (const unsigned threads : thread_counts()) {
+    Workers workers(threads);
+    std::vector<std::pair<std::size_t, std::size_t>> chunks(4);
+    parallel_for(workers, 10, 3, [&](std::size_t begin, std::size_t end) { chunks[begin / 3] = {begin, end}; });
+    EXPECT_EQ(chunks, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 3}, {3, 6}, {6, 9}, {9, 10}}));
+  }
+}
+
+TEST(Workers, throw_the_exception_of_the_lowest_chunk_and_stay_usable) {
+  for (const unsigned threads : thread_counts()) {
+    Workers workers(threads);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      std::string caught;
+      try {
+        workers.run(100, [](std::size_t i) {
+          if (i % 10 == 3) throw std::runtime_error(std::to_string(i));
+        });
+      } catch (const std::runtime_error& e) {
+        caught = e.what();
+      }
+      EXPECT_EQ(caught, "3");
+    }
+    std::atomic<int> sum{0};
+    workers.run(10, [&](std::size_t i) { sum += static_cast<int>(i); });
+    EXPECT_EQ(sum.load(), 45);
+  }
+}
+
+TEST(Workers, run_nested_loops_where_they_are) {
+  Workers workers(3);
+  std::atomic<int> sum{0};
+  workers.run(10, [&](std::size_t) { workers.run(10, [&](std::size_t j) { sum += static_cast<int>(j); }); });
+  EXPECT_EQ(sum.load(), 450);
+}
+
+TEST(Workers, use_the_hosts_executor) {
+  int rounds = 0;
+  Workers workers(
+      [&](std::size_t count, ChunkFunction chunk) {
+        ++rounds;
+        for (std::size_t i = count; i-- > 0;) chunk(i);
+      },
+      4);
+  std::vector<std::size_t> order;
+  workers.run(3, [&](std::size_t i) { order.push_back(i); });
+  EXPECT_EQ(rounds, 1);
+  EXPECT_EQ(order, (std::vector<std::size_t>{2, 1, 0}));
+  EXPECT_THROW(Workers(Workers::Executor{}, 2), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morula

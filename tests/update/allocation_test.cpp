@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// No update allocates: counted by this program's own operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <morula/update/body.hpp>
+#include <new>
+
+#include "bodies.hpp"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+void* counted(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const auto a = static_cast<std::size_t>(alignment);
+  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+
+namespace morula {
+namespace {
+
+TEST(Allocation, no_update_allocates_good_or_bad) {
+  Workers three(3);
+  for (const test::Specimen& b : test::specimens()) {
+    const std::vector<Vec3> good = test::noisy(b.mesh.positions, 0.1, 1);
+    std::vector<Vec3> bad = good;
+    bad[b.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
+    const std::vector<Vec3> short_one(2);
+    std::vector<UpdateOptions> all_options;
+    for (const Rule rule : all_rules()) all_options.push_back({.rules = {rule}, .details = {}});
+    all_options.push_back({.rules = {Rule::approach1, Rule::exact, Rule::approach2}, .details = {}});
+    for (const UpdateOptions& options : all_options) {
+      Body body(b.mesh, b.built, options);
+      for (Workers* workers : {&serial_workers(), &three}) {
+        const std::size_t before = allocations;
+        const bool ok = static_cast<bool>(body.update(good, *workers));
+        const bool refused = !body.update(bad, *workers) && !body.update(short_one, *workers);
+        const std::size_t after = allocations;
+        EXPECT_TRUE(ok && refused);
+        EXPECT_EQ(after - before, 0u) << b.name;
+      }
+    }
+  }
+  EXPECT_GT(allocations, 0u) << "the counter counts";
+}
+
+TEST(Allocation, updates_are_noexcept) {
+  EXPECT_TRUE(noexcept(std::declval<Body&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
+}
+
+}  // namespace
+}  // namespace morula

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Private parts that carry a promise of their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <morula/geometry/random.hpp>
+#include <set>
+
+#include "bodies.hpp"
+#include "update/anchors.hpp"
+#include "update/farthest.hpp"
+#include "update/ownership.hpp"
+#include "update/rounding.hpp"
+
+namespace morula {
+namespace {
+
+std::vector<LocalPoint> random_points(std::size_t count, double magnitude, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<LocalPoint> points(count);
+  for (LocalPoint& p : points)
+    p = {static_cast<float>(random.uniform(-magnitude, magnitude)),
+         static_cast<float>(random.uniform(-magnitude, magnitude)),
+         static_cast<float>(random.uniform(-magnitude, magnitude)), 0.0f};
+  return points;
+}
+
+TEST(Float4, wide_and_scalar_kernels_agree_bit_for_bit) {
+  for (const double magnitude : {1e-25, 1e-3, 1.0, 1e17}) {
+    const std::vector<LocalPoint> points = random_points(400, magnitude, 3);
+    Random random(8);
+    std::vector<std::uint32_t> index(240);
+    for (std::uint32_t& i : index) i = static_cast<std::uint32_t>(random.uniform(0, 400));
+    for (std::size_t count = 1; count <= most_centers; ++count) {
+      std::vector<Vec3f> centers;
+      for (std::size_t k = 0; k < count; ++k) centers.push_back({points[k].x, points[k + 7].y, points[k + 9].z});
+      std::array<float, most_centers> wide{}, scalar{}, plain{};
+      farthest<Float4>(points.data(), index, centers, wide.data());
+      farthest<ScalarFloat4>(points.data(), index, centers, scalar.data());
+      for (std::size_t k = 0; k < count; ++k)
+        for (const std::uint32_t i : index)
+          plain[k] = std::max(plain[k], squared_distance(centers[k], {points[i].x, points[i].y, points[i].z}));
+      for (std::size_t k = 0; k < count; ++k) {
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(wide[k]), std::bit_cast<std::uint32_t>(scalar[k]));
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(wide[k]), std::bit_cast<std::uint32_t>(plain[k]));
+      }
+    }
+  }
+}
+
+template <class Wide>
+std::vector<float> every_operation(const LocalPoint* p) {
+  Wide a = Wide::load(p[0]), b = Wide::load(p[1]), c = Wide::load(&p[2].x);
+  const Wide d = Wide::load(p[3]);
+  std::vector<float> results;
+  const auto add = [&](const Wide& w) {
+    const auto lanes = w.lanes();
+    results.insert(results.end(), lanes.begin(), lanes.end());
+  };
+  for (const Wide& w : {a + b, a - b, a * b, a / (b * b + Wide(1.0f)), min(a, b), max(a, b), sqrt(a * a)}) add(w);
+  results.push_back(largest_lane(a - b));
+  LocalPoint stored;
+  (a + d).store(stored);
+  results.insert(results.end(), {stored.x, stored.y, stored.z, stored.unused});
+  Wide::transpose(a, b, c, d);
+  for (const Wide& w : {a, b, c}) add(w);
+  return results;
+}
+
+TEST(Float4, operations_agree_with_the_scalar_twin) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const std::vector<LocalPoint> points = random_points(4, 3.0, seed);
+    const std::vector<float> wide = every_operation<Float4>(points.data());
+    EXPECT_EQ(wide, every_operation<ScalarFloat4>(points.data()));
+    EXPECT_EQ(wide[33], points[0].x) << "transposed: the x of four points";
+  }
+}
+
+TEST(Rounding, rounded_up_is_the_least_float_not_below) {
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = random.uniform() * std::exp2(random.uniform(-140, 120));
+    const float up = rounded_up(x);
+    EXPECT_GE(static_cast<double>(up), x);
+    EXPECT_LT(static_cast<double>(std::nextafter(up, 0.0f)), x);
+  }
+  EXPECT_EQ(rounded_up(0.5), 0.5f);
+  EXPECT_EQ(rounded_up(0.0), 0.0f);
+}
+
+TEST(Ownership, every_corner_is_listed_or_lies_between_listed_vertices) {
+  for (const test::Specimen& b : test::specimens()) {
+    const Cover& cover = b.built.cover;
+    const LeafOrder order = depth_first_leaves(b.built.tree);
+    ASSERT_EQ(order.leaves.size(), b.built.tree.leaf_count());
+    EXPECT_EQ(order.end[0], order.leaves.size());
+    const std::vector<std::uint8_t> all(order.leaves.size(), 1);
+    const Ownership owned = share_points(b.mesh, cover, order, all);
+    std::size_t dropped = 0;
+    for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+      const auto points = owned.of_leaf(k);
+      ASSERT_TRUE(std::is_sorted(points.begin(), points.end()));
+      EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
+      std::set<std::uint32_t> corners, listed;
+      for (const std::uint32_t c : cover.region_corners(order.leaves[k])) corners.insert(c);
+      for (const std::uint32_t p : points)
+        listed.insert(p < owned.vertices.size() ? owned.vertices[p]
+                                                : cover.vertex_count + owned.cut_points[p - owned.vertices.size()]);
+      EXPECT_TRUE(std::includes(corners.begin(), corners.end(), listed.begin(), listed.end()));
+      for (const std::uint32_t c : corners) {
+        if (listed.contains(c)) continue;
+        ++dropped;
+        ASSERT_GE(c, cover.vertex_count);
+        const CutPoint& cut = cover.cut_points[c - cover.vertex_count];
+        for (int i = 0; i < 3; ++i) EXPECT_TRUE(cut.weight[i] == 0 || listed.contains(cut.vertex[i]));
+      }
+    }
+    if (b.name == "bumpy") {
+      EXPECT_GT(dropped, 100u);
+    }
+    // Vertices of the first leaf have the first numbers.
+    const auto first = owned.of_leaf(0);
+    for (std::size_t i = 0; i < first.size() && first[i] < owned.vertices.size(); ++i) EXPECT_EQ(first[i], i);
+  }
+}
+
+// Anchors on one side only, on a plane, on a line, in a point, none: rest is kept and rigid motion carries the centre
+// to where its distances to the anchors are the same.
+TEST(Anchors, distances_to_anchors_survive_rigid_motion_however_few_they_are) {
+  Random random(5);
+  for (int dimensions = 0; dimensions <= 3; ++dimensions)
+    for (int trial = 0; trial < 20; ++trial) {
+      std::vector<Vec3> rest;
+      const Vec3 a{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      const Vec3 b{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      for (int i = 0; i < 40; ++i)
+        rest.push_back(dimensions == 0   ? a
+                       : dimensions == 1 ? a * random.uniform(-1, 1)
+                       : dimensions == 2 ? a * random.uniform(-1, 1) + b * random.uniform(-1, 1)
+                                         : Vec3{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)});
+      const Vec3f center{1.2f, -0.4f, 0.3f};
+      const auto local = [](const std::vector<Vec3>& positions) {
+        std::vector<LocalPoint> points;
+        for (const Vec3& p : positions)
+          points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0});
+        return points;
+      };
+      std::vector<std::uint32_t> candidates(rest.size());
+      for (std::uint32_t i = 0; i < candidates.size(); ++i) candidates[i] = i;
+      Anchors anchors;
+      anchors.tie(center, 1.0f, local(rest), candidates);
+      EXPECT_EQ(anchors[0].degenerate, dimensions < 3);
+      EXPECT_EQ(anchors.center(0, local(rest)), center);
+      for (const double degrees : {17.0, 90.0, 180.0}) {
+        const Vec3 axis = trial % 2 == 0 ? a : Vec3{0.3, -1, 0.8};
+        const auto moved = test::translated(test::rotated(rest, axis, degrees), {0.5, 1, -2});
+        const Vec3f now = anchors.center(0, local(moved));
+        for (std::size_t i = 0; i < rest.size(); ++i)
+          EXPECT_NEAR(distance(Vec3(now), moved[i]), distance(Vec3(center), rest[i]), 2e-5)
+              << dimensions << " dimensions, trial " << trial << ", " << degrees << " degrees";
+      }
+    }
+  Anchors none;
+  none.tie({1, 2, 3}, 1.0f, {}, {});
+  EXPECT_EQ(none.center(0, {}), (Vec3f{1, 2, 3}));
+}
+
+TEST(Anchors, weights_add_up_to_one_so_translation_carries_the_center_along) {
+  const std::vector<LocalPoint> rest = random_points(200, 1.0, 9);
+  std::vector<std::uint32_t> candidates(rest.size());
+  for (std::uint32_t i = 0; i < candidates.size(); ++i) candidates[i] = i;
+  for (const Vec3f& center : {Vec3f{0, 0, 0}, Vec3f{0.5f, 0.2f, -0.4f}, Vec3f{3, 0, 0}}) {
+    Anchors anchors;
+    anchors.tie(center, 1.0f, rest, candidates);
+    std::vector<LocalPoint> moved = rest;
+    for (LocalPoint& p : moved) p.x += 64, p.z -= 16;
+    EXPECT_LE(distance(anchors.center(0, moved), center + Vec3f{64, 0, -16}), 1e-4f);
+    EXPECT_EQ(anchors[0].carries, center.x == 3);
+  }
+}
+
+}  // namespace
+}  // namespace morula
