@@ -23,6 +23,11 @@ Input input(const std::string& wanted) {
   const std::string name = wanted.substr(0, colon);
   if (!is_sample_body(name)) {
     const std::filesystem::path file = wanted;
+    if (!file.has_extension()) {
+      std::string known;
+      for (const std::string_view body : sample_body_names()) known.append(" ").append(body);
+      throw std::invalid_argument("'" + wanted + "' is neither a mesh file nor a sample body; those are" + known);
+    }
     return {file.stem().string(), read_mesh(file)};
   }
   int resolution = 48;

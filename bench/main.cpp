@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <stdexcept>
@@ -67,7 +68,7 @@ int run(int argc, char** argv) {
   std::size_t wrong = 0;
   for (const Input& input : found) {
     if (!json)
-      fmt::print("{}: {} vertices, {} facets, {} threads\n", input.name, input.mesh.vertex_count(),
+      fmt::print("{}: {} vertices, {} facets; threads: {}\n", input.name, input.mesh.vertex_count(),
                  input.mesh.facet_count(), workers.thread_count());
     for (const NamedScenario& scenario : scenarios) {
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), scenario.name) == wanted.end()) continue;

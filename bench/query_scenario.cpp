@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenario query: what builders and measures ask a mesh, in and around its box, against brute force.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <morula/geometry/inspect.hpp>

@@ -17,6 +17,12 @@ std::string duration(double seconds) {
   return fmt::format("{:.2f} s", seconds);
 }
 
+#ifdef __clang__
+constexpr const char* compiler = "clang " __clang_version__;
+#else
+constexpr const char* compiler = "gcc " __VERSION__;
+#endif
+
 double least(const Result& result) {
   return *std::min_element(result.seconds.begin(), result.seconds.end());
 }
@@ -65,7 +71,7 @@ std::string to_json(std::span<const Input> inputs, std::span<const Result> resul
                     {"faults", result.faults}});
   }
   const json report{{"morula", version},
-                    {"compiler", __VERSION__},
+                    {"compiler", compiler},
                     {"threads", settings.workers->thread_count()},
                     {"meshes", std::move(meshes)},
                     {"results", std::move(rows)}};

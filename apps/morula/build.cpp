@@ -95,7 +95,7 @@ int build_command(const Options& o) {
 void add_build(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("build", "Build a sphere tree that covers a mesh at every level");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required();
+  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   command->add_option("-o,--output", o->output, "Tree file: .morula (with its cover), .sph or .json")
       ->type_name("TREE")
       ->required();

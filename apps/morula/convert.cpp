@@ -83,8 +83,10 @@ int convert_command(const Options& o) {
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("convert", "Convert between mesh formats, or between tree formats");
-  command->add_option("IN", o->input, "Mesh or tree file")->required();
-  command->add_option("OUT", o->output, "Mesh (.obj .off .ply) or tree (.morula .sph .json) file")->required();
+  command->add_option("IN", o->input, "Mesh or tree file")->required()->type_name("");
+  command->add_option("OUT", o->output, "Mesh (.obj .off .ply) or tree (.morula .sph .json) file")
+      ->required()
+      ->type_name("");
   command
       ->add_option("--mesh", o->mesh, "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
       ->type_name("MESH");

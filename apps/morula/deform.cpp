@@ -118,7 +118,7 @@ int deform_command(const Options& o, const CLI::App& command) {
 void add_deform(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("deform", "Make a motion: stretch, twist, bend, poke, shake or turn a mesh");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required();
+  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   command->add_option("-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy file")
       ->type_name("MOTION")
       ->required();

@@ -32,7 +32,7 @@ struct Options {
 std::optional<DemoBody> real_body() {
   const std::optional<std::filesystem::path> corpus = scenes::corpus_folder();
   if (!corpus) return std::nullopt;
-  for (const char* file : {"elephant.off"}) {
+  for (const char* file : {"bunny00.off", "elephant.off"}) {
     const std::filesystem::path path = *corpus / file;
     if (!std::filesystem::is_regular_file(path)) continue;
     DemoBody body{path.stem().string(), read_mesh(path)};

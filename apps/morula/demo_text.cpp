@@ -70,19 +70,19 @@ std::string where(const DemoCell& cell) {
   return fmt::format("{}, {} tree, {}", cell.body, name(cell.method), cell.motion);
 }
 
-/// "all 12 motions", "3 of 12 motions".
+/// "all 12 cases", "3 of 12 cases": a case is a body, a tree and a motion.
 std::string share_of(std::size_t count, std::size_t total) {
-  return count == total ? fmt::format("all {} motions", total) : fmt::format("{} of {} motions", count, total);
+  return count == total ? fmt::format("all {} cases", total) : fmt::format("{} of {} cases", count, total);
 }
 
 std::string cover_finding(const std::vector<DemoTree>& trees) {
   std::size_t frames = 0;
-  std::size_t motions = 0;
+  std::size_t cases = 0;
   const DemoCell* worst = nullptr;
   for (const DemoTree& tree : trees) {
     for (const DemoCell& cell : tree.cells) {
       if (cell.rule != Rule::exact) continue;
-      ++motions;
+      ++cases;
       frames += cell.frames.size();
       if (!cell.certified || cell.worst_bare_area() > 0) worst = &cell;
     }
@@ -92,8 +92,8 @@ std::string cover_finding(const std::vector<DemoTree>& trees) {
   }
   return fmt::format(
       "exact leaves no surface bare: 0 in every one of its {} measurements, and its certificate held at every level in "
-      "every frame of all {} motions.",
-      frames, motions);
+      "every frame of all {} cases.",
+      frames, cases);
 }
 
 std::string approach2_finding(const std::vector<DemoTree>& trees) {
@@ -142,12 +142,15 @@ std::string cost_finding(const std::vector<DemoTree>& trees) {
       }
     }
   }
-  const DemoTree& largest = *std::max_element(
-      trees.begin(), trees.end(), [](const DemoTree& a, const DemoTree& b) { return a.vertices < b.vertices; });
+  // Of the largest body; among its trees the last, whose method is the default one.
+  const DemoTree* largest = &trees.front();
+  for (const DemoTree& tree : trees) {
+    if (tree.vertices >= largest->vertices) largest = &tree;
+  }
   const std::string time = fmt::format(
-      "On {} ({} vertices, {} tree) exact takes {} µs per frame on one thread, approach2 {} µs", largest.body,
-      largest.vertices, name(largest.method), figure(typical_microseconds(largest, Rule::exact)),
-      figure(typical_microseconds(largest, Rule::approach2)));
+      "On {} ({} vertices, {} tree) exact takes {} µs per frame on one thread, approach2 {} µs", largest->body,
+      largest->vertices, name(largest->method), figure(typical_microseconds(*largest, Rule::exact)),
+      figure(typical_microseconds(*largest, Rule::approach2)));
   if (most == nullptr) return time + ".";
   return fmt::format("{}; what cover costs is volume: exact grows most in {}, from {} at rest to {}.", time,
                      where(*most), figure(most->rest_looseness()), figure(most->worst_looseness()));

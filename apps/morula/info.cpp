@@ -201,7 +201,7 @@ int info_command(const Options& o) {
 void add_info(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a mesh or a tree file is, and what it is good for");
-  command->add_option("FILE", o->file, "Mesh or tree file")->required();
+  command->add_option("FILE", o->file, "Mesh or tree file")->required()->type_name("");
   command->add_flag(
       "--check", o->check,
       "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");

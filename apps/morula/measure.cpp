@@ -173,8 +173,8 @@ void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& fr
     fmt::print("n/a: {}, so protrusion cannot be answered.\n", why_no_inside(report));
   }
   fmt::print(
-      "Looseness and missed volume are shares of the object's volume; gap and protrusion are in mesh units "
-      "(diagonal {}).\n",
+      "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
+      "gap and protrusion (worst, mean) are in mesh units (diagonal {}).\n",
       figure(report.box.diagonal()));
 }
 
@@ -232,8 +232,10 @@ int measure_command(const Options& o) {
 void add_measure(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("measure", "Measure looseness, cover and protrusion of every level");
-  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required();
-  command->add_option("TREE", o->trees, "Tree file, or with --motion a folder of them, one per frame")->required();
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("TREE", o->trees, "Tree file, or with --motion a folder of them, one per frame")
+      ->required()
+      ->type_name("");
   command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob or .npy")
       ->type_name("MOTION");
   command

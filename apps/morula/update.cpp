@@ -180,10 +180,13 @@ int update_command(const Options& o) {
 void add_update(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("update", "Move the spheres of a tree along with a motion of its mesh");
-  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required();
-  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")->required();
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
+      ->required()
+      ->type_name("");
   command->add_option("MOTION", o->motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
-      ->required();
+      ->required()
+      ->type_name("");
   command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...")->type_name("FOLDER")->required();
   command
       ->add_option("--rule", o->rule,

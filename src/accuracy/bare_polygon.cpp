@@ -56,12 +56,7 @@ FacetPlane::FacetPlane(const Triangle& facet) {
   const auto longest = std::max_element(
       edges.begin(), edges.end(), [](const Vec3& a, const Vec3& b) { return squared_length(a) < squared_length(b); });
   first = normalized(*longest);
-  // Without an area any direction across the edge will do: take the one nearest to the axis that is farthest from it.
-  const Vec3 size{std::abs(first.x), std::abs(first.y), std::abs(first.z)};
-  const Vec3 axis = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
-                    : size.y <= size.z                   ? Vec3{0, 1, 0}
-                                                         : Vec3{0, 0, 1};
-  normal = normalized(morula::cross(facet[1] - facet[0], facet[2] - facet[0]), normalized(morula::cross(first, axis)));
+  normal = normalized(area_vector(facet));
   second = morula::cross(normal, first);
 }
 

@@ -19,7 +19,7 @@ struct Vec2 {
 /// between the origin and those parts of the border that lie outside the disc; what lies inside cancels exactly.
 double area_outside_disc(std::span<const Vec2> polygon, double radius);
 
-/// Axes in the plane of a facet. Any facet gives axes that are orthonormal; without area they mean little.
+/// Axes in the plane of a facet that has an area.
 struct FacetPlane {
   explicit FacetPlane(const Triangle& facet);
 

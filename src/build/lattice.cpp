@@ -71,28 +71,35 @@ Vec3 out_of_frame(const Frame& frame, const Vec3& local) {
 
 bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most,
                     std::vector<Vec3>& centers) {
-  // Few cells are ever wanted: a linear search over those found is quicker than hashing.
-  std::array<std::array<std::int64_t, 3>, 256> cells;
-  most = std::min(most, cells.size());
+  // Few cells are ever wanted: a linear search over the keys of those found is quicker than hashing. No point lies
+  // before the origin, so truncation is the floor.
+  constexpr std::size_t most_cells = 256;
+  constexpr double cells_per_axis = 1 << 20;
+  std::array<std::uint64_t, most_cells> keys;
+  most = std::min(most, most_cells);
+  const Vec3 per_edge{1 / lattice.edge.x, 1 / lattice.edge.y, 1 / lattice.edge.z};
   std::size_t count = 0, recent = 0;
   for (const Vec3& p : points) {
-    std::array<std::int64_t, 3> cell;
-    for (int axis = 0; axis < 3; ++axis)
-      cell[axis] = static_cast<std::int64_t>(std::floor((p[axis] - lattice.origin[axis]) / lattice.edge[axis]));
-    if (count > 0 && cells[recent] == cell) continue;
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::clamp((p[axis] - lattice.origin[axis]) * per_edge[axis], 0.0, cells_per_axis - 1);
+      key = key << 20 | static_cast<std::uint32_t>(cell);
+    }
+    if (count > 0 && keys[recent] == key) continue;
     std::size_t i = 0;
-    while (i < count && cells[i] != cell) ++i;
+    while (i < count && keys[i] != key) ++i;
     if (i == count) {
       if (count == most) return false;
-      cells[count++] = cell;
+      keys[count++] = key;
     }
     recent = i;
   }
   centers.clear();
   for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 cell{static_cast<double>(keys[i] >> 40), static_cast<double>(keys[i] >> 20 & 0xfffff),
+                    static_cast<double>(keys[i] & 0xfffff)};
     Vec3 center;
-    for (int axis = 0; axis < 3; ++axis)
-      center[axis] = lattice.origin[axis] + (static_cast<double>(cells[i][axis]) + 0.5) * lattice.edge[axis];
+    for (int axis = 0; axis < 3; ++axis) center[axis] = lattice.origin[axis] + (cell[axis] + 0.5) * lattice.edge[axis];
     centers.push_back(center);
   }
   return true;

@@ -32,6 +32,7 @@ struct Lattice {
 };
 
 /// Centres of the cells that points lie in, in the order of first use; stops (returns false) at more than `most`.
+/// points: none before the lattice's origin, at most 2²⁰ cells from it on any axis; most: at most 256.
 bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most, std::vector<Vec3>& centers);
 
 /// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index

@@ -109,8 +109,8 @@ class ReducerDivider {
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       if (divided.regions[i].empty()) continue;
       corner_positions(mesh_, divided.regions[i], points);
-      const Sphere sphere =
-          effort == Effort::quick ? enclosing_sphere(points) : refit(points, spheres[i].center, shape_);
+      const Sphere sphere = effort == Effort::quick ? better_of_two(points, spheres[i].center, shape_)
+                                                    : refit(points, spheres[i].center, shape_);
       fitted.protrusions.push_back(shape_.protrusion_bound(sphere));
       fitted.worst = std::max(fitted.worst, fitted.protrusions.back());
       fitted.spheres.push_back(sphere);

@@ -66,16 +66,22 @@ class Search {
 
 }  // namespace
 
+Sphere better_of_two(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
+  const Sphere smallest = enclosing_sphere(points);
+  const Sphere other{start, farthest_distance(start, points)};
+  return shape.protrusion_bound(other) < shape.protrusion_bound(smallest) ? other : smallest;
+}
+
 Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
   const Sphere smallest = enclosing_sphere(points);
   Search search(points, shape);
   Search::Trial best = search.evaluate(smallest.center);
   if (const Search::Trial other = search.evaluate(start); other.protrusion < best.protrusion) best = other;
-  constexpr double first_step = 0.25, last_step = 0.02;  // shares of the smallest radius
+  constexpr double first_step = 0.2, last_step = 0.03;  // shares of the smallest radius
   best = search.descend(best, first_step * smallest.radius, last_step * smallest.radius);
-  constexpr int most_corrections = 4;
+  constexpr int most_corrections = 2;
   for (int i = 0; i < most_corrections && search.correct(best.center, best.radius); ++i)
-    best = search.descend(search.evaluate(best.center), 4 * last_step * smallest.radius, last_step * smallest.radius);
+    best = search.descend(search.evaluate(best.center), 2 * last_step * smallest.radius, last_step * smallest.radius);
   return {best.center, farthest_distance(best.center, points)};
 }
 

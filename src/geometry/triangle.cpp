@@ -44,19 +44,25 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
   const double vb = d5 * d2 - d1 * d6;
   const double va = d3 * d6 - d5 * d4;
   const double sum = va + vb + vc;  // (twice the area)²
-  const bool is_above_interior = va > 0 && vb > 0 && vc > 0 && std::isfinite(1 / sum);
-  TrianglePoint interior{};
-  if (is_above_interior) {
+  // In slivers these signs are rounding: all edges are tried instead, and the inside if it claims to be nearest.
+  constexpr double sliver = 1e-6;
+  const bool is_sliver = !(sum > sliver * squared_length(ab) * squared_length(ac));
+  if (!is_sliver) {
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return closest_on_edge(t, 0, 1, p);
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return closest_on_edge(t, 0, 2, p);
+    if (va <= 0 && d4 >= d3 && d5 >= d6) return closest_on_edge(t, 1, 2, p);
+  }
+  TrianglePoint best{};
+  if (!is_sliver || (va > 0 && vb > 0 && vc > 0 && std::isfinite(1 / sum))) {
     const double v = vb / sum, w = vc / sum;
     const Vec3 point = t[0] + ab * v + ac * w;
-    interior = {point, {1 - v - w, v, w}, squared_distance(point, p)};
-    // In slivers the signs above are rounding: whatever they say, an edge may be nearer.
-    constexpr double sliver = 1e-6;
-    if (sum > sliver * squared_length(ab) * squared_length(ac)) return interior;
+    best = {point, {1 - v - w, v, w}, squared_distance(point, p)};
+    if (!is_sliver) return best;
+    best = nearer(closest_on_edge(t, 0, 1, p), best);
+  } else {
+    best = closest_on_edge(t, 0, 1, p);
   }
-  const TrianglePoint edge =
-      nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
-  return is_above_interior ? nearer(edge, interior) : edge;
+  return nearer(nearer(best, closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
 }
 
 double solid_angle(const Triangle& t, const Vec3& p) {

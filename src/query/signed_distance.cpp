@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <morula/geometry/inspect.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
@@ -169,7 +170,11 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
     const double along = orientation_ * dot(p - bvh_.triangle(closest.facet)[corner], normal);
     if (std::abs(along) > least_cosine * distance) return along < 0;
   }
-  return orientation_ * bvh_.winding_number(p) > 0.5;
+  double turns = orientation_ * bvh_.winding_number(p);
+  // A closed surface goes around a point a whole number of times: anything else is the far field's error, or a point on
+  // the surface, where either answer will do.
+  if (has_volume_ && std::abs(turns - std::round(turns)) > 0.2) turns = orientation_ * bvh_.winding_number(p, 8.0);
+  return turns > 0.5;
 }
 
 }  // namespace morula

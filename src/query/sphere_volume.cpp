@@ -1,19 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball ∩ object as a sum over facets of ball ∩ cone(centre, facet), ALGORITHMS A.5, in a form without case distinctions
-// on where the centre's foot lies. In units of the radius, with the centre at the origin:
+// Ball ∩ object as a sum over facets of ball ∩ cone(centre, facet), ALGORITHMS A.5, arranged so that nothing is
+// singular wherever the centre lies. In units of the radius, with the centre at the origin, a facet T in the plane n·x
+// = H cuts the ball in D = T ∩ disc. Its cone inside the ball has three times the volume
 //
-// A facet in the plane n·x = H, |H| < 1, cuts the ball in a disc; D is the part of the disc in the facet. Its cone has
-// volume (H area(D) − s Ω(D)) / 3, s the sign of H, besides the solid angle of the whole facet over 3, and these add up
-// to 4π/3 or 0. Going around D in its plane, by the angle φ about the foot, area and solid angle are integrals of ½ρ²
-// and 1 − |H|/√(H² + ρ²). So s Ω(D) is a multiple of 2π less ∫ H/√(H² + ρ²) dφ, which is elementary on each piece of
-// the border:
-//   circle, angle θ                    H θ
-//   line at distance h, from t₁ to t₂   g(t₂) − g(t₁) with tan g = H t / (h √(H² + h² + t²))
-// The multiples of 2π of all facets and the 4π of the centre leave one whole number for the ball. It is what the far
-// facets' solid angle lacks, and that needs to be known only to a quarter of a turn.
+//   H area(D) + s Ω(T) − s Ω(D),   s the sign of H, Ω the solid angle.
+//
+// The first and the difference of the others are sums over the border, by the angle φ about the foot of the centre:
+// area = ∫ ½ρ² dφ, and s Ω(T) − s Ω(D) = ∫ H/√(H² + ρ²) dφ along the arcs that D has instead of T's sides, minus the
+// same integral along the replaced parts of the sides. On an arc of angle θ it is H θ, on a line at distance h from the
+// foot g(t₂) − g(t₁) with tan g = H t / (h √(H² + h² + t²)). The replaced parts are outside the ball, so these are
+// smooth.
+//
+// What the facets that miss the ball contribute is their solid angle. The index gives it roughly; and with all the
+// others it makes up a multiple of 4π, so the solid angles of the facets that meet the ball, modulo 2π, say the rest.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <morula/query/sphere_volume.hpp>
 #include <numbers>
 
@@ -27,22 +30,18 @@ bool comes_before(const Vec3& a, const Vec3& b) {
   return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-// Angle between (x1, y1) and (x2, y2), 0…π.
-double angle_between(double x1, double y1, double x2, double y2) {
-  return std::atan2(std::abs(x1 * y2 - x2 * y1), x1 * x2 + y1 * y2);
-}
-
-// The line through a facet's side from a to b. Close to the line everything depends on the direction from the centre to
-// it, and the two facets that share the side must see the same one, or their angles would not add up. Hence nothing
-// here depends on the order of a and b but the sign of `along`, and lengths are measured from the nearer end, where
-// they have lost least.
+// The line through a facet's side from a to b, which differ. Close to the line everything depends on the direction from
+// the centre to it, and the two facets that share the side must see the same one, or their solid angles would not fit
+// together. Hence nothing here depends on the order of a and b but the signs of `along` and `plane`, and the nearest
+// point is found from the nearer end, where it loses least.
 struct Side {
-  Vec3 along;    // unit, from a to b
-  Vec3 nearest;  // point of the line nearest to the centre
-  double first, last;
+  Vec3 along;          // unit, from a to b
+  Vec3 nearest;        // point of the line nearest to the centre
+  Vec3 plane;          // normal of the plane through centre, a and b, seen from the left of the side
+  double first, last;  // a and b, as distances along the line from `nearest`
 };
 
-Side side_of(const Vec3& a, const Vec3& b) {
+Side side_between(const Vec3& a, const Vec3& b) {
   Side side;
   side.along = normalized(b - a);
   side.first = dot(side.along, a);
@@ -50,51 +49,61 @@ Side side_of(const Vec3& a, const Vec3& b) {
   const double to_a = squared_length(a), to_b = squared_length(b);
   const bool from_a = to_a != to_b ? to_a < to_b : comes_before(a, b);
   side.nearest = from_a ? a - side.along * side.first : b - side.along * side.last;
-  if (side.nearest == Vec3{}) {
+  // Through the centre, as far as rounding can tell: what is left points along the line.
+  const double off_line = squared_length(side.nearest);
+  side.nearest -= side.along * dot(side.along, side.nearest);
+  if (!(squared_length(side.nearest) > 0.25 * off_line)) {
     const Vec3 forward = comes_before(a, b) ? side.along : -side.along;
     const bool mostly_x = std::abs(forward.x) > 0.5;
     side.nearest = normalized(cross(forward, mostly_x ? Vec3{0, 1, 0} : Vec3{1, 0, 0})) * next_to_nothing;
   }
+  side.plane = cross(side.nearest, side.along);
   return side;
 }
 
-// ∫ H/√(H² + ρ²) dφ about the foot, and H × area; over all of the facet and over its part in the ball.
-struct Sums {
-  double whole_angle = 0;
-  double inside = 0;
-};
+// Whether the centre is so close to a side or corner, for the facet's size, that solid_angle has lost more than two
+// digits: both arguments of its arctangent are then sums that cancel.
+bool passes_closely(const Triangle& t) {
+  const double a = length(t[0]), b = length(t[1]), c = length(t[2]);
+  const double product = a * b * c;
+  const double denominator = product + dot(t[0], t[1]) * c + dot(t[1], t[2]) * a + dot(t[2], t[0]) * b;
+  return std::max(std::abs(denominator), std::abs(dot(t[0], cross(t[1], t[2])))) < 0.01 * product;
+}
 
-void add_side(const Vec3& normal, const Side& side, Sums& sums) {
-  const double height = dot(normal, side.nearest);
-  const double signed_distance = dot(cross(side.along, normal), side.nearest);
-  const double distance = std::abs(signed_distance);  // of the line from the foot
-  const double turn = signed_distance < 0 ? -1 : 1;
+// Solid angle of the triangle modulo 2π, by the angles between the planes through the centre and its sides: their sum
+// less π. Seen from behind all change their signs, and π is as good as −π.
+double solid_angle_modulo_turn(const Triangle& corners, const std::array<Side, 3>& sides) {
+  double sum = -std::numbers::pi;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &in = sides[(k + 2) % 3].plane, &out = -sides[k].plane;
+    sum += std::atan2(dot(corners[k], cross(out, in)), length(corners[k]) * dot(out, in));
+  }
+  return std::remainder(sum, 2 * std::numbers::pi);  // a sum over many facets must not grow, it would lose digits
+}
+
+// Angle between (x1, y1) and (x2, y2), 0…π.
+double angle_between(double x1, double y1, double x2, double y2) {
+  return std::atan2(std::abs(x1 * y2 - x2 * y1), x1 * x2 + y1 * y2);
+}
+
+// H area(D) + s Ω(T) − s Ω(D), one side's part. height is H, the same for all sides.
+double part_of_cone(const Vec3& normal, double height, const Side& side) {
+  const double signed_distance = dot(cross(side.along, normal), side.nearest);  // of the line, from the foot
+  const double distance = std::abs(signed_distance);
   const double squared = squared_length(side.nearest);
-
-  const auto line_angle = [&](double t1, double t2) {
+  const auto replaced = [&](double t1, double t2) {
+    if (!(t1 < t2)) return 0.0;
     const double to_1 = std::sqrt(squared + t1 * t1), to_2 = std::sqrt(squared + t2 * t2);
-    const double angle = angle_between(distance * to_1, height * t1, distance * to_2, height * t2);
-    return turn * (height < 0 ? -angle : angle);
+    const double arc = angle_between(distance, t1, distance, t2);
+    const double line = angle_between(distance * to_1, height * t1, distance * to_2, height * t2);
+    const double half_squared_disc_radius = 0.5 * (1 - height * height);
+    const double sum = height * arc * (half_squared_disc_radius + 1) - (height < 0 ? -line : line);
+    return signed_distance < 0 ? -sum : sum;
   };
-  const auto add_arc = [&](double t1, double t2) {
-    if (!(t1 < t2)) return;
-    // Half the squared radius of the disc for the area, and 1 for the angle, both times H.
-    const double theta = turn * angle_between(distance, t1, distance, t2);
-    sums.inside += theta * height * (1.5 - 0.5 * height * height);
-  };
-
   const double half_chord = squared < 1 ? std::sqrt(1 - squared) : 0;
   const double enter = std::max(side.first, -half_chord), leave = std::min(side.last, half_chord);
-  const double whole = line_angle(side.first, side.last);
-  sums.whole_angle += whole;
-  if (!(enter < leave)) {
-    add_arc(side.first, side.last);
-    return;
-  }
-  add_arc(side.first, enter);
-  const bool all_inside = enter == side.first && leave == side.last;
-  sums.inside += (all_inside ? whole : line_angle(enter, leave)) + 0.5 * height * signed_distance * (leave - enter);
-  add_arc(leave, side.last);
+  if (!(enter < leave)) return replaced(side.first, side.last);
+  return replaced(side.first, enter) + 0.5 * height * signed_distance * (leave - enter) + replaced(leave, side.last);
 }
 
 }  // namespace
@@ -103,38 +112,63 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
   if (!(ball.radius > 0)) return 0;
   std::vector<std::uint32_t> near;
   object.bvh().facets_touching(ball, near);
-  if (near.empty()) return object.is_inside(ball.center) ? volume(ball) : 0;
+  if (near.empty() && object.has_volume()) return object.is_inside(ball.center) ? volume(ball) : 0;
 
-  Sums sums;
-  double near_solid_angle = 0;
+  double cones = 0, near_solid_angle = 0, near_modulo_turn = 0;
   for (const std::uint32_t f : near) {
     const Triangle& t = object.bvh().triangle(f);
     Triangle local;
+    bool is_at_corner = false;
     for (std::size_t k = 0; k < 3; ++k) {
       local[k] = (t[k] - ball.center) / ball.radius;
-      // A centre on a vertex: as if it were beside it, on the same side for all facets there.
-      if (local[k] == Vec3{}) local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
+      if (local[k] != Vec3{}) continue;
+      // As if the centre were beside the vertex, on the same side for all facets there.
+      local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
+      is_at_corner = true;
     }
+    // What the index has summed, even where rounding has given an angle to a facet that has none.
+    const double angle = solid_angle(t, ball.center);
+    near_solid_angle += angle;
+    if (local[0] == local[1] || local[1] == local[2] || local[2] == local[0]) continue;
+
+    std::array<double, 3> squared;
+    for (std::size_t k = 0; k < 3; ++k) squared[k] = squared_length(local[k]);
+    const auto [nearest, farthest] = std::minmax_element(squared.begin(), squared.end());
     const Vec3 area_vector = morula::area_vector(local);
-    const double twice_area = length(area_vector);
-    if (!(twice_area > 0)) continue;
-    const Vec3 normal = area_vector / twice_area;
-    const Vec3& nearest_corner = *std::min_element(
-        local.begin(), local.end(), [](const Vec3& a, const Vec3& b) { return squared_length(a) < squared_length(b); });
-    if (!(std::abs(dot(normal, nearest_corner)) < 1)) continue;
-    near_solid_angle += solid_angle(t, ball.center);
-    for (std::size_t k = 0; k < 3; ++k) add_side(normal, side_of(local[k], local[(k + 1) % 3]), sums);
+    const Vec3 normal = normalized(area_vector, Vec3{});
+    // A facet that only touches the ball replaces all of its border and is left with nothing.
+    const double height =
+        std::clamp(dot(normal, local[static_cast<std::size_t>(nearest - squared.begin())]), -1.0, 1.0);
+
+    const bool is_whole = *farthest <= 1;
+    const bool is_passed_closely = is_at_corner || passes_closely(local);
+    std::array<Side, 3> sides;
+    if (!is_whole || is_passed_closely)
+      for (std::size_t k = 0; k < 3; ++k) sides[k] = side_between(local[k], local[(k + 1) % 3]);
+
+    near_modulo_turn += is_passed_closely ? solid_angle_modulo_turn(local, sides) : angle;
+    if (is_whole)
+      cones += 0.5 * height * length(area_vector);
+    else
+      for (const Side& side : sides) cones += part_of_cone(normal, height, side);
   }
 
   // The index sums the very same solid angles of the facets nearby, so whatever rounding does to them when the centre
-  // is on the surface drops out here. On an open surface there is no whole number: the result is then the integral of
-  // the winding number, as exact as the far field.
+  // is on the surface drops out of the difference. On an open surface nothing says the rest: the result is then the
+  // integral of the winding number, as exact as the far field.
   constexpr double turn = 2 * std::numbers::pi;
-  const double accuracy = object.has_volume() ? 2 : 4;
-  const double total = 2 * turn * object.bvh().winding_number(ball.center, accuracy);
-  double rest = total - near_solid_angle - sums.whole_angle;
-  if (object.has_volume()) rest = turn * std::round(rest / turn);
-  const double share = object.orientation() * (rest + sums.inside) / (2 * turn);
+  const auto far_solid_angle = [&](double accuracy) {
+    return 2 * turn * object.bvh().winding_number(ball.center, accuracy) - near_solid_angle;
+  };
+  double far = far_solid_angle(object.has_volume() ? 2 : 4);
+  if (object.has_volume()) {
+    double turns = (far + near_modulo_turn) / turn;
+    constexpr double safely_whole = 0.2;
+    if (std::abs(turns - std::round(turns)) > safely_whole)
+      turns = (far_solid_angle(std::numeric_limits<double>::infinity()) + near_modulo_turn) / turn;
+    far = turn * std::round(turns) - near_modulo_turn;
+  }
+  const double share = object.orientation() * (far + cones) / (2 * turn);
   return volume(ball) * std::clamp(share, 0.0, 1.0);
 }
 

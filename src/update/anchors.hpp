@@ -15,7 +15,7 @@ namespace morula {
 
 /// A centre c as a function of its anchors x, with weights w that add up to 1:
 ///   c = c0 + (sum w x - sum w x0) + (turned(e) - e)      x0: at rest
-/// Where c0 is a convex combination of anchors, e is zero and any affine motion of the anchors moves the centre along.
+/// Where the weights reproduce c0, e is zero and any affine motion of the anchors moves the centre along.
 /// Where it is not, e = c0 - sum w x0 is carried by a frame of three anchors, so that at least rigid motion does. The
 /// frame is built anew from positions alone; nothing remembers the frame before.
 struct CenterTie {
@@ -23,7 +23,7 @@ struct CenterTie {
   Vec3f rest_sum;                        ///< sum w x0, by the very routine that runs per frame
   std::uint32_t begin = 0, end = 0;      ///< range in points and weights
   bool carries = false;                  ///< e is not zero
-  bool degenerate = false;               ///< fewer than four anchors that span space: equal weights
+  bool degenerate = false;               ///< as in AnchorChoice
   std::array<std::uint32_t, 3> frame{};  ///< anchors; repeated ones where they are collinear or fewer
   Vec3f in_frame;                        ///< e in the frame's coordinates
   Vec3f rest_carried;                    ///< e, by the very routine that runs per frame
@@ -32,8 +32,7 @@ struct CenterTie {
 /// Ties of many centres, with what they share.
 class Anchors {
  public:
-  /// Adds a tie. candidates: points that may become anchors, ascending, each once; none leaves the centre where it is.
-  /// radius: that of the rest sphere, which sets the scale.
+  /// Adds a tie to some of the candidates (choose_anchors); without any the centre stays where it is.
   void tie(const Vec3f& center, float radius, std::span<const LocalPoint> rest_points,
            std::span<const std::uint32_t> candidates);
 

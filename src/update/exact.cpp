@@ -107,13 +107,14 @@ void ExactRule::move_centers(std::span<const LocalPoint> points, std::span<Spher
 void ExactRule::measure_leaves(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                Workers& workers) noexcept {
   parallel_for(workers, chain_begin_.size() - 1, leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+    const FarthestKernel farthest_of = farthest_kernels().back();
     std::array<Vec3f, most_centers> centers;
     for (std::size_t k = begin; k < end; ++k) {
       const auto points_of_leaf = std::span(points_).subspan(point_begin_[k], point_begin_[k + 1] - point_begin_[k]);
       for (std::uint32_t from = chain_begin_[k]; from < chain_begin_[k + 1]; from += most_centers) {
         const std::size_t count = std::min<std::size_t>(most_centers, chain_begin_[k + 1] - from);
         for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[chain_[from + i]].center;
-        farthest(points.data(), points_of_leaf, std::span(centers).first(count), &squared_[from]);
+        farthest_of(points.data(), points_of_leaf, std::span(centers).first(count), &squared_[from]);
       }
     }
   });

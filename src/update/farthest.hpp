@@ -14,7 +14,7 @@
 namespace morula {
 
 /// Lists of points come in groups of this many; short ones repeat their last entry, which changes no maximum.
-inline constexpr std::size_t points_per_group = 4;
+inline constexpr std::size_t points_per_group = 8;
 
 template <class Wide>
 struct WidePoints {
@@ -42,7 +42,7 @@ void farthest_of_few(const LocalPoint* points, std::span<const std::uint32_t> in
     x[k] = Wide(centers[k].x), y[k] = Wide(centers[k].y), z[k] = Wide(centers[k].z);
     farthest[k] = Wide(0.0f);
   }
-  for (std::size_t i = 0; i < index.size(); i += points_per_group) {
+  for (std::size_t i = 0; i < index.size(); i += 4) {
     const WidePoints<Wide> p = gather<Wide>(points, &index[i]);
     for (std::size_t k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, x[k], y[k], z[k]), farthest[k]);
   }
@@ -70,5 +70,11 @@ void farthest(const LocalPoint* points, std::span<const std::uint32_t> index, st
       return;
   }
 }
+
+using FarthestKernel = void (*)(const LocalPoint* points, std::span<const std::uint32_t> index,
+                                std::span<const Vec3f> centers, float* squared);
+/// Those that this processor can run, slowest first. All give the same bits: every distance is taken by the same
+/// operations in the same order, without fused ones, and then only compared.
+std::span<const FarthestKernel> farthest_kernels();
 
 }  // namespace morula

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <morula/geometry/vector.hpp>
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -22,6 +23,7 @@ class ScalarFloat4 {
  public:
   ScalarFloat4() = default;
   explicit ScalarFloat4(float all) : lane_{all, all, all, all} {}
+  explicit ScalarFloat4(const Vec3f& v) : lane_{v.x, v.y, v.z, 0.0f} {}
   static ScalarFloat4 load(const float* four) { return ScalarFloat4(four[0], four[1], four[2], four[3]); }
   static ScalarFloat4 load(const LocalPoint& p) { return ScalarFloat4(p.x, p.y, p.z, p.unused); }
   void store(LocalPoint& p) const { p = {lane_[0], lane_[1], lane_[2], lane_[3]}; }
@@ -73,6 +75,7 @@ class SseFloat4 {
  public:
   SseFloat4() = default;
   explicit SseFloat4(float all) : v_(_mm_set1_ps(all)) {}
+  explicit SseFloat4(const Vec3f& v) : v_(_mm_setr_ps(v.x, v.y, v.z, 0.0f)) {}
   static SseFloat4 load(const float* four) { return SseFloat4(_mm_loadu_ps(four)); }
   static SseFloat4 load(const LocalPoint& p) { return SseFloat4(_mm_load_ps(&p.x)); }
   void store(LocalPoint& p) const { _mm_store_ps(&p.x, v_); }

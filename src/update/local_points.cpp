@@ -4,30 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "update/narrow.hpp"
 
 namespace morula {
 namespace {
 
 constexpr std::size_t vertices_per_chunk = 4096;
 constexpr std::size_t cut_points_per_chunk = 4096;
-
-// Largest |coordinate| of the narrowed points; infinity when one is not finite (or does not fit a float).
-float narrow(PositionView positions, std::span<const std::uint32_t> vertices, const Vec3 origin, LocalPoint* out) {
-  Float4 lowest(0.0f), highest(0.0f), trap(0.0f);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const Vec3f p(positions[vertices[i]] - origin);
-    out[i] = {p.x, p.y, p.z, 0.0f};
-    const Float4 wide = Float4::load(out[i]);
-    // Minima and maxima lose a NaN; x - x is zero unless x is infinite or NaN, and a sum never loses that.
-    trap = trap + (wide - wide);
-    lowest = min(wide, lowest);
-    highest = max(wide, highest);
-  }
-  for (const float lane : trap.lanes())
-    if (lane != 0.0f) return std::numeric_limits<float>::infinity();
-  return std::max(largest_lane(highest), largest_lane(Float4(0.0f) - lowest));
-}
 
 }  // namespace
 
@@ -36,19 +20,21 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   for (std::uint32_t i = 0; i < vertices_.size(); ++i) point_of_[vertices_[i]] = i;
   for (const std::uint32_t k : ownership.cut_points) {
     const CutPoint& c = cover.cut_points[k];
-    const auto heaviest =
-        static_cast<std::size_t>(std::max_element(c.weight.begin(), c.weight.end()) - c.weight.begin());
-    const std::size_t second = (heaviest + 1) % 3, third = (heaviest + 2) % 3;
+    // Heaviest first, then in order; weights 0 last.
+    std::array<int, 3> by_weight{0, 1, 2};
+    std::stable_sort(by_weight.begin(), by_weight.end(), [&](int i, int j) { return c.weight[i] > c.weight[j]; });
+    const auto point = [&](int rank) { return point_of_[c.vertex[by_weight[rank]]]; };
+    const auto weight = [&](int rank) { return static_cast<float>(c.weight[by_weight[rank]]); };
     // A vertex without weight may be anything, even one that no facet uses.
-    const auto point = [&](std::size_t i) { return point_of_[c.vertex[c.weight[i] == 0 ? heaviest : i]]; };
-    cuts_.push_back({{point(heaviest), point(second), point(third)},
-                     static_cast<float>(c.weight[second]),
-                     static_cast<float>(c.weight[third])});
+    if (is_on_edge(c))
+      edge_cuts_.push_back({{point(0), point(c.weight[by_weight[1]] == 0 ? 0 : 1)}, weight(1)});
+    else
+      inner_cuts_.push_back({{point(0), point(1), point(2)}, weight(1), weight(2)});
   }
   // Over all cut points: a certificate looks at those that no leaf has to test as well.
   for (const CutPoint& c : cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
-  points_.resize(vertices_.size() + cuts_.size());
+  points_.resize(vertices_.size() + cut_point_count());
   chunk_largest_.resize((vertices_.size() + vertices_per_chunk - 1) / vertices_per_chunk);
   rest_origin_ = bounding_box(rest).center();
   guide_ = *std::min_element(vertices_.begin(), vertices_.end());
@@ -74,13 +60,21 @@ LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& wor
 }
 
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
-  const std::size_t vertex_count = vertices_.size();
-  parallel_for(workers, cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
+  LocalPoint* const on_edges = points_.data() + vertices_.size();
+  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Cut& cut = cuts_[i];
+      const EdgeCut& cut = edge_cuts_[i];
+      const Float4 v0 = Float4::load(points_[cut.point[0]]), v1 = Float4::load(points_[cut.point[1]]);
+      (v0 + Float4(cut.weight) * (v1 - v0)).store(on_edges[i]);
+    }
+  });
+  LocalPoint* const inside = on_edges + edge_cuts_.size();
+  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const InnerCut& cut = inner_cuts_[i];
       const Float4 v0 = Float4::load(points_[cut.point[0]]);
       const Float4 v1 = Float4::load(points_[cut.point[1]]), v2 = Float4::load(points_[cut.point[2]]);
-      (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(points_[vertex_count + i]);
+      (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(inside[i]);
     }
   });
 }

@@ -30,15 +30,20 @@ class LocalPoints {
   /// Vertices in the ownership's order, then cut points.
   std::span<const LocalPoint> points() const { return points_; }
   std::size_t vertex_count() const { return vertices_.size(); }
-  std::size_t cut_point_count() const { return cuts_.size(); }
+  std::size_t cut_point_count() const { return edge_cuts_.size() + inner_cuts_.size(); }
   /// At rest: the centre of the mesh's box.
   const Vec3& rest_origin() const { return rest_origin_; }
   /// Point of a mesh vertex that facets use.
   std::uint32_t point_of(std::uint32_t vertex) const { return point_of_[vertex]; }
 
  private:
-  struct Cut {
-    std::array<std::uint32_t, 3> point;  // the first has the largest weight
+  // The first point has the largest weight; each other one is `weight` of the way from it.
+  struct EdgeCut {
+    std::array<std::uint32_t, 2> point;
+    float weight;
+  };
+  struct InnerCut {
+    std::array<std::uint32_t, 3> point;
     float weight1, weight2;
   };
   std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
@@ -46,7 +51,8 @@ class LocalPoints {
 
   std::vector<std::uint32_t> vertices_;
   std::vector<std::uint32_t> point_of_;
-  std::vector<Cut> cuts_;
+  std::vector<EdgeCut> edge_cuts_;    // points vertices_.size() …
+  std::vector<InnerCut> inner_cuts_;  // … and after those
   std::vector<LocalPoint> points_;
   std::vector<float> chunk_largest_;  // per chunk of vertices; infinity when something in it is not finite
   Vec3 rest_origin_;

@@ -73,6 +73,10 @@ bool all_owned(const CutPoint& c, const std::vector<std::uint32_t>& owner, std::
 
 }  // namespace
 
+bool is_on_edge(const CutPoint& c) {
+  return std::count(c.weight.begin(), c.weight.end(), 0.0) > 0;
+}
+
 void require_belonging(const Mesh& mesh, const Built& built) {
   require_array_sizes(mesh, built);
   require_corners(built.cover);
@@ -137,18 +141,18 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
         result.vertices.push_back(v);
       }
 
+  for (const bool on_edge : {true, false})
+    for (const std::uint32_t c : cuts)
+      if (number[c] == none && is_on_edge(cover.cut_points[c - cover.vertex_count]) == on_edge) {
+        number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
+        result.cut_points.push_back(c - cover.vertex_count);
+      }
+
   std::vector<std::uint32_t> merged, merged_begin{0};
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
     const auto owned = result.of_leaf(k);
     merged.insert(merged.end(), owned.begin(), owned.end());
-    for (std::uint32_t i = cut_begin[k]; i < cut_begin[k + 1]; ++i) {
-      const std::uint32_t c = cuts[i];
-      if (number[c] == none) {
-        number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
-        result.cut_points.push_back(c - cover.vertex_count);
-      }
-      merged.push_back(number[c]);
-    }
+    for (std::uint32_t i = cut_begin[k]; i < cut_begin[k + 1]; ++i) merged.push_back(number[cuts[i]]);
     std::sort(merged.begin() + merged_begin.back(), merged.end());
     merged_begin.push_back(static_cast<std::uint32_t>(merged.size()));
   }

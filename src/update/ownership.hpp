@@ -23,7 +23,7 @@ struct LeafOrder {
 LeafOrder depth_first_leaves(const SphereTree& tree);
 
 /// Points are numbered anew: the vertices that facets use, those of the first leaf first, then the cut points that some
-/// leaf has to test, likewise. What a leaf reads then lies together.
+/// leaf has to test, those on mesh edges before those inside facets, likewise. What a leaf reads then lies together.
 struct Ownership {
   std::vector<std::uint32_t> vertices;    ///< mesh vertex of point i < vertices.size()
   std::vector<std::uint32_t> cut_points;  ///< of the cover; that of point vertices.size() + k
@@ -36,6 +36,7 @@ struct Ownership {
     return std::span(points).subspan(begin[k], begin[k + 1] - begin[k]);
   }
 };
+bool is_on_edge(const CutPoint& cut_point);
 /// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether.
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points);

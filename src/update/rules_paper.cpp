@@ -131,10 +131,12 @@ void PaperRules::bind_links(const Binding& binding, const RuleOptions& options, 
                       : n.rule == Rule::approach1 ? options.approach1_weights
                                                   : RuleOptions::Weights::uniform;
     const std::vector<double> weights = link_weights(mesh, tree.spheres[n.node], vertices, kind, areas);
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      points_.push_back(binding.local.point_of(vertices[i]));
-      weights_.push_back(static_cast<float>(weights[i]));
-    }
+    // In the order of points: what is near in the tree is then near in memory.
+    std::vector<std::pair<std::uint32_t, float>> links;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      links.emplace_back(binding.local.point_of(vertices[i]), static_cast<float>(weights[i]));
+    std::sort(links.begin(), links.end());
+    for (const auto& [point, weight] : links) points_.push_back(point), weights_.push_back(weight);
     while (points_.size() % points_per_group != 0) {
       points_.push_back(points_.back());
       weights_.push_back(0.0f);
@@ -151,7 +153,7 @@ void PaperRules::bind_rest(const Binding& binding, Node& n) {
       for (std::uint32_t c = 0; c < n.child_count; ++c)
         add_ratio(n, reach_of_child(n.rest.center, rest_spheres_[n.first_child + c]));
     else
-      for (std::uint32_t i = n.link_begin; i < n.link_end; i += points_per_group)
+      for (std::uint32_t i = n.link_begin; i < n.link_end; i += 4)
         for (const float d : four_distances(points.data(), &points_[i], n.rest.center).lanes()) add_ratio(n, d);
   }
   if (n.rule == Rule::approach2) {
@@ -187,12 +189,13 @@ void PaperRules::update_level(std::size_t level, std::span<const LocalPoint> poi
 
 // In double: a root may sum up a hundred thousand vertices.
 Vec3 PaperRules::weighted_sum(const Node& n, std::span<const LocalPoint> points) const noexcept {
-  Vec3 sum{};
-  for (std::uint32_t i = n.link_begin; i < n.link_end; ++i) {
-    const LocalPoint& p = points[points_[i]];
-    sum += Vec3(Vec3f{p.x, p.y, p.z}) * static_cast<double>(weights_[i]);
-  }
-  return sum;
+  Vec3 sums[2]{};  // so that an addition need not wait for the one before
+  for (std::uint32_t i = n.link_begin; i < n.link_end; i += 2)
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      const LocalPoint& p = points[points_[i + k]];
+      sums[k] += Vec3(Vec3f{p.x, p.y, p.z}) * static_cast<double>(weights_[i + k]);
+    }
+  return sums[0] + sums[1];
 }
 
 Vec3f PaperRules::moved_by_links(const Node& n, std::span<const LocalPoint> points) const noexcept {
@@ -205,7 +208,7 @@ Spheref PaperRules::traditional(const Node& n, std::span<const LocalPoint> point
   const Vec3f center = moved_by_links(n, points);
   if (n.keeps_radius) return {center, n.rest.radius};
   float squared = 0;
-  farthest(points.data(), links(n), std::span(&center, 1), &squared);
+  farthest_kernels().back()(points.data(), links(n), std::span(&center, 1), &squared);
   return {center, rounding.covering_radius(squared, center)};
 }
 
@@ -233,7 +236,7 @@ Spheref PaperRules::approach1(const Node& n, std::span<const LocalPoint> points,
     Float4 ratio(0.0f), reach(0.0f);
     const float* divisors = &divisors_[n.ratio_begin];
     const float* raises = &raises_[n.ratio_begin];
-    for (std::uint32_t i = n.link_begin; i < n.link_end; i += points_per_group) {
+    for (std::uint32_t i = n.link_begin; i < n.link_end; i += 4) {
       const Float4 d = four_distances(points.data(), &points_[i], center);
       const std::size_t k = i - n.link_begin;
       ratio = max((d + Float4::load(raises + k)) / Float4::load(divisors + k), ratio);
@@ -257,10 +260,10 @@ PaperRules::Boxf PaperRules::box_of(const Node& n, std::span<const LocalPoint> p
                                     std::span<const Spheref> spheres) const noexcept {
   if (n.child_count == 0) {
     Float4 lower(infinity), upper(-infinity);
-    for (std::uint32_t i = n.link_begin; i < n.link_end; ++i) {
-      const Float4 p = Float4::load(points[points_[i]]);
-      lower = min(p, lower);
-      upper = max(p, upper);
+    for (std::uint32_t i = n.link_begin; i < n.link_end; i += 2) {
+      const Float4 p = Float4::load(points[points_[i]]), q = Float4::load(points[points_[i + 1]]);
+      lower = min(min(p, q), lower);
+      upper = max(max(p, q), upper);
     }
     const auto l = lower.lanes(), u = upper.lanes();
     return {{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <morula/build/build.hpp>
 #include <morula/io/tree_file.hpp>
 
 #include "workbench.hpp"
@@ -55,7 +56,7 @@ TEST(BuildCommand, options_out_of_range_are_refused_with_nothing_written) {
 TEST(BuildCommand, prints_no_progress_into_files) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
-  EXPECT_EQ(bench.require("build bar.obj -o bar.morula").err, "");
+  EXPECT_EQ(bench.require("build bar.obj -o bar.morula --method octree").err, "");
 }
 
 }  // namespace

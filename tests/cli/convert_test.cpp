@@ -48,7 +48,7 @@ TEST(ConvertCommand, bare_trees_need_the_mesh_to_get_a_cover) {
 TEST(ConvertCommand, does_not_cross_between_meshes_and_trees) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");
-  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   const auto before = bench.listing();
   const CommandResult tree = bench.run("convert bar.obj x.morula");
   EXPECT_EQ(tree.exit_code, 2);

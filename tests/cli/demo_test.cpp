@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <sstream>
 
 #include "workbench.hpp"
@@ -36,11 +38,13 @@ TEST(DemoCommand, its_figures_come_again_from_files) {
                                                       {"octree", "bend 90", "approach1"},
                                                       {"octree", "twist 180", "traditional"},
                                                       {"grid", "bend 90", "weighted"}};
+  for (const std::string method : {"octree", "grid"}) {
+    bench.require("build demo/limb.obj -o limb-" + method + ".morula --method " + method);
+    EXPECT_TRUE(bench.read("limb-" + method + ".morula") == bench.read("demo/limb-" + method + ".morula"));
+  }
   for (const auto& [method, motion, rule] : cells) {
     bench.require("deform demo/limb.obj -o motion --" + motion + " --frames " + frames);
-    bench.require("build demo/limb.obj -o limb.morula --method " + method);
-    EXPECT_EQ(bench.read("limb.morula"), bench.read("demo/limb-" + method + ".morula"));
-    bench.require("update demo/limb.obj limb.morula motion -o spheres --rule " + rule);
+    bench.require("update demo/limb.obj limb-" + method + ".morula motion -o spheres --rule " + rule);
     const json again = bench
                            .require(
                                "measure demo/limb.obj spheres --motion motion --grid fixed --no-protrusion --json "
@@ -82,7 +86,7 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
     }
   }
   EXPECT_NE(text.out.find("exact leaves no surface bare"), std::string::npos) << text.out;
-  EXPECT_EQ(text.out.find("approach2 left nothing bare here") != std::string::npos, bare_motions == 0) << text.out;
+  EXPECT_EQ(text.out.find("though nothing guarantees it") != std::string::npos, bare_motions == 0) << text.out;
   if (bare_motions > 0) {
     std::ostringstream percentage;
     percentage.precision(1);
@@ -92,22 +96,17 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
   for (const json& finding : demo["findings"]) {
     EXPECT_NE(text.out.find(finding.get<std::string>()), std::string::npos) << finding;
   }
-}
 
-TEST(DemoCommand, writes_a_row_of_csv_for_every_measurement_and_the_files_it_names) {
-  const Workbench bench;
-  const json demo = bench.require("demo --quick -o demo --json").json();
   std::size_t measurements = 0;
   for (const json& tree : demo["trees"]) {
     for (const json& cell : tree["cells"]) measurements += cell["frames"].size();
   }
   const std::string csv = bench.read("demo/demo.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), measurements + 1);
-  for (const char* name : {"demo.json", "limb.obj", "limb-grid.morula", "limb-octree.morula", "limb-stretch-2.obj",
+  for (const char* name : {"limb.obj", "limb-grid.morula", "limb-octree.morula", "limb-stretch-2.obj",
                            "limb-stretch-2-exact.sph", "limb-bend-90-approach2.sph"}) {
     EXPECT_TRUE(std::filesystem::is_regular_file(bench / (std::string("demo/") + name))) << name;
   }
-  EXPECT_EQ(json::parse(bench.read("demo/demo.json")), demo);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(BadUse, without_a_command_shows_the_help_and_fails) {
 TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
-  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   expect_refused(bench, "biuld bar.obj -o x.morula", "did you mean build?");
   expect_refused(bench, "build bar.obj -o x.morula --methd grid", "did you mean --method?");
   expect_refused(bench, "build bar.obj -o x.morula --method gird", "known: octree, grid; did you mean grid?");

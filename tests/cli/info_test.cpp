@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <morula/geometry/mesh.hpp>
 #include <morula/io/tree_file.hpp>
 
@@ -49,24 +50,29 @@ TEST(InfoCommand, describes_and_checks_trees) {
   EXPECT_EQ(small["growth_to_cover"]["levels"][0]["grown"], 1);
 }
 
-TEST(InfoCommand, finds_a_sphere_that_does_not_wrap_its_region) {
+TEST(InfoCommand, finds_patches_that_do_not_tile_the_mesh) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");
-  bench.require("build bar.obj -o bar.morula --depth 2");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 2");
   const Mesh mesh = read_mesh(bench / "bar.obj");
   Built built = read_built(bench / "bar.morula", mesh);
-  built.tree.spheres.back().radius *= 0.5;
+  // The first patch loses its area: every sphere still wraps its region, but part of the surface belongs to nobody.
+  const std::span<const std::uint32_t> patch = built.cover.patch(0);
+  std::fill_n(built.cover.corners.begin(), patch.size(), patch[0]);
   write_tree(bench / "bad.morula", built);
   const CommandResult result = bench.run("info bad.morula --check --mesh bar.obj");
   EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
   EXPECT_NE(result.out.find("fault "), std::string::npos) << result.out;
+  const CommandResult json = bench.run("info bad.morula --check --mesh bar.obj --json");
+  EXPECT_EQ(json.exit_code, 1);
+  EXPECT_FALSE(json.json()["faults"].empty());
 }
 
 TEST(InfoCommand, a_mesh_that_is_not_the_trees_own_is_refused) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");
-  bench.require("sample bar -o other.obj --resolution 7");
-  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("sample plate -o other.obj --resolution 6");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   EXPECT_EQ(bench.run("info bar.morula --check --mesh other.obj").exit_code, 2);
   EXPECT_EQ(bench.run("info bar.obj --mesh other.obj").exit_code, 2);
 }

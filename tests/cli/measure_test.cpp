@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <morula/io/tree_file.hpp>
 #include <sstream>
 
@@ -47,7 +48,7 @@ TEST(MeasureCommand, a_bare_tree_is_measured_as_it_is_and_said_not_to_cover) {
 TEST(MeasureCommand, open_meshes_get_cover_and_no_guess_about_volume) {
   const Workbench bench;
   bench.write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-  bench.require("build square.obj -o square.morula --depth 1");
+  bench.require("build square.obj -o square.morula --method octree --depth 1");
   const CommandResult text = bench.require("measure square.obj square.morula");
   EXPECT_NE(text.out.find("n/a: the mesh is open (4 boundary edges)"), std::string::npos) << text.out;
   const auto level = bench.require("measure square.obj square.morula --json").json()["frames"][0]["levels"][0];
@@ -60,7 +61,7 @@ TEST(MeasureCommand, open_meshes_get_cover_and_no_guess_about_volume) {
 TEST(MeasureCommand, csv_holds_the_digits_of_the_json) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 8");
-  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   const auto json = bench.require("measure bar.obj bar.morula --json --csv bar.csv --resolution 32").json();
   std::istringstream lines(bench.read("bar.csv"));
   std::string line;
@@ -82,7 +83,7 @@ TEST(MeasureCommand, csv_holds_the_digits_of_the_json) {
 TEST(MeasureCommand, frames_and_trees_are_paired_by_number) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");
-  bench.require("build bar.obj -o bar.morula --depth 1");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   // Eleven frames: by letters frame 10 would come before frame 2.
   bench.require("deform bar.obj -o motion --stretch 3 --frames 11 --one-way");
   bench.require("update bar.obj bar.morula motion -o spheres");

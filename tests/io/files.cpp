@@ -15,9 +15,10 @@ namespace fs = std::filesystem;
 
 ScratchFolder::ScratchFolder() {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  path_ = fs::path(testing::TempDir()) / ("morula_" + std::string(test->test_suite_name()) + "_" + test->name());
-  fs::remove_all(path_);
-  fs::create_directories(path_);
+  const std::string name = "morula_" + std::string(test->test_suite_name()) + "_" + test->name() + "_";
+  int n = 0;
+  do path_ = fs::path(testing::TempDir()) / (name + std::to_string(n++));
+  while (!fs::create_directory(path_));
 }
 
 ScratchFolder::~ScratchFolder() {
@@ -27,6 +28,8 @@ ScratchFolder::~ScratchFolder() {
 
 fs::path ScratchFolder::file(const std::string& name, std::string_view bytes) const {
   const fs::path path = path_ / name;
+  // Some file systems wait for the disk when a file is cut to nothing and written again; a new one does not matter.
+  fs::remove(path);
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return path;
 }

@@ -174,6 +174,7 @@ TEST_F(Mutations, trees_are_refused_or_usable) {
     write_tree(folder.path() / name, built);
     survive(name, bytes_of(folder.path() / name), use);
   }
+  write_tree(folder.path() / "a.morula", built);
   const std::string native = bytes_of(folder.path() / "a.morula");
   survive("sealed.morula", native, use, true);
   survive(

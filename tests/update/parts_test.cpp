@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <morula/geometry/random.hpp>
+#include <numeric>
 #include <set>
 
 #include "bodies.hpp"
 #include "update/anchors.hpp"
 #include "update/farthest.hpp"
+#include "update/narrow.hpp"
 #include "update/ownership.hpp"
 #include "update/rounding.hpp"
 
@@ -27,7 +31,8 @@ std::vector<LocalPoint> random_points(std::size_t count, double magnitude, std::
   return points;
 }
 
-TEST(Float4, wide_and_scalar_kernels_agree_bit_for_bit) {
+TEST(Kernels, all_that_this_processor_runs_agree_bit_for_bit) {
+  ASSERT_GE(farthest_kernels().size(), 2u);
   for (const double magnitude : {1e-25, 1e-3, 1.0, 1e17}) {
     const std::vector<LocalPoint> points = random_points(400, magnitude, 3);
     Random random(8);
@@ -36,16 +41,68 @@ TEST(Float4, wide_and_scalar_kernels_agree_bit_for_bit) {
     for (std::size_t count = 1; count <= most_centers; ++count) {
       std::vector<Vec3f> centers;
       for (std::size_t k = 0; k < count; ++k) centers.push_back({points[k].x, points[k + 7].y, points[k + 9].z});
-      std::array<float, most_centers> wide{}, scalar{}, plain{};
-      farthest<Float4>(points.data(), index, centers, wide.data());
-      farthest<ScalarFloat4>(points.data(), index, centers, scalar.data());
+      std::array<float, most_centers> plain{};
       for (std::size_t k = 0; k < count; ++k)
         for (const std::uint32_t i : index)
           plain[k] = std::max(plain[k], squared_distance(centers[k], {points[i].x, points[i].y, points[i].z}));
-      for (std::size_t k = 0; k < count; ++k) {
-        EXPECT_EQ(std::bit_cast<std::uint32_t>(wide[k]), std::bit_cast<std::uint32_t>(scalar[k]));
-        EXPECT_EQ(std::bit_cast<std::uint32_t>(wide[k]), std::bit_cast<std::uint32_t>(plain[k]));
+      for (std::size_t kernel = 0; kernel < farthest_kernels().size(); ++kernel) {
+        std::array<float, most_centers> found{};
+        farthest_kernels()[kernel](points.data(), index, centers, found.data());
+        for (std::size_t k = 0; k < count; ++k)
+          EXPECT_EQ(std::bit_cast<std::uint32_t>(found[k]), std::bit_cast<std::uint32_t>(plain[k]))
+              << "kernel " << kernel << ", " << count << " centres";
       }
+    }
+  }
+}
+
+// The farthest point may sit in any lane of any group.
+TEST(Kernels, every_place_in_the_list_counts) {
+  std::vector<LocalPoint> points = random_points(16, 1.0, 2);
+  std::vector<std::uint32_t> index(16);
+  std::iota(index.begin(), index.end(), 0u);
+  const Vec3f center{0, 0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (const FarthestKernel kernel : farthest_kernels()) {
+      const LocalPoint kept = points[i];
+      points[i] = {0, i % 2 == 0 ? -10.0f : 10.0f, 0, 0};
+      float squared = 0;
+      kernel(points.data(), index, std::span(&center, 1), &squared);
+      EXPECT_EQ(squared, 100.0f) << "point " << i;
+      points[i] = kept;
+    }
+}
+
+TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
+  Random random(4);
+  constexpr float bad_floats[]{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                               -std::numeric_limits<float>::infinity()};
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Vec3> positions;
+    const double magnitude = std::exp2(random.uniform(-60, 60));
+    for (int i = 0; i < 50; ++i)
+      positions.push_back(
+          {random.uniform(-1, 1) * magnitude, random.uniform(-1, 1) * magnitude, random.uniform(-1, 1)});
+    std::vector<Vec3f> floats;
+    for (const Vec3& p : positions) floats.emplace_back(p);
+    if (trial % 3 == 1) {
+      const auto v = static_cast<std::size_t>(random.uniform(0, 50));
+      const int axis = static_cast<int>(random.uniform(0, 3));
+      floats[v][axis] = bad_floats[trial % 9 / 3];
+      positions[v][axis] = trial % 2 == 0 ? 1e300 : static_cast<double>(floats[v][axis]);
+    }
+    std::vector<std::uint32_t> order(37);
+    for (std::uint32_t& v : order) v = static_cast<std::uint32_t>(random.uniform(0, 50));
+    const Vec3 origin{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
+    for (const PositionView& view : {PositionView(positions), PositionView(floats)}) {
+      std::vector<LocalPoint> wide(order.size()), plain(order.size());
+      const float largest = narrow(view, order, origin, wide.data());
+      EXPECT_EQ(largest, narrow_plainly(view, order, origin, plain.data()));
+      for (std::size_t i = 0; i < order.size(); ++i)
+        for (const auto coordinate : {&LocalPoint::x, &LocalPoint::y, &LocalPoint::z, &LocalPoint::unused}) {
+          const float a = wide[i].*coordinate, b = plain[i].*coordinate;
+          EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+        }
     }
   }
 }

@@ -5,27 +5,25 @@
 #include <algorithm>
 #include <limits>
 #include <morula/geometry/triangle.hpp>
-#include <set>
 
 namespace morula::test {
 namespace {
 
 class PlainRules {
  public:
-  PlainRules(const Mesh& mesh, const SphereTree& tree, const RuleOptions& options)
-      : mesh_(mesh), tree_(tree), options_(options) {}
+  PlainRules(const RestFacts& facts, const RuleOptions& options)
+      : facts_(facts), mesh_(facts.mesh), tree_(facts.built.tree), options_(options) {}
 
   Sphere traditional(std::uint32_t node, bool by_area, const std::vector<Vec3>& now) const {
     const Sphere& rest = tree_.spheres[node];
-    std::set<std::uint32_t> vertices = enclosed(rest);
-    const bool is_void = vertices.empty();
-    for (std::uint32_t at = node; vertices.empty(); at = tree_.parent[at]) {
-      vertices = enclosed(tree_.spheres[at]);
-      if (vertices.empty() && (tree_.parent[at] == no_node || !touching(tree_.spheres[at]).empty()))
-        vertices = of_facet(nearest_facet(tree_.spheres[at].center));
-    }
-    const Vec3 center =
-        rest.center + mean_displacement(vertices, now, [&](std::uint32_t v) { return by_area ? area_about(v) : 1.0; });
+    const bool is_void = facts_.enclosed[node].empty();
+    std::uint32_t carrier = node;
+    while (facts_.enclosed[carrier].empty() && !facts_.touches[carrier] && tree_.parent[carrier] != no_node)
+      carrier = tree_.parent[carrier];
+    const auto& vertices = facts_.enclosed[carrier].empty() ? facts_.of_nearest[carrier] : facts_.enclosed[carrier];
+    const Vec3 center = rest.center + mean_displacement(vertices, now, [&](std::uint32_t v) {
+                          return by_area ? facts_.vertex_area[v] : 1.0;
+                        });
     if (is_void) return {center, rest.radius};
     double radius = 0;
     for (const std::uint32_t v : vertices) radius = std::max(radius, distance(center, now[v]));
@@ -36,7 +34,7 @@ class PlainRules {
                    const std::vector<Sphere>& spheres) const {
     const Sphere& rest = tree_.spheres[node];
     const bool is_leaf = tree_.is_leaf(node);
-    const std::set<std::uint32_t> vertices = linked(rest);
+    const std::set<std::uint32_t>& vertices = facts_.linked[node];
     Vec3 center = rest.center;
     if (is_leaf || options_.approach1_inner_center == RuleOptions::InnerCenter::linked_vertices) {
       center += mean_displacement(vertices, now, [&](std::uint32_t v) {
@@ -44,14 +42,14 @@ class PlainRules {
           case RuleOptions::Weights::uniform:
             return 1.0;
           case RuleOptions::Weights::area:
-            return area_about(v);
+            return facts_.vertex_area[v];
           case RuleOptions::Weights::inverse_distance:
             return 1 / std::max(distance(rest.center, mesh_.positions[v]), 1e-3 * rest.radius);
         }
         return 0.0;
       });
     } else {
-      for (const std::uint32_t c : children(node))
+      for (const std::uint32_t c : facts_.children[node])
         center += (spheres[c].center - rest_spheres[c].center) / tree_.child_count[node];
     }
     double largest_ratio = 0, largest_reach = 0;
@@ -63,7 +61,7 @@ class PlainRules {
     };
     if (is_leaf)
       for (const std::uint32_t v : vertices) add(distance(mesh_.positions[v], rest.center), distance(now[v], center));
-    for (const std::uint32_t c : children(node))
+    for (const std::uint32_t c : facts_.children[node])
       add(distance(rest.center, rest_spheres[c].center) + rest_spheres[c].radius,
           distance(center, spheres[c].center) + spheres[c].radius);
     return {center, largest_ratio > 0 ? rest.radius * largest_ratio : rest.radius + largest_reach};
@@ -74,55 +72,14 @@ class PlainRules {
     const Sphere& rest = tree_.spheres[node];
     Box before, after;
     if (tree_.is_leaf(node))
-      for (const std::uint32_t v : linked(rest)) before.add(mesh_.positions[v]), after.add(now[v]);
-    for (const std::uint32_t c : children(node)) add(before, rest_spheres[c]), add(after, spheres[c]);
+      for (const std::uint32_t v : facts_.linked[node]) before.add(mesh_.positions[v]), after.add(now[v]);
+    for (const std::uint32_t c : facts_.children[node]) add(before, rest_spheres[c]), add(after, spheres[c]);
     const Vec3 center = rest.center + (after.center() - before.center());
     const double d = farthest_corner(before, rest.center), d_now = farthest_corner(after, center);
     return {center, d > 1e-9 * rest.radius ? rest.radius * d_now / d : rest.radius + d_now};
   }
 
  private:
-  std::vector<std::uint32_t> children(std::uint32_t node) const {
-    std::vector<std::uint32_t> found;
-    for (std::uint32_t i = 0; i < tree_.node_count(); ++i)
-      if (tree_.parent[i] == node) found.push_back(i);
-    return found;
-  }
-  double distance_to_facet(std::size_t f, const Vec3& p) const {
-    return std::sqrt(closest_point(mesh_.corners(f), p).squared_distance);
-  }
-  std::vector<std::size_t> touching(const Sphere& ball) const {
-    std::vector<std::size_t> found;
-    for (std::size_t f = 0; f < mesh_.facet_count(); ++f)
-      if (distance_to_facet(f, ball.center) <= ball.radius) found.push_back(f);
-    return found;
-  }
-  std::size_t nearest_facet(const Vec3& p) const {
-    std::size_t nearest = 0;
-    for (std::size_t f = 0; f < mesh_.facet_count(); ++f)
-      if (distance_to_facet(f, p) < distance_to_facet(nearest, p)) nearest = f;
-    return nearest;
-  }
-  std::set<std::uint32_t> of_facet(std::size_t f) const { return {mesh_.facets[f].begin(), mesh_.facets[f].end()}; }
-  std::set<std::uint32_t> linked(const Sphere& ball) const {
-    std::set<std::uint32_t> vertices;
-    for (const std::size_t f : touching(ball)) vertices.merge(of_facet(f));
-    return vertices.empty() ? of_facet(nearest_facet(ball.center)) : vertices;
-  }
-  std::set<std::uint32_t> enclosed(const Sphere& ball) const {
-    std::set<std::uint32_t> vertices;
-    for (const Facet& f : mesh_.facets)
-      for (const std::uint32_t v : f)
-        if (distance(mesh_.positions[v], ball.center) <= ball.radius) vertices.insert(v);
-    return vertices;
-  }
-  double area_about(std::uint32_t v) const {
-    double sum = 0;
-    for (std::size_t f = 0; f < mesh_.facet_count(); ++f)
-      sum +=
-          area(mesh_.corners(f)) * static_cast<double>(std::count(mesh_.facets[f].begin(), mesh_.facets[f].end(), v));
-    return sum;
-  }
   template <class Weight>
   Vec3 mean_displacement(const std::set<std::uint32_t>& vertices, const std::vector<Vec3>& now,
                          const Weight& weight) const {
@@ -150,6 +107,7 @@ class PlainRules {
     return farthest;
   }
 
+  const RestFacts& facts_;
   const Mesh& mesh_;
   const SphereTree& tree_;
   const RuleOptions& options_;
@@ -157,11 +115,36 @@ class PlainRules {
 
 }  // namespace
 
-Reference reference_update(const Mesh& mesh, const Built& built, const UpdateOptions& options,
-                           const std::vector<Vec3>& positions, std::span<const Sphere> body_rest,
-                           std::span<const Sphere> body_now) {
+RestFacts::RestFacts(const Mesh& rest_mesh, const Built& rest_built)
+    : mesh(rest_mesh), built(rest_built), vertex_area(mesh.vertex_count()) {
   const SphereTree& tree = built.tree;
-  const PlainRules plain(mesh, tree, options.details);
+  children.resize(tree.node_count());
+  for (std::uint32_t i = 1; i < tree.node_count(); ++i) children[tree.parent[i]].push_back(i);
+  for (const Sphere& ball : tree.spheres) {
+    std::set<std::uint32_t> touched, inside, nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+      const Facet& facet = mesh.facets[f];
+      const double d = std::sqrt(closest_point(mesh.corners(f), ball.center).squared_distance);
+      if (d <= ball.radius) touched.insert(facet.begin(), facet.end());
+      if (d < least) least = d, nearest = {facet.begin(), facet.end()};
+      for (const std::uint32_t v : facet)
+        if (distance(mesh.positions[v], ball.center) <= ball.radius) inside.insert(v);
+    }
+    touches.push_back(!touched.empty());
+    linked.push_back(touched.empty() ? nearest : touched);
+    enclosed.push_back(inside);
+    of_nearest.push_back(nearest);
+  }
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+    for (const std::uint32_t v : mesh.facets[f]) vertex_area[v] += area(mesh.corners(f));
+}
+
+Reference reference_update(const RestFacts& facts, const UpdateOptions& options, const std::vector<Vec3>& positions,
+                           std::span<const Sphere> body_rest, std::span<const Sphere> body_now) {
+  const Mesh& mesh = facts.mesh;
+  const SphereTree& tree = facts.built.tree;
+  const PlainRules plain(facts, options.details);
   Reference result{{tree.spheres.begin(), tree.spheres.end()}, tree.spheres};
   for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
     const std::size_t level = tree.level_of(node);

@@ -33,6 +33,8 @@ class PositionView {
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
+  /// Where the x of vertex i is, a float or a double; y and z follow it.
+  const std::byte* address(std::size_t i) const { return first_ + i * stride_bytes_; }
 
  private:
   PositionView(const Vec3f* first, std::size_t count, std::size_t stride) : PositionView(first, count, stride, false) {}

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The one pass over the caller's positions: from float or double anywhere to float about an origin.
+#pragma once
+
+#include <cstdint>
+#include <morula/geometry/positions.hpp>
+#include <span>
+
+#include "update/float4.hpp"
+
+namespace morula {
+
+/// out[i] = positions[vertices[i]] - origin: subtracted in double, then rounded to float.
+/// Returns the largest |coordinate| written, infinity when one is infinite, NaN or too large for a float.
+float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+             LocalPoint* out) noexcept;
+
+/// The same, plainly: for processors without vector instructions, and for tests.
+float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+                     LocalPoint* out) noexcept;
+
+}  // namespace morula
