@@ -33,9 +33,9 @@ double most(const Result& result) {
 }  // namespace
 
 double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle), values.end());
-  return values[middle];
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 void print(const Result& result) {

@@ -73,6 +73,7 @@ std::vector<double> timed(const Settings& settings, const F& f) {
   return seconds;
 }
 
+/// values: at least one; of an even number, the mean of the middle two.
 double median(std::vector<double> values);
 
 }  // namespace morula::bench

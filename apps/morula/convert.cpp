@@ -22,14 +22,27 @@ struct Options {
   std::string mesh;
   std::string sph_origin = "none";
   unsigned threads = 0;
+  bool json = false;
 };
+
+/// What was written; `growth` of a cover that had to be made.
+int report(const Options& o, const std::string& line, const BuildReport* growth) {
+  if (o.json) {
+    Json json{{"input", o.input}, {"output", o.output}};
+    if (growth != nullptr) json["growth"] = growth_json(*growth);
+    print_json(json);
+    return exit_done;
+  }
+  fmt::print("{}\n", line);
+  if (growth != nullptr) fmt::print("{}", growth_text(*growth));
+  return exit_done;
+}
 
 int convert_mesh(const Options& o) {
   require_mesh_output(o.output);
   const Mesh mesh = read_mesh(o.input);
   write_mesh(o.output, mesh);
-  fmt::print("{}\n", mesh_line(o.output, mesh));
-  return exit_done;
+  return report(o, mesh_line(o.output, mesh), nullptr);
 }
 
 int convert_tree(const Options& o) {
@@ -40,15 +53,15 @@ int convert_tree(const Options& o) {
   TreeFile file = read_tree(o.input, reading);
   if (extension(o.output) != ".morula") {
     write_tree(o.output, file.tree);
-    fmt::print("{}: {}, {}\n", o.output, counted(file.tree.node_count(), "sphere"),
-               counted(file.tree.level_count(), "level"));
     if (file.cover) fmt::print(stderr, "morula: note: the cover stays behind: only .morula files hold it\n");
-    return exit_done;
+    return report(o,
+                  fmt::format("{}: {}, {}", o.output, counted(file.tree.node_count(), "sphere"),
+                              counted(file.tree.level_count(), "level")),
+                  nullptr);
   }
   if (file.cover && !mesh) {
     write_tree(o.output, Built{std::move(file.tree), std::move(*file.cover), std::move(file.report)});
-    fmt::print("{}: copied with its cover\n", o.output);
-    return exit_done;
+    return report(o, fmt::format("{}: copied with its cover", o.output), nullptr);
   }
   if (!mesh) {
     throw UsageError(fmt::format(
@@ -57,10 +70,10 @@ int convert_tree(const Options& o) {
   Workers workers(o.threads);
   const Built built = read_built(o.input, *mesh, reading, workers);
   write_tree(o.output, built);
-  fmt::print("{}: {}, {}\n", o.output, counted(built.tree.node_count(), "sphere"),
-             counted(built.cover.patch_count(), "patch", "patches"));
-  if (!file.cover) fmt::print("{}", growth_text(built.report));
-  return exit_done;
+  return report(o,
+                fmt::format("{}: {}, {}", o.output, counted(built.tree.node_count(), "sphere"),
+                            counted(built.cover.patch_count(), "patch", "patches")),
+                file.cover ? nullptr : &built.report);
 }
 
 int convert_command(const Options& o) {
@@ -92,6 +105,7 @@ void add_convert(CLI::App& app, Run& run) {
       ->type_name("MESH");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
+  add_json(*command, o->json);
   command->footer(
       "Example:\n"
       "  morula convert bunny.off bunny.obj\n"

@@ -20,13 +20,18 @@
 namespace morula::cli {
 namespace {
 
+std::string vector_text(const Vec3& v) {
+  return fmt::format("{},{},{}", v.x, v.y, v.z);
+}
+
 struct Options {
   std::string mesh;
   std::string output;
   std::vector<double> stretch, twist, bend, noise, rotate;
   int poke = 0;
   double shrink = Stretch{}.shrink;
-  std::string poke_center, poke_push;
+  std::string poke_center = vector_text(Poke{}.center);
+  std::string poke_push = vector_text(Poke{}.push);
   double poke_radius = Poke{}.radius;
   double wavelength = Noise{}.wavelength;
   std::uint64_t seed = Noise{}.seed;
@@ -40,10 +45,9 @@ struct Options {
 /// In the order given; an option may be given more than once.
 Deformations deformations_in_order(const Options& o, const CLI::App& command) {
   const Axis axis = parse_axis(o.axis);
-  Poke poke;
-  if (!o.poke_center.empty()) poke.center = parse_vector("--poke-center", o.poke_center);
-  if (!o.poke_push.empty()) poke.push = parse_vector("--poke-push", o.poke_push);
-  poke.radius = o.poke_radius;
+  const Poke poke{.center = parse_vector("--poke-center", o.poke_center),
+                  .push = parse_vector("--poke-push", o.poke_push),
+                  .radius = o.poke_radius};
   Deformations list;
   std::map<std::string, std::size_t> taken;
   for (const CLI::Option* option : command.parse_order()) {
@@ -66,9 +70,12 @@ Deformations deformations_in_order(const Options& o, const CLI::App& command) {
 
 int deform_command(const Options& o, const CLI::App& command) {
   const Deformations deformations = deformations_in_order(o, command);
+  if (o.frames < 3 && !o.one_way) {
+    throw UsageError("--frames 2, out and back, never leaves rest: give 3 or more, or --one-way");
+  }
   const FileKind kind = file_kind(o.output);
   if (kind == FileKind::mesh || kind == FileKind::tree) {
-    throw UsageError(fmt::format("-o {}: a motion is a folder of meshes or a .npy file; name one of these", o.output));
+    throw UsageError(fmt::format("{}: a motion is a folder of meshes or a .npy file; name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
   check_name("format", o.extension, {"obj", "off", "ply"});
@@ -137,8 +144,10 @@ void add_deform(CLI::App& app, Run& run) {
   command->add_option("--shrink", o->shrink, "Of --stretch: cross-section times factor^-SHRINK; 0.5 keeps the volume")
       ->type_name("EXPONENT")
       ->capture_default_str();
-  command->add_option("--poke-center", o->poke_center, "Relative to the box; default 0.5,0.5,1")->type_name("X,Y,Z");
-  command->add_option("--poke-push", o->poke_push, "In diagonals; default 0,0,-0.2")->type_name("X,Y,Z");
+  command->add_option("--poke-center", o->poke_center, "Relative to the box, 0 to 1 on each axis")
+      ->type_name("X,Y,Z")
+      ->capture_default_str();
+  command->add_option("--poke-push", o->poke_push, "How far, in diagonals")->type_name("X,Y,Z")->capture_default_str();
   command->add_option("--poke-radius", o->poke_radius, "Reach of the dent in diagonals")
       ->type_name("SHARE")
       ->capture_default_str();

@@ -86,24 +86,23 @@ FileKind file_kind(const fs::path& path) {
 }
 
 void require_output_place(const fs::path& path) {
-  if (fs::is_directory(path)) throw UsageError(fmt::format("-o {}: is a folder; name a file in it", path.string()));
+  if (fs::is_directory(path)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
   const fs::path folder = path.parent_path();
   if (!folder.empty() && !fs::is_directory(folder)) {
-    throw UsageError(fmt::format("-o {}: there is no folder {}; make it first", path.string(), folder.string()));
+    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
 }
 
 void require_tree_output(const fs::path& path) {
   if (tree_extensions.count(extension(path)) == 0) {
-    throw UsageError(
-        fmt::format("-o {}: trees are written as .morula (with their cover), .sph or .json", path.string()));
+    throw UsageError(fmt::format("{}: trees are written as .morula (with their cover), .sph or .json", path.string()));
   }
   require_output_place(path);
 }
 
 void require_mesh_output(const fs::path& path) {
   if (written_mesh_extensions.count(extension(path)) == 0) {
-    throw UsageError(fmt::format("-o {}: meshes are written as .obj, .off or .ply", path.string()));
+    throw UsageError(fmt::format("{}: meshes are written as .obj, .off or .ply", path.string()));
   }
   require_output_place(path);
 }
@@ -160,12 +159,12 @@ std::string csv_cell(std::string_view text) {
 StagedFolder::StagedFolder(fs::path target) : target_(without_slash(std::move(target))) {
   std::error_code error;
   if (fs::exists(target_, error) && !fs::is_directory(target_, error)) {
-    throw UsageError(fmt::format("-o {}: is a file; name a folder", target_.string()));
+    throw UsageError(fmt::format("{}: is a file; name a folder", target_.string()));
   }
   merges_ = fs::is_directory(target_, error);
   const fs::path parent = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   if (!merges_ && !fs::is_directory(parent, error)) {
-    throw UsageError(fmt::format("-o {}: there is no folder {}; make it first", target_.string(), parent.string()));
+    throw UsageError(fmt::format("{}: there is no folder {}; make it first", target_.string(), parent.string()));
   }
   // Inside the target when there is one: a rename must stay on one file system, and the target may be a mount point.
   stage_ = make_stage(merges_ ? target_ : parent, target_.filename().string());
@@ -201,7 +200,7 @@ void require_no_strangers(const fs::path& folder, std::size_t frame_count, std::
     const std::string name = entry.path().filename().string();
     if (!entry.is_regular_file() || extensions.count(extension(name)) == 0 || written.count(name) != 0) continue;
     throw UsageError(
-        fmt::format("-o {}: holds {}, which would be read as one of the frames: delete it or name another folder",
+        fmt::format("{}: holds {}, which would be read as one of the frames: delete it or name another folder",
                     folder.string(), name));
   }
 }

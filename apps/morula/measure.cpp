@@ -113,41 +113,47 @@ std::vector<LevelMeasure> worst_of(const std::vector<Frame>& frames) {
   return worst;
 }
 
-void add_level(Table& table, const std::string& frame, const LevelMeasure& level, bool with_frame) {
+/// The columns that not every table has.
+struct Columns {
+  bool frame;
+  bool protrusion;
+};
+
+void add_level(Table& table, const Columns& columns, const std::string& frame, const LevelMeasure& level) {
   std::vector<std::string> cells;
-  if (with_frame) cells.push_back(frame);
-  const auto& protrusion = level.protrusion;
+  if (columns.frame) cells.push_back(level.level == 0 ? frame : std::string());
   for (std::string cell :
        {std::to_string(level.level), std::to_string(level.spheres), figure_or_na(level.looseness.looseness),
         percent_or_na(level.looseness.missed_volume), percent(level.coverage.bare_area), figure(level.coverage.gap),
-        std::string(level.coverage.covered ? "yes" : "no"), protrusion ? figure(protrusion->worst) : "n/a",
-        protrusion ? figure(protrusion->mean) : "n/a"}) {
+        std::string(level.coverage.covered ? "yes" : "no")}) {
     cells.push_back(std::move(cell));
+  }
+  if (columns.protrusion) {
+    cells.push_back(level.protrusion ? figure(level.protrusion->worst) : "n/a");
+    cells.push_back(level.protrusion ? figure(level.protrusion->mean) : "n/a");
   }
   table.add(std::move(cells));
 }
 
-std::string measure_table(const std::vector<Frame>& frames, const std::vector<LevelMeasure>& worst) {
-  const bool several = frames.size() > 1;
-  std::vector<std::string> header{"level", "spheres", "looseness",  "missed", "bare area",
-                                  "gap",   "covered", "protrusion", "mean"};
-  if (several) header.insert(header.begin(), "frame");
-  Table table(header, several ? 1 : 0);
+std::string measure_table(const Options& o, const std::vector<Frame>& frames, const std::vector<LevelMeasure>& worst) {
+  const Columns columns{.frame = frames.size() > 1, .protrusion = !o.no_protrusion};
+  std::vector<std::string> header{"level", "spheres", "looseness", "missed", "bare area", "gap", "covered"};
+  if (columns.frame) header.insert(header.begin(), "frame");
+  if (columns.protrusion) header.insert(header.end(), {"protrusion", "mean"});
+  Table table(header, columns.frame ? 1 : 0);
   for (const Frame& frame : frames) {
-    for (const LevelMeasure& level : frame.levels) {
-      add_level(table, level.level == 0 ? frame.name : std::string(), level, several);
-    }
+    for (const LevelMeasure& level : frame.levels) add_level(table, columns, frame.name, level);
   }
-  if (several) {
+  if (columns.frame) {
     table.add_rule();
-    for (const LevelMeasure& level : worst) add_level(table, level.level == 0 ? "worst" : "", level, true);
+    for (const LevelMeasure& level : worst) add_level(table, columns, "worst", level);
   }
   return table.text();
 }
 
 void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
-  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(frames, worst));
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(o, frames, worst));
   const bool covered =
       std::all_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return level.coverage.covered; });
   if (covered) {
@@ -174,8 +180,8 @@ void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& fr
   }
   fmt::print(
       "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
-      "gap and protrusion (worst, mean) are in mesh units (diagonal {}).\n",
-      figure(report.box.diagonal()));
+      "{} in mesh units (diagonal {}).\n",
+      o.no_protrusion ? "gap is" : "gap and protrusion (worst, mean) are", figure(report.box.diagonal()));
 }
 
 std::string csv_text(const std::vector<Frame>& frames) {

@@ -55,6 +55,16 @@ std::vector<Vec3> region_samples(const Mesh& mesh, const Region& region, std::ui
   return samples;
 }
 
+// An even choice of patches.
+Region thinned(const Region& region) {
+  constexpr std::size_t most_patches = 2000;
+  const std::size_t step = (region.size() + most_patches - 1) / most_patches;
+  if (step <= 1) return region;
+  Region few;
+  for (std::size_t k = 0; k < region.size(); k += step) few.add(region.facet[k], region.polygon(k));
+  return few;
+}
+
 // Parts of a region with a sphere around each, without pad; no part is empty.
 struct Fitted {
   std::vector<Region> parts;
@@ -76,14 +86,15 @@ class ReducerDivider {
   Division operator()(const BuildNode& node) const {
     const std::vector<Vec3> samples = region_samples(mesh_, node.region, node.seed);
     const Proposals proposals = reducer_({samples, node.sphere, branching_, node.seed});
-    // Proposals are compared after a quick fit; only the best is worth a thorough one.
+    // Proposals are compared after a quick fit to some of the patches; only the best is worth a thorough one to all.
     Fitted best;
+    const Region few = thinned(node.region);
     for (const std::vector<Sphere>& spheres : proposals) {
-      Fitted fitted = fit(node, spheres, Effort::quick);
+      Fitted fitted = fit(few, spheres, Effort::quick);
       if (fitted.worst < best.worst) best = std::move(fitted);
     }
     for (int round = 0; round < fitting_rounds && !best.parts.empty(); ++round) {
-      Fitted fitted = fit(node, with_free_places_filled(best), Effort::thorough);
+      Fitted fitted = fit(node.region, with_free_places_filled(best), Effort::thorough);
       if (fitted.worst < best.worst || round == 0) best = std::move(fitted);
     }
     Division division;
@@ -100,8 +111,8 @@ class ReducerDivider {
   enum class Effort { quick, thorough };
 
   // Divides the region by power and fits each sphere to its part.
-  Fitted fit(const BuildNode& node, const std::vector<Sphere>& spheres, Effort effort) const {
-    Partition divided = partition(mesh_, node.region, spheres);
+  Fitted fit(const Region& region, const std::vector<Sphere>& spheres, Effort effort) const {
+    Partition divided = partition(mesh_, region, spheres);
     Fitted fitted;
     fitted.leftover_patches = divided.leftover_patches;
     fitted.worst = 0;

@@ -40,10 +40,13 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
   const double d5 = dot(ab, cp), d6 = dot(ac, cp);
   if (d6 >= 0 && d5 <= d6) return {t[2], {0, 0, 1}, squared_distance(t[2], p)};
 
-  const double vc = d1 * d4 - d3 * d2;
-  const double vb = d5 * d2 - d1 * d6;
-  const double va = d3 * d6 - d5 * d4;
-  const double sum = va + vb + vc;  // (twice the area)²
+  // Signed areas of the three triangles with p, times twice the facet's. By cross products: differences of products of
+  // dot products lose the small areas of thin facets.
+  const Vec3 normal = cross(ab, ac);
+  const double vc = dot(normal, cross(ap, bp));
+  const double vb = dot(normal, cross(cp, ap));
+  const double va = dot(normal, cross(bp, cp));
+  const double sum = squared_length(normal);
   // In slivers these signs are rounding: all edges are tried instead, and the inside if it claims to be nearest.
   constexpr double sliver = 1e-6;
   const bool is_sliver = !(sum > sliver * squared_length(ab) * squared_length(ac));

@@ -19,7 +19,8 @@ std::int64_t vertex_number(const TextScanner& in, std::string_view corner) {
   std::int64_t number = 0;
   const char* const end = digits.data() + digits.size();
   const std::from_chars_result parsed = std::from_chars(digits.data(), end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end || rest.find_first_not_of("/+-0123456789") != rest.npos)
+  if (parsed.ec != std::errc() || parsed.ptr != end ||
+      rest.find_first_not_of("/+-0123456789") != std::string_view::npos)
     in.fail(in_quotes(corner) + " is not a face corner; v, v/t, v//n or v/t/n with whole numbers are");
   return number;
 }

@@ -13,12 +13,13 @@ namespace {
 void read_keyword(TextScanner& in) {
   const std::string_view word = in.word();
   const std::size_t at = word.find("OFF");
-  if (at == word.npos) in.fail(in_quotes(word) + " is not how an OFF file begins; the first word must be OFF");
+  if (at == std::string_view::npos)
+    in.fail(in_quotes(word) + " is not how an OFF file begins; the first word must be OFF");
   std::string_view before = word.substr(0, at);
   const std::string_view after = word.substr(at + 3);
   for (const std::string_view letters : {"ST", "C", "N"})
     if (before.substr(0, letters.size()) == letters) before.remove_prefix(letters.size());
-  if (!before.empty() || after.find_first_not_of("0123456789") != after.npos)
+  if (!before.empty() || after.find_first_not_of("0123456789") != std::string_view::npos)
     in.fail(in_quotes(word) + " is a kind of OFF that is not read; write it as plain three-dimensional OFF");
   in.back_up(after.size());
   const std::string_view next = in.word();

@@ -132,8 +132,8 @@ Mesh read_stl(const std::filesystem::path& path, std::string_view bytes) {
                    bytes.size() == binary_header + binary_facet * std::uint64_t{load<std::uint32_t>(bytes.data() + 80)};
   if (!is_binary) {
     const std::size_t word = bytes.find_first_not_of(" \t\r\n");
-    is_binary =
-        word == bytes.npos || !equal_without_case(bytes.substr(word, 5), "solid") || bytes.find('\0') != bytes.npos;
+    is_binary = word == std::string_view::npos || !equal_without_case(bytes.substr(word, 5), "solid") ||
+                bytes.find('\0') != std::string_view::npos;
   }
   return is_binary ? read_binary(path, bytes) : read_text(path, bytes);
 }

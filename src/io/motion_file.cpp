@@ -43,14 +43,14 @@ bool natural_less(const std::string& a, const std::string& b) {
 // * stands for any characters, ? for one.
 bool matches(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0;
-  std::size_t star = pattern.npos, resume = 0;  // the last star, and where what it stands for ends
+  std::size_t star = std::string_view::npos, resume = 0;  // the last star, and where what it stands for ends
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
       resume = n;
     } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
       ++p, ++n;
-    } else if (star != pattern.npos) {
+    } else if (star != std::string_view::npos) {
       p = star + 1;
       n = ++resume;
     } else {
@@ -113,7 +113,7 @@ Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vert
   const std::string name = path.filename().string();
   if (fs::is_directory(path, ignored)) {
     files_ = frames_in(path, "*", path);
-  } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != name.npos) {
+  } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != std::string::npos) {
     files_ = frames_in(path.parent_path(), name, path);
   } else {
     is_npy_ = lower_extension(path) == ".npy";

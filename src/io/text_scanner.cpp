@@ -124,7 +124,7 @@ std::uint64_t TextScanner::count(std::string_view what) {
 
 std::string_view TextScanner::after_line() const {
   const void* newline = at_ == end_ ? nullptr : std::memchr(at_, '\n', bytes_left());
-  if (!newline) return {end_, 0};
+  if (!newline) return {};
   const char* next = static_cast<const char*>(newline) + 1;
   return {next, static_cast<std::size_t>(end_ - next)};
 }

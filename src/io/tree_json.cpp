@@ -16,7 +16,7 @@ constexpr const char* format_name = "morula spheres";
 void append_json_double(std::string& text, double value) {
   const std::size_t begin = text.size();
   append_number(text, value);
-  if (text.find_first_of(".e", begin) == text.npos) text += ".0";
+  if (text.find_first_of(".e", begin) == std::string::npos) text += ".0";
 }
 
 double finite_number(const JsonFile& file, const nlohmann::json& value, const std::string& what) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cassert>
+#include <cmath>
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <limits>
 #include <morula/geometry/box.hpp>
 #include <utility>
@@ -237,6 +238,7 @@ class Builder {
 
   // Depth-first, parents before children. Returns what the node's own parent needs to know.
   Summary build_node(Subtree& subtree, const Range& range, int depth) {
+    assert(depth < largest_depth);
     const std::size_t index = subtree.nodes.size();
     subtree.nodes.emplace_back();
     subtree.clusters.emplace_back();

@@ -66,6 +66,7 @@ TEST(DeformCommand, impossible_deformations_leave_nothing_behind) {
   bench.require("sample bar -o bar.obj --resolution 4");
   const auto before = bench.listing();
   EXPECT_EQ(bench.run("deform bar.obj -o motion --frames 5").exit_code, 2);
+  EXPECT_EQ(bench.run("deform bar.obj -o motion --twist 90 --frames 2").exit_code, 2);
   EXPECT_EQ(bench.run("deform bar.obj -o motion --stretch 0").exit_code, 2);
   // Along its short side the bar would fold over itself.
   const CommandResult folds = bench.run("deform bar.obj -o motion --bend 180 --axis y");

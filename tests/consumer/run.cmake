@@ -10,9 +10,24 @@ set(configuration -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX
 if(WAY STREQUAL find_package)
   execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${FOLDER}/prefix" --component development
     OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+
+  # The example of README, as it stands there, on a mesh of that name.
+  file(READ "${SOURCE}/README.md" readme)
+  if(NOT readme MATCHES "```cpp\n#include <morula/morula.hpp>\n([^`]*)```")
+    message(FATAL_ERROR "README.md has no C++ example that starts with #include <morula/morula.hpp>.")
+  endif()
+  file(CONFIGURE OUTPUT "${FOLDER}/readme_example.cpp" @ONLY CONTENT "#include <morula/morula.hpp>
+int main() {
+  const std::vector<morula::Vec3> positions = morula::read_mesh(\"liver.obj\").positions;
+@CMAKE_MATCH_1@
+  return figures.size() == built.tree.level_count() ? 0 : 1;
+}
+")
+  configure_file("${MESH}" "${FOLDER}/liver.obj" COPYONLY)
+
   list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
-    -D CMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON)
-  set(programs body_core body_files)
+    -D "README_EXAMPLE=${FOLDER}/readme_example.cpp")
+  set(programs body_core body_files readme_example)
 else()
   # Unoptimised, for speed; assertions are on.
   list(APPEND configuration -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS=-O0 -D "MORULA_SOURCE=${SOURCE}"
@@ -24,5 +39,5 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}/project" 
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/build" COMMAND_ERROR_IS_FATAL ANY)
 foreach(program IN LISTS programs)
-  execute_process(COMMAND "${FOLDER}/build/${program}" "${MESH}" COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${FOLDER}/build/${program}" "${MESH}" WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

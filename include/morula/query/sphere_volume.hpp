@@ -10,7 +10,10 @@ namespace morula {
 /// Volume of ball ∩ object by summing, over the facets that meet the ball, the signed volume of ball ∩ cone(centre,
 /// facet) in closed form; the far facets count through their total solid angle (ALGORITHMS A.5, J.8).
 ///
-/// The mesh must be closed and oriented. Error: about 1e-10 of the ball's volume. Cost: O(k + log F), k facets met.
+/// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the centre lies,
+/// on edges and vertices too, and as long as the ball is not smaller than the spacing of its coordinates. Of an open
+/// mesh it is the integral of the winding number, to about a percent of the ball. Where layers overlap, each counts,
+/// up to the whole ball. Cost: O(k + log F), k facets met.
 double inside_volume(const SignedDistance& object, const Sphere& ball);
 
 /// Volume of ball minus object: the sphere outside volume [wang2006].

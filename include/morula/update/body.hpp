@@ -13,12 +13,12 @@ namespace morula {
 struct UpdateStatus {
   enum class Code : std::uint8_t { ok, wrong_vertex_count, non_finite_position };
   Code code = Code::ok;
-  std::size_t first_bad_vertex = 0;  ///< of non_finite_position
-  // Work done, the same on every run.
+  std::size_t first_bad_vertex = 0;  ///< of non_finite_position: the lowest
+  // Work done, the same on every run; all 0 when nothing was changed.
   std::size_t nodes_updated = 0;
   std::size_t vertices_read = 0;
   std::size_t cut_points_moved = 0;
-  std::size_t points_tested = 0;  ///< distances taken from a centre to a vertex or corner
+  std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
 
   explicit operator bool() const { return code == Code::ok; }
 };
@@ -26,10 +26,9 @@ struct UpdateStatus {
 /// Degenerate cases met when the body was made.
 struct BindReport {
   std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
-  std::size_t unlinked_spheres = 0;  ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
-  std::size_t degenerate_anchors =
-      0;                            ///< nodes with fewer than four independent anchors: their centre follows the mean
-  std::size_t carried_centers = 0;  ///< centres outside the hull of their anchors: the remainder turns with the anchors
+  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
+  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
+  std::size_t carried_centers = 0;  ///< centres far outside the hull of their anchors: the remainder turns with these
   std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
 };
 
@@ -37,8 +36,13 @@ struct BindReport {
 /// on the positions: back at rest the spheres are those of rest, bit for bit.
 class Body {
  public:
-  /// Copies what it needs from mesh and built. The tree must be the cover's. Starts at rest.
-  /// Throws std::invalid_argument when mesh and built do not belong together or a rule list is empty.
+  /// Copies what it needs from mesh and built. The tree must be the cover's.
+  ///
+  /// Starts at rest, with the spheres that update(mesh.positions) makes: the tree's, narrowed to float with radii
+  /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
+  /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
+  /// rule list is empty, an option is out of range, or coordinates about the centre reach 2^57 (1.4e17): their squares
+  /// would leave the range of float.
   Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   ~Body();
   Body(Body&&) noexcept;
@@ -48,8 +52,8 @@ class Body {
   ///
   /// With the rule `exact`, every level then covers the surface; radii are rounded up, so rounding cannot lose cover.
   /// Positions are narrowed to float about an origin that moves with the body, so being far away costs no precision.
-  /// A wrong count or a non-finite coordinate (of a vertex that facets use) is reported and changes nothing: the last
-  /// good spheres stay. No allocation. Same bits for any number of workers.
+  /// A wrong count or a coordinate (of a vertex that facets use) that is not finite, or 2^57 or more from the origin,
+  /// is reported and changes nothing: the last good spheres stay. No allocation. Same bits for any number of workers.
   /// Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The example of README: read a mesh, build, update, measure.
+// With files: read a mesh, build, update, measure, and expect the surface covered.
 #include <cstdio>
 #include <morula/morula.hpp>
 

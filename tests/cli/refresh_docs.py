@@ -1,0 +1,31 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes what the commands print today into docs/cli.md: every line "$ ..." of a console block is run, in order, in one
+folder, and what follows it is replaced. Usage: refresh_docs.py path/to/morula [docs/cli.md]"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+command = pathlib.Path(sys.argv[1]).resolve()
+page = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else pathlib.Path(__file__).parents[2] / "docs/cli.md"
+environment = dict(os.environ, PATH=f"{command.parent}{os.pathsep}{os.environ['PATH']}")
+
+lines = []
+with tempfile.TemporaryDirectory() as folder:
+    in_console = False
+    for line in page.read_text().splitlines():
+        if line.startswith("```"):
+            in_console = line == "```console"
+            lines.append(line)
+        elif in_console and line.startswith("$ "):
+            run = subprocess.run(line[2:], shell=True, cwd=folder, env=environment, text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            if lines[-1] != "```console":
+                lines.append("")
+            lines += [line, *run.stdout.rstrip("\n").splitlines()]
+        elif not in_console:
+            lines.append(line)
+page.write_text("\n".join(lines) + "\n")
