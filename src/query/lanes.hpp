@@ -9,7 +9,7 @@
 
 namespace morula::lanes {
 
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(MORULA_SCALAR)
 
 using Double2 = double __attribute__((vector_size(16)));
 using Float4 = float __attribute__((vector_size(16)));
@@ -67,7 +67,7 @@ inline Double2 both(double x) {
 }
 
 // The second operand where either is NaN.
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(MORULA_SCALAR)
 inline Double2 max(Double2 a, Double2 b) {
   return a > b ? a : b;
 }

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "update/anchors.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "update/anchor_choice.hpp"
 
@@ -56,13 +54,6 @@ void Anchors::tie(const Vec3f& center, float radius, std::span<const LocalPoint>
   tie.end = static_cast<std::uint32_t>(points_.size());
   tie.degenerate = choice.degenerate;
   tie.frame = choice.frame;
-  if (tie.begin < tie.end) {
-    // Narrowing may leave the sum a little off 1, and then the centre would lag behind when the whole body moves.
-    const auto first = weights_.begin() + tie.begin;
-    const double total = std::accumulate(first, weights_.end(), 0.0);
-    const auto heaviest = std::max_element(first, weights_.end());
-    *heaviest = static_cast<float>(static_cast<double>(*heaviest) + (1 - total));
-  }
   tie.rest_sum = weighted_sum(tie, rest_points);
 
   if (!choice.reproduces && !choice.points.empty()) {

@@ -4,7 +4,7 @@
 
 // Wider registers than the compiler may assume are asked for function by function and chosen at run time. Nothing else
 // is compiled for them: an inline function of a header that was could end up in the program for all processors.
-#if defined(__GNUC__) && defined(__x86_64__)
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(MORULA_SCALAR)
 #define MORULA_HAS_AVX2 1
 #include <immintrin.h>
 #endif

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <morula/geometry/vector.hpp>
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(MORULA_SCALAR)
 #include <emmintrin.h>
 #endif
 
@@ -69,7 +69,7 @@ class ScalarFloat4 {
   std::array<float, 4> lane_;
 };
 
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(MORULA_SCALAR)
 
 class SseFloat4 {
  public:

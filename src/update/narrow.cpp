@@ -21,7 +21,7 @@ float narrow_plainly(const PositionView& positions, std::span<const std::uint32_
   return finite ? largest : std::numeric_limits<float>::infinity();
 }
 
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(MORULA_SCALAR)
 
 namespace {
 

@@ -71,6 +71,13 @@ TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
   }
 }
 
+TEST(Build, makes_the_golden_trees) {
+  // Changes when a generator changes; must not change with compiler, processor or build type.
+  const Mesh mesh = sample_body("limb", 24);
+  EXPECT_EQ(tree_hash(build(mesh, {.method = Method::octree}).tree), 0x485c5b967fffc1b6u);
+  EXPECT_EQ(tree_hash(build(mesh, {.method = Method::grid}).tree), 0xa5c3adfa4a5cbadau);
+}
+
 TEST(Build, moves_and_scales_with_its_input) {
   const Mesh mesh = sample_body("limb", 16);
   const Vec3 offset{3, -7, 11};

@@ -31,6 +31,13 @@ std::vector<LocalPoint> random_points(std::size_t count, double magnitude, std::
   return points;
 }
 
+std::vector<LocalPoint> local(const std::vector<Vec3>& positions) {
+  std::vector<LocalPoint> points;
+  for (const Vec3& p : positions)
+    points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0});
+  return points;
+}
+
 TEST(Kernels, all_that_this_processor_runs_agree_bit_for_bit) {
   ASSERT_GE(farthest_kernels().size(), 2u);
   for (const double magnitude : {1e-25, 1e-3, 1.0, 1e17}) {
@@ -198,12 +205,6 @@ TEST(Anchors, distances_to_anchors_survive_rigid_motion_however_few_they_are) {
                        : dimensions == 2 ? a * random.uniform(-1, 1) + b * random.uniform(-1, 1)
                                          : Vec3{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)});
       const Vec3f center{1.2f, -0.4f, 0.3f};
-      const auto local = [](const std::vector<Vec3>& positions) {
-        std::vector<LocalPoint> points;
-        for (const Vec3& p : positions)
-          points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0});
-        return points;
-      };
       std::vector<std::uint32_t> candidates(rest.size());
       for (std::uint32_t i = 0; i < candidates.size(); ++i) candidates[i] = i;
       Anchors anchors;
@@ -222,6 +223,44 @@ TEST(Anchors, distances_to_anchors_survive_rigid_motion_however_few_they_are) {
   Anchors none;
   none.tie({1, 2, 3}, 1.0f, {}, {});
   EXPECT_EQ(none.center(0, {}), (Vec3f{1, 2, 3}));
+}
+
+// A narrow triangle is all that tells how these points turn; it must not make the frame skew.
+TEST(Anchors, nearly_collinear_anchors_carry_the_center_as_well) {
+  Random random(6);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<Vec3> rest;
+    const Vec3 along = normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    const Vec3 across = cross(along, Vec3{0.3, -0.8, 0.5});
+    for (int i = 0; i < 20; ++i) rest.push_back(along * random.uniform(-1, 1) + across * random.uniform(0, 1e-4));
+    const Vec3f center(across * 2.0 + along * 0.3);
+    Anchors anchors;
+    std::vector<std::uint32_t> candidates(rest.size());
+    std::iota(candidates.begin(), candidates.end(), 0u);
+    anchors.tie(center, 1.0f, local(rest), candidates);
+    const std::vector<Vec3> moved = test::rotated(rest, {1, 2, 3}, 100);
+    const Vec3f now = anchors.center(0, local(moved));
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      EXPECT_NEAR(distance(Vec3(now), moved[i]), distance(Vec3(center), rest[i]), 5e-6) << "trial " << trial;
+  }
+}
+
+// The near points of a shallow cap all lie above a centre just inside it; those of its rim put it in their hull.
+TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
+  std::vector<Vec3> cap;
+  for (int i = -20; i <= 20; ++i)
+    for (int j = -20; j <= 20; ++j)
+      if (const double x = i / 40.0, y = j / 40.0; x * x + y * y <= 0.25) cap.push_back({x, y, -0.5 * (x * x + y * y)});
+  std::vector<std::uint32_t> candidates(cap.size());
+  std::iota(candidates.begin(), candidates.end(), 0u);
+  for (const double depth : {0.01, 0.05, 0.1, 0.12}) {
+    Anchors anchors;
+    anchors.tie(Vec3f(Vec3{0.01, -0.02, -depth}), 0.5f, local(cap), candidates);
+    EXPECT_FALSE(anchors[0].carries) << depth;
+    EXPECT_FALSE(anchors[0].degenerate);
+    EXPECT_GE(anchors[0].end - anchors[0].begin, 4u);
+    EXPECT_LE(anchors[0].end - anchors[0].begin, 24u);
+  }
 }
 
 TEST(Anchors, weights_add_up_to_one_so_translation_carries_the_center_along) {
