@@ -33,8 +33,12 @@ void expect_proof_on_every_mesh(Method method) {
   EXPECT_GT(loaded, 100u) << "of " << paths.size() << " files";
 }
 
-TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) { expect_proof_on_every_mesh(Method::octree); }
-TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) { expect_proof_on_every_mesh(Method::grid); }
+TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::octree);
+}
+TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::grid);
+}
 
 }  // namespace
 }  // namespace morula

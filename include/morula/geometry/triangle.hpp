@@ -32,8 +32,8 @@ struct TrianglePoint {
 TrianglePoint closest_point(const Triangle& t, const Vec3& p);
 
 /// Signed solid angle of t seen from p, in (−2π, 2π]; positive when p is behind the facet (inside a closed mesh).
-/// Zero when p is a corner or lies exactly in t's plane; seen from next to its own line, a triangle without area can have
-/// any angle that rounding gives it. [vanoosterom1983]
+/// Zero when p is a corner or lies exactly in t's plane; seen from next to its own line, a triangle without area can
+/// have any angle that rounding gives it. [vanoosterom1983]
 double solid_angle(const Triangle& t, const Vec3& p);
 
 }  // namespace morula
