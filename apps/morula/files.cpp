@@ -59,7 +59,7 @@ fs::path without_slash(fs::path path) {
 /// A new, empty folder inside `parent`.
 fs::path make_stage(const fs::path& parent, const std::string& name) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const fs::path stage = parent / fmt::format(".{}.partial{}", name, attempt);
+    fs::path stage = parent / fmt::format(".{}.partial{}", name, attempt);
     std::error_code error;
     if (fs::create_directory(stage, error)) return stage;
     if (error) throw FileError(fmt::format("cannot make a folder in {}: {}", parent.string(), error.message()));

@@ -71,12 +71,12 @@ class LatticeSearch {
     std::size_t spheres;  // after greedy cover; only looked for when near enough to matter
     std::vector<Vec3> centers;
   };
-  Count count(double edge, const Vec3& shift) const {
+  // most_cells: more are not worth looking at.
+  Count count(double edge, const Vec3& shift, std::size_t most_cells) const {
     const Lattice lattice{box_.lower - shift * edge, {edge, edge, edge}};
     Count result{};
-    const std::size_t most = 2 * branching_;
-    if (!occupied_cells(lattice, points_, most, result.centers)) {
-      result.cells = result.spheres = most + 1;
+    if (!occupied_cells(lattice, points_, most_cells, result.centers)) {
+      result.cells = result.spheres = most_cells + 1;
       return result;
     }
     result.cells = result.spheres = result.centers.size();
@@ -92,7 +92,7 @@ class LatticeSearch {
 
   // Coordinate search over the shift, from the one that worked before.
   bool try_size(double edge, Vec3& shift, Candidate& best) const {
-    Count least = count(edge, shift);
+    Count least = count(edge, shift, 2 * branching_);
     constexpr int shifts_per_axis = 6;
     for (int sweep = 0; sweep < 2 && least.spheres > branching_; ++sweep) {
       const std::size_t before = least.spheres + least.cells;
@@ -101,7 +101,7 @@ class LatticeSearch {
           Vec3 trial_shift = shift;
           trial_shift[axis] += static_cast<double>(k) / shifts_per_axis;
           trial_shift[axis] -= std::floor(trial_shift[axis]);
-          Count trial = count(edge, trial_shift);
+          Count trial = count(edge, trial_shift, std::min(least.cells, 2 * branching_));
           if (trial.spheres < least.spheres || (trial.spheres == least.spheres && trial.cells < least.cells)) {
             least = std::move(trial);
             shift = trial_shift;
