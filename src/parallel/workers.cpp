@@ -38,9 +38,9 @@ void run_serially(std::size_t count, ChunkFunction chunk) {
 
 struct Workers::Pool {
   explicit Pool(unsigned helpers) {
-    threads.reserve(helpers);
+    threads_.reserve(helpers);
     try {
-      for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });
+      for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { serve(); });
     } catch (...) {
       stop();
       throw;
@@ -50,20 +50,20 @@ struct Workers::Pool {
 
   void run(std::size_t count, ChunkFunction f) {
     {
-      const std::lock_guard lock(mutex);
-      chunk = &f;
-      chunk_count = count;
-      next.store(0, std::memory_order_relaxed);
-      busy = static_cast<unsigned>(threads.size());
-      failed_index = count;
-      failure = nullptr;
-      ++generation;
+      const std::lock_guard lock(mutex_);
+      chunk_ = &f;
+      chunk_count_ = count;
+      next_.store(0, std::memory_order_relaxed);
+      busy_ = static_cast<unsigned>(threads_.size());
+      failed_index_ = count;
+      failure_ = nullptr;
+      ++generation_;
     }
-    wake.notify_all();
+    wake_.notify_all();
     take_chunks();
-    std::unique_lock lock(mutex);
-    idle.wait(lock, [this] { return busy == 0; });
-    if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [this] { return busy_ == 0; });
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
  private:
@@ -71,27 +71,27 @@ struct Workers::Pool {
     std::uint64_t seen = 0;
     for (;;) {
       {
-        std::unique_lock lock(mutex);
-        wake.wait(lock, [&] { return stopping || generation != seen; });
-        if (stopping) return;
-        seen = generation;
+        std::unique_lock lock(mutex_);
+        wake_.wait(lock, [&] { return stopping_ || generation_ != seen; });
+        if (stopping_) return;
+        seen = generation_;
       }
       take_chunks();
-      const std::lock_guard lock(mutex);
-      if (--busy == 0) idle.notify_one();
+      const std::lock_guard lock(mutex_);
+      if (--busy_ == 0) idle_.notify_one();
     }
   }
 
   void take_chunks() {
     inside_chunk = true;
     for (;;) {
-      const std::size_t i = next.fetch_add(1, std::memory_order_relaxed);
-      if (i >= chunk_count) break;
+      const std::size_t i = next_.fetch_add(1, std::memory_order_relaxed);
+      if (i >= chunk_count_) break;
       try {
-        (*chunk)(i);
+        (*chunk_)(i);
       } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (i < failed_index) failed_index = i, failure = std::current_exception();
+        const std::lock_guard lock(mutex_);
+        if (i < failed_index_) failed_index_ = i, failure_ = std::current_exception();
       }
     }
     inside_chunk = false;
@@ -99,25 +99,25 @@ struct Workers::Pool {
 
   void stop() {
     {
-      const std::lock_guard lock(mutex);
-      stopping = true;
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
     }
-    wake.notify_all();
-    for (std::thread& t : threads) t.join();
-    threads.clear();
+    wake_.notify_all();
+    for (std::thread& t : threads_) t.join();
+    threads_.clear();
   }
 
-  std::vector<std::thread> threads;
-  std::mutex mutex;
-  std::condition_variable wake, idle;
-  const ChunkFunction* chunk = nullptr;
-  std::size_t chunk_count = 0;
-  std::atomic<std::size_t> next{0};
-  unsigned busy = 0;
-  std::uint64_t generation = 0;
-  bool stopping = false;
-  std::size_t failed_index = 0;
-  std::exception_ptr failure;
+  std::vector<std::thread> threads_;
+  std::mutex mutex_;
+  std::condition_variable wake_, idle_;
+  const ChunkFunction* chunk_ = nullptr;
+  std::size_t chunk_count_ = 0;
+  std::atomic<std::size_t> next_{0};
+  unsigned busy_ = 0;
+  std::uint64_t generation_ = 0;
+  bool stopping_ = false;
+  std::size_t failed_index_ = 0;
+  std::exception_ptr failure_;
 };
 
 Workers::Workers(unsigned thread_count) {
