@@ -13,15 +13,16 @@ set(height_parallel 0)
 set(height_geometry 1)
 # shape
 set(height_query 2)
+set(height_medial 3)
 set(height_deform 2)
 # tree
-set(height_tree 3)
-set(height_build 4)
-set(height_update 4)
+set(height_tree 4)
+set(height_build 5)
+set(height_update 5)
 # uses
-set(height_accuracy 5)
-set(height_collide 5)
-set(height_io 5)
+set(height_accuracy 6)
+set(height_collide 6)
+set(height_io 6)
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

@@ -19,21 +19,35 @@ constexpr std::size_t samples_by_area = 320;
 constexpr std::size_t most_corner_samples = 128;
 constexpr int fitting_rounds = 2;
 
+Vec3 unit_normal(const Triangle& t, double orientation) {
+  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  const double size = length(n);
+  return size > 0 ? n * (orientation / size) : Vec3{};
+}
+
 // Corners of the region's patches, thinned, and points spread over it by area.
-std::vector<Vec3> region_samples(const Mesh& mesh, const Region& region, std::uint64_t seed) {
-  std::vector<Vec3> samples;
+struct Samples {
+  std::vector<Vec3> points, normals;
+  void add(const Vec3& point, const Vec3& normal) {
+    points.push_back(point);
+    normals.push_back(normal);
+  }
+};
+Samples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed) {
+  Samples samples;
   const std::size_t step = std::max<std::size_t>(1, region.corners.size() / most_corner_samples);
   std::vector<double> area_up_to(region.size());
   double total = 0;
   for (std::size_t k = 0; k < region.size(); ++k) {
     const Triangle t = mesh.corners(region.facet[k]);
+    const Vec3 normal = unit_normal(t, orientation);
     const auto polygon = region.polygon(k);
     const Vec3 first = at_barycentric(t, polygon[0]);
     for (std::size_t c = 2; c < polygon.size(); ++c)
       total += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
     area_up_to[k] = total;
     for (std::size_t c = 0; c < polygon.size(); ++c)
-      if ((region.corner_begin[k] + c) % step == 0) samples.push_back(at_barycentric(t, polygon[c]));
+      if ((region.corner_begin[k] + c) % step == 0) samples.add(at_barycentric(t, polygon[c]), normal);
   }
   if (!(total > 0)) return samples;
   Random random(seed);
@@ -50,7 +64,7 @@ std::vector<Vec3> region_samples(const Mesh& mesh, const Region& region, std::ui
       point += at_barycentric(t, b) * weight;
       sum += weight;
     }
-    samples.push_back(point / sum);
+    samples.add(point / sum, unit_normal(t, orientation));
   }
   return samples;
 }
@@ -84,8 +98,9 @@ class ReducerDivider {
         reducer_(std::move(reducer)) {}
 
   Division operator()(const BuildNode& node) const {
-    const std::vector<Vec3> samples = region_samples(mesh_, node.region, node.seed);
-    const Proposals proposals = reducer_({samples, node.sphere, branching_, node.seed});
+    const Samples samples = region_samples(mesh_, node.region, shape_.orientation(), node.seed);
+    const Proposals proposals =
+        reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, shape_});
     // Proposals are compared after a quick fit to some of the patches; only the best is worth a thorough one to all.
     Fitted best;
     const Region few = thinned(node.region);

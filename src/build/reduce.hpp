@@ -14,9 +14,11 @@ namespace morula {
 /// What a reducer sees of a node.
 struct ReducerInput {
   std::span<const Vec3> samples;  ///< points of the region: corners of its patches and points spread by area
+  std::span<const Vec3> normals;  ///< unit outward normal of the facet of each sample; zero on facets without area
   Sphere sphere;                  ///< the node's
   std::size_t branching;          ///< most spheres wanted
   std::uint64_t seed;
+  const SignedDistance& shape;
 };
 /// Proposals: sets of at most `branching` spheres that together contain the samples. The best after fitting is taken.
 using Proposals = std::vector<std::vector<Sphere>>;
