@@ -9,9 +9,11 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/update/body.hpp>
 #include <morula/version.hpp>

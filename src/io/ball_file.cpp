@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <morula/io/ball_file.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+
+void write_balls(const std::filesystem::path& path, std::span<const Sphere> balls) {
+  if (lower_extension(path) != ".ply") throw FileError(path.string() + ": balls are written as .ply");
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(balls.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\nproperty double radius\nend_header\n";
+  bytes.reserve(bytes.size() + balls.size() * sizeof(Sphere));
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const auto& [center, radius] = balls[i];
+    if (!is_finite(center) || !std::isfinite(radius))
+      throw std::invalid_argument("ball " + std::to_string(i) + " has a number that is not finite");
+    for (int axis = 0; axis < 3; ++axis) store(bytes, center[axis]);
+    store(bytes, radius);
+  }
+  write_whole(path, bytes);
+}
+
+}  // namespace morula
