@@ -14,11 +14,12 @@ struct Entry {
   std::string_view name;
   Built (*build)(const Mesh&, const BuildOptions&, Workers&);
 };
-constexpr std::array<Entry, 2> entries{{
+constexpr std::array<Entry, 3> entries{{
     {Method::octree, "octree", build_octree},
     {Method::grid, "grid", build_grid},
+    {Method::morula, "morula", build_own},
 }};
-constexpr std::array<Method, entries.size()> methods{Method::octree, Method::grid};
+constexpr std::array<Method, entries.size()> methods{Method::octree, Method::grid, Method::morula};
 
 const Entry& entry(Method method) {
   for (const Entry& e : entries)

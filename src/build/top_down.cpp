@@ -85,6 +85,7 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
       Random seeds(level[i].seed);
       for (BuildNode& child : divisions[i].children) {
         child.seed = seeds.next();
+        child.level = depth + 1;
         spheres.push_back(child.sphere);
         next.push_back(std::move(child));
       }

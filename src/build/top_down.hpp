@@ -15,6 +15,7 @@ struct BuildNode {
   Region region;
   Sphere sphere;         // wraps the region, radius rounded up
   Box cell;              // the part of space that an octree node stands for; empty otherwise
+  int level = 0;
   std::uint64_t seed{};  // of this node's random choices, the same for any number of workers
 };
 
@@ -33,6 +34,7 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
 /// The generators: what divides a node, with whatever they need to know about the mesh.
 Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_own(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 
 /// Padding for radii: bounds |coordinates| of surface and centres.
 double largest_coordinate(const Mesh& mesh);

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "update/float4.hpp"
+#include "geometry/float4.hpp"
 
 namespace morula {
 

@@ -9,7 +9,7 @@
 #include <morula/geometry/vector.hpp>
 #include <span>
 
-#include "update/float4.hpp"
+#include "geometry/float4.hpp"
 
 namespace morula {
 
@@ -24,7 +24,7 @@ struct WidePoints {
 template <class Wide>
 WidePoints<Wide> gather(const LocalPoint* points, const std::uint32_t* index) {
   WidePoints<Wide> p{Wide::load(points[index[0]]), Wide::load(points[index[1]]), Wide::load(points[index[2]])};
-  Wide::transpose(p.x, p.y, p.z, Wide::load(points[index[3]]));
+  Wide::transpose_points(p.x, p.y, p.z, Wide::load(points[index[3]]));
   return p;
 }
 

@@ -8,7 +8,7 @@
 #include <morula/tree/cover.hpp>
 #include <vector>
 
-#include "update/float4.hpp"
+#include "geometry/float4.hpp"
 #include "update/ownership.hpp"
 #include "update/rounding.hpp"
 

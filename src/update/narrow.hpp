@@ -7,7 +7,7 @@
 #include <morula/geometry/positions.hpp>
 #include <span>
 
-#include "update/float4.hpp"
+#include "geometry/float4.hpp"
 
 namespace morula {
 

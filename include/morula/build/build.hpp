@@ -17,6 +17,7 @@ namespace morula {
 enum class Method {
   octree,  ///< occupied cells of a halved cube [liu1988, hubbard1993]; fastest, loosest
   grid,    ///< per node, the smallest oriented lattice whose occupied cells number at most branching [bradshaw2002]
+  morula,  ///< our own
 };
 std::string_view name(Method method);
 std::optional<Method> method_from_name(std::string_view name);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Four floats at once, for the two loops that touch every point of every frame. One type with vector instructions and
+// Four floats at once, for the loops that take the time: every point of every frame, every line of every fit. One type with vector instructions and
 // its scalar twin: the same operations in the same order, so the same bits.
 #pragma once
 
@@ -24,6 +24,7 @@ class ScalarFloat4 {
   ScalarFloat4() = default;
   explicit ScalarFloat4(float all) : lane_{all, all, all, all} {}
   explicit ScalarFloat4(const Vec3f& v) : lane_{v.x, v.y, v.z, 0.0f} {}
+  static ScalarFloat4 counting() { return ScalarFloat4(0.0f, 1.0f, 2.0f, 3.0f); }
   static ScalarFloat4 load(const float* four) { return ScalarFloat4(four[0], four[1], four[2], four[3]); }
   static ScalarFloat4 load(const LocalPoint& p) { return ScalarFloat4(p.x, p.y, p.z, p.unused); }
   void store(LocalPoint& p) const { p = {lane_[0], lane_[1], lane_[2], lane_[3]}; }
@@ -51,8 +52,22 @@ class ScalarFloat4 {
   friend ScalarFloat4 sqrt(const ScalarFloat4& a) {
     return a.with(a, [](float s, float) { return std::sqrt(s); });
   }
-  /// Rows become columns: four points become their x, their y and their z.
-  static void transpose(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, const ScalarFloat4& d) {
+  /// Rounded towards zero, as numbers and as floats. Lanes must fit an int.
+  ScalarFloat4 truncated(std::array<int, 4>& whole) const {
+    ScalarFloat4 result;
+    for (std::size_t k = 0; k < 4; ++k) whole[k] = static_cast<int>(lane_[k]), result.lane_[k] = static_cast<float>(whole[k]);
+    return result;
+  }
+  /// Rows become columns.
+  static void transpose(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, ScalarFloat4& d) {
+    const ScalarFloat4 rows[4]{a, b, c, d};
+    for (int k = 0; k < 4; ++k) {
+      a.lane_[k] = rows[k].lane_[0], b.lane_[k] = rows[k].lane_[1];
+      c.lane_[k] = rows[k].lane_[2], d.lane_[k] = rows[k].lane_[3];
+    }
+  }
+  /// Four points become their x, their y and their z.
+  static void transpose_points(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, const ScalarFloat4& d) {
     const ScalarFloat4 rows[4]{a, b, c, d};
     for (int k = 0; k < 4; ++k)
       a.lane_[k] = rows[k].lane_[0], b.lane_[k] = rows[k].lane_[1], c.lane_[k] = rows[k].lane_[2];
@@ -76,6 +91,7 @@ class SseFloat4 {
   SseFloat4() = default;
   explicit SseFloat4(float all) : v_(_mm_set1_ps(all)) {}
   explicit SseFloat4(const Vec3f& v) : v_(_mm_setr_ps(v.x, v.y, v.z, 0.0f)) {}
+  static SseFloat4 counting() { return SseFloat4(_mm_setr_ps(0.0f, 1.0f, 2.0f, 3.0f)); }
   static SseFloat4 load(const float* four) { return SseFloat4(_mm_loadu_ps(four)); }
   static SseFloat4 load(const LocalPoint& p) { return SseFloat4(_mm_load_ps(&p.x)); }
   void store(LocalPoint& p) const { _mm_store_ps(&p.x, v_); }
@@ -92,7 +108,15 @@ class SseFloat4 {
   friend SseFloat4 min(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_min_ps(a.v_, b.v_)); }
   friend SseFloat4 max(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_max_ps(a.v_, b.v_)); }
   friend SseFloat4 sqrt(SseFloat4 a) { return SseFloat4(_mm_sqrt_ps(a.v_)); }
-  static void transpose(SseFloat4& a, SseFloat4& b, SseFloat4& c, SseFloat4 d) {
+  SseFloat4 truncated(std::array<int, 4>& whole) const {
+    const __m128i integers = _mm_cvttps_epi32(v_);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(whole.data()), integers);
+    return SseFloat4(_mm_cvtepi32_ps(integers));
+  }
+  static void transpose(SseFloat4& a, SseFloat4& b, SseFloat4& c, SseFloat4& d) {
+    _MM_TRANSPOSE4_PS(a.v_, b.v_, c.v_, d.v_);
+  }
+  static void transpose_points(SseFloat4& a, SseFloat4& b, SseFloat4& c, SseFloat4 d) {
     const __m128 xy_ab = _mm_unpacklo_ps(a.v_, b.v_), xy_cd = _mm_unpacklo_ps(c.v_, d.v_);
     const __m128 z_ab = _mm_unpackhi_ps(a.v_, b.v_), z_cd = _mm_unpackhi_ps(c.v_, d.v_);
     a.v_ = _mm_movelh_ps(xy_ab, xy_cd);

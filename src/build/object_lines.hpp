@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Where lines along the three axes enter and leave the object: what outside volumes are integrated from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <morula/geometry/box.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/query/signed_distance.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// A lattice of cubic cells over the object. Lines run through the cell centres along every axis; positions are in
+/// cells, so that cell i of an axis spans [i, i + 1].
+class ObjectLines {
+ public:
+  /// cells: along the longest side of the mesh's box, at least 8.
+  /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
+  /// when two of the three lines through its centre say so, and lines enter and leave at cell walls.
+  /// Cost: O(F + lines crossed).
+  ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers);
+
+  struct Crossing {
+    float at;
+    std::uint32_t facet;
+  };
+  /// Crossings of the line along `axis` through cell (u, v) of the other axes in cyclic order: enter, leave, enter, …
+  /// None outside the lattice.
+  std::span<const Crossing> line(int axis, int u, int v) const {
+    const int nu = count_[(axis + 1) % 3], nv = count_[(axis + 2) % 3];
+    if (u < 0 || v < 0 || u >= nu || v >= nv) return {};
+    const Axis& a = axes_[static_cast<std::size_t>(axis)];
+    const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(nu) + static_cast<std::size_t>(u);
+    return std::span(a.crossings).subspan(a.begin[i], a.begin[i + 1] - a.begin[i]);
+  }
+  /// How much of the space at a lattice cell is for lines along `axis` to see: the square of that component of the
+  /// normal of the surface near by, a third where there is none. The three sum to 1. Any cell, on the lattice or not.
+  float weight(int axis, const std::array<int, 3>& cell) const {
+    std::size_t i = 0;
+    for (int k = 2; k >= 0; --k) {
+      const auto n = static_cast<std::size_t>(k);
+      const int at = cell[n] >= 0 ? cell[n] / block_ : -1;
+      if (at < 0 || at >= block_count_[n]) return 1.0F / 3;
+      i = i * static_cast<std::size_t>(block_count_[n]) + static_cast<std::size_t>(at);
+    }
+    return weights_[i][static_cast<std::size_t>(axis)];
+  }
+
+  Vec3 to_lattice(const Vec3& p) const { return (p - origin_) * per_cell_; }
+  Vec3 from_lattice(const Vec3& p) const { return origin_ + p * cell_; }
+  double cell() const { return cell_; }
+  const std::array<int, 3>& count() const { return count_; }
+
+ private:
+  struct Axis {
+    std::vector<std::uint32_t> begin;  // per line, and one more
+    std::vector<Crossing> crossings;
+  };
+  Axis trace(const Mesh& mesh, const std::vector<Vec3>& vertices, int axis, bool reliable) const;
+  void vote();
+  void weigh(const Mesh& mesh, const std::vector<Vec3>& vertices);
+
+  Vec3 origin_;
+  double cell_, per_cell_;
+  std::array<int, 3> count_;
+  std::array<Axis, 3> axes_;
+  int block_ = 1;  // lattice cells along a block of equal weights
+  std::array<int, 3> block_count_{};
+  std::vector<std::array<float, 3>> weights_;
+};
+
+}  // namespace morula
