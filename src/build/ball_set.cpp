@@ -84,4 +84,22 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
   return pairs;
 }
 
+std::vector<Sphere> equalised(std::span<const Sphere> spheres, std::span<const double> distances,
+                              std::span<const Vec3> samples) {
+  double needed = -std::numeric_limits<double>::infinity();
+  std::vector<bool> used(spheres.size(), false);
+  for (const Vec3& p : samples) {
+    std::size_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      if (const double s = distance(p, spheres[i].center) + distances[i]; s < least) least = s, nearest = i;
+    if (!spheres.empty()) used[nearest] = true;
+    needed = std::max(needed, least);
+  }
+  std::vector<Sphere> result;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (used[i]) result.push_back({spheres[i].center, std::max(0.0, needed - distances[i])});
+  return result;
+}
+
 }  // namespace morula

@@ -49,6 +49,13 @@ struct BallPair {
 };
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 
+/// Radii for given centres: all spheres stick out equally, r = s − φ(c), by the least s for which they contain all
+/// samples. No choice of radii has a smaller worst protrusion bound, and by power such spheres relieve one another: a
+/// sphere that could reach further takes samples off the one that sticks out most. Those that no sample needs are left
+/// out. distances: signed ones of the centres.
+std::vector<Sphere> equalised(std::span<const Sphere> spheres, std::span<const double> distances,
+                              std::span<const Vec3> samples);
+
 // Each reduction returns at most `branching` spheres that together contain all samples; none for no balls or samples.
 
 /// Joins two balls again and again. The joint ball is the one that sticks out least among the smallest around the

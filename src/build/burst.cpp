@@ -79,9 +79,10 @@ class Bursting {
         evaluate(top.member);
     }
     std::vector<Sphere> result;
+    std::vector<double> distances;
     for (const Member& m : members_)
-      if (m.alive) result.push_back(m.ball);
-    return result;
+      if (m.alive) result.push_back(m.ball), distances.push_back(m.distance);
+    return equalised(result, distances, samples_);
   }
 
  private:

@@ -145,15 +145,13 @@ class Expansion {
   }
 
   std::vector<Sphere> spheres() const {
-    std::vector<double> radii(chosen_.size(), -1);
-    for (std::size_t k = 0; k < set_.samples().size(); ++k) {
-      const std::size_t c = nearest_chosen(k);
-      radii[c] = std::max(radii[c], set_.to_samples(chosen_[c])[k]);
+    std::vector<Sphere> balls;
+    std::vector<double> distances;
+    for (const std::size_t c : chosen_) {
+      balls.push_back(set_.ball(c));
+      distances.push_back(set_.distance(c));
     }
-    std::vector<Sphere> result;
-    for (std::size_t c = 0; c < chosen_.size(); ++c)
-      if (radii[c] >= 0) result.push_back({set_.ball(chosen_[c]).center, radii[c]});
-    return result;
+    return equalised(balls, distances, set_.samples());
   }
 
   const BallSet& set_;

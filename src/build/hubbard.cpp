@@ -13,8 +13,8 @@
 #include <queue>
 #include <tuple>
 
+#include "build/ball_set.hpp"
 #include "build/reducers.hpp"
-#include "build/sample_set.hpp"
 #include "medial/voronoi_balls.hpp"
 
 namespace morula {
@@ -54,9 +54,10 @@ class Hubbard {
       if (groups_[top.a].alive && groups_[top.b].alive) join(top.a, top.b);
     }
     std::vector<Sphere> spheres;
+    std::vector<double> distances;
     for (const Group& g : groups_)
-      if (g.alive) spheres.push_back(g.ball);
-    return spheres;
+      if (g.alive) spheres.push_back(g.ball), distances.push_back(node_.shape(g.ball.center));
+    return equalised(spheres, distances, node_.samples);
   }
 
  private:

@@ -36,7 +36,7 @@ class Merging {
  public:
   Merging(const BallSet& set, std::size_t branching, const SignedDistance& shape)
       : samples_(set.samples()), branching_(branching), shape_(shape) {
-    std::vector<SampleSet> inside = samples_inside(set);
+    std::vector<SampleSet> inside = samples_owned(set);
     std::vector<std::uint32_t> cluster_of(set.size(), none);
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (inside[i].empty()) continue;
@@ -69,9 +69,10 @@ class Merging {
       join(pair);
     }
     std::vector<Sphere> result;
+    std::vector<double> distances;
     for (const Cluster& c : clusters_)
-      if (c.alive) result.push_back(c.ball);
-    return result;
+      if (c.alive) result.push_back(c.ball), distances.push_back(c.distance);
+    return equalised(result, distances, samples_);
   }
 
  private:
