@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace morula {
@@ -84,21 +85,33 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
   return pairs;
 }
 
-std::vector<Sphere> equalised(std::span<const Sphere> spheres, std::span<const double> distances,
-                              std::span<const Vec3> samples) {
+double growth_to_contain(Growth growth, double distance, double away) {
+  return growth == Growth::protrusion ? away + distance : away * away + distance * std::abs(distance);
+}
+
+double grown_radius(Growth growth, double distance, double s) {
+  return growth == Growth::protrusion ? std::max(0.0, s - distance)
+                                      : std::sqrt(std::max(0.0, s - distance * std::abs(distance)));
+}
+
+std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres, std::span<const double> distances,
+                                  std::span<const Vec3> samples) {
+  if (spheres.empty()) return {};
   double needed = -std::numeric_limits<double>::infinity();
   std::vector<bool> used(spheres.size(), false);
   for (const Vec3& p : samples) {
-    std::size_t nearest = 0;
+    std::size_t first = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < spheres.size(); ++i)
-      if (const double s = distance(p, spheres[i].center) + distances[i]; s < least) least = s, nearest = i;
-    if (!spheres.empty()) used[nearest] = true;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const double s = growth_to_contain(growth, distances[i], distance(p, spheres[i].center));
+      if (s < least) least = s, first = i;
+    }
+    used[first] = true;
     needed = std::max(needed, least);
   }
   std::vector<Sphere> result;
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    if (used[i]) result.push_back({spheres[i].center, std::max(0.0, needed - distances[i])});
+    if (used[i]) result.push_back({spheres[i].center, grown_radius(growth, distances[i], needed)});
   return result;
 }
 

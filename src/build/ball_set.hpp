@@ -49,27 +49,39 @@ struct BallPair {
 };
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 
-/// Radii for given centres: all spheres stick out equally, r = s − φ(c), by the least s for which they contain all
-/// samples. No choice of radii has a smaller worst protrusion bound, and by power such spheres relieve one another: a
-/// sphere that could reach further takes samples off the one that sticks out most. Those that no sample needs are left
-/// out. distances: signed ones of the centres.
-std::vector<Sphere> equalised(std::span<const Sphere> spheres, std::span<const double> distances,
-                              std::span<const Vec3> samples);
+/// How balls grow out of the object, from the largest that fits about their centre.
+enum class Growth {
+  protrusion,  ///< equally far: r = s − φ(c), so of all radii that contain the samples the worst protrusion is least
+  power,       ///< by equal power: r² = s − φ(c)·|φ(c)|, so balls of all sizes come to touch equally large spots
+};
+/// The s from which on a ball with its centre `distance` from the object contains a point `away` from the centre.
+double growth_to_contain(Growth growth, double distance, double away);
+double grown_radius(Growth growth, double distance, double s);
 
-// Each reduction returns at most `branching` spheres that together contain all samples; none for no balls or samples.
+/// The spheres' centres with the radii of the least growth at which they contain all samples together: by power, such
+/// spheres relieve one another, because one that could reach further takes samples off one that sticks out more. Those
+/// that no sample needs are left out. distances: signed ones of the centres.
+std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres, std::span<const double> distances,
+                                  std::span<const Vec3> samples);
+
+/// What a reduction leaves: balls that together contain all samples, at most `branching`, and their signed distances.
+struct Reduced {
+  std::vector<Sphere> balls;
+  std::vector<double> distances;
+};
+// Each reduction returns nothing for no balls or samples.
 
 /// Joins two balls again and again. The joint ball is the one that sticks out least among the smallest around the
 /// samples of both and those about either centre. First choice: a neighbour of the ball that sticks out most, if the
 /// joint ball sticks out less than it; else the pair whose joint ball sticks out least.
 /// Cost: some ten thousand small steps and one closest-point query a pair, for 300 balls.
-std::vector<Sphere> merge(const BallSet& set, std::size_t branching, const SignedDistance& shape);
+Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
 /// Removes a ball again and again and gives its samples to its neighbours, which are fitted to them. First choice: the
 /// ball that sticks out most among those whose neighbours then all stick out less; else the least sum of sixth powers.
-std::vector<Sphere> burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
+Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
-/// Grows all balls until they stick out by s, and keeps few that contain all samples: the least s found, and of the
-/// chosen balls no more than is needed. No queries.
-std::vector<Sphere> expand(const BallSet& set, std::size_t branching);
+/// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth growth);
 
 }  // namespace morula

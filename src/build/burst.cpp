@@ -65,7 +65,7 @@ class Bursting {
     }
   }
 
-  std::vector<Sphere> run() {
+  Reduced run() {
     if (alive_ > branching_)
       for (std::uint32_t k = 0; k < members_.size(); ++k) evaluate(k);
     while (alive_ > branching_) {
@@ -78,11 +78,10 @@ class Bursting {
       else
         evaluate(top.member);
     }
-    std::vector<Sphere> result;
-    std::vector<double> distances;
+    Reduced result;
     for (const Member& m : members_)
-      if (m.alive) result.push_back(m.ball), distances.push_back(m.distance);
-    return equalised(result, distances, samples_);
+      if (m.alive) result.balls.push_back(m.ball), result.distances.push_back(m.distance);
+    return result;
   }
 
  private:
@@ -201,7 +200,7 @@ class Bursting {
 
 }  // namespace
 
-std::vector<Sphere> burst(const BallSet& set, std::size_t branching, const SignedDistance& shape) {
+Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape) {
   if (set.size() == 0 || set.samples().empty()) return {};
   return Bursting(set, branching, shape).run();
 }

@@ -19,7 +19,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class Expansion {
  public:
-  Expansion(const BallSet& set, std::size_t branching) : set_(set), branching_(branching) {}
+  Expansion(const BallSet& set, std::size_t branching, Growth growth)
+      : set_(set), branching_(branching), growth_(growth) {}
 
   std::vector<Sphere> run() {
     if (set_.size() == 0 || set_.samples().empty()) return {};
@@ -31,7 +32,7 @@ class Expansion {
 
  private:
   double stand_off(std::size_t ball, std::size_t sample) const {
-    return set_.to_samples(ball)[sample] + set_.distance(ball);
+    return growth_to_contain(growth_, set_.distance(ball), set_.to_samples(ball)[sample]);
   }
 
   // The least stand-off at which these balls contain everything.
@@ -151,19 +152,20 @@ class Expansion {
       balls.push_back(set_.ball(c));
       distances.push_back(set_.distance(c));
     }
-    return equalised(balls, distances, set_.samples());
+    return equally_grown(growth_, balls, distances, set_.samples());
   }
 
   const BallSet& set_;
   std::size_t branching_;
+  Growth growth_;
   double high_ = infinity;  // what `chosen_` needs
   std::vector<std::size_t> chosen_;
 };
 
 }  // namespace
 
-std::vector<Sphere> expand(const BallSet& set, std::size_t branching) {
-  return Expansion(set, branching).run();
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth growth) {
+  return Expansion(set, branching, growth).run();
 }
 
 }  // namespace morula

@@ -53,11 +53,10 @@ class Hubbard {
       heap_.pop();
       if (groups_[top.a].alive && groups_[top.b].alive) join(top.a, top.b);
     }
-    std::vector<Sphere> spheres;
-    std::vector<double> distances;
+    Reduced result;
     for (const Group& g : groups_)
-      if (g.alive) spheres.push_back(g.ball), distances.push_back(node_.shape(g.ball.center));
-    return equalised(spheres, distances, node_.samples);
+      if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape(g.ball.center));
+    return equally_grown(Growth::power, result.balls, result.distances, node_.samples);
   }
 
  private:

@@ -54,7 +54,7 @@ class Merging {
       if (cluster_of[pair.i] != none && cluster_of[pair.j] != none) consider(cluster_of[pair.i], cluster_of[pair.j]);
   }
 
-  std::vector<Sphere> run() {
+  Reduced run() {
     bool all_pairs = false;
     while (alive_ > branching_) {
       // Near the end few neighbours are left, and every pair is worth a look.
@@ -68,11 +68,10 @@ class Merging {
       }
       join(pair);
     }
-    std::vector<Sphere> result;
-    std::vector<double> distances;
+    Reduced result;
     for (const Cluster& c : clusters_)
-      if (c.alive) result.push_back(c.ball), distances.push_back(c.distance);
-    return equalised(result, distances, samples_);
+      if (c.alive) result.balls.push_back(c.ball), result.distances.push_back(c.distance);
+    return result;
   }
 
  private:
@@ -176,7 +175,7 @@ class Merging {
 
 }  // namespace
 
-std::vector<Sphere> merge(const BallSet& set, std::size_t branching, const SignedDistance& shape) {
+Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& shape) {
   if (set.size() == 0 || set.samples().empty()) return {};
   return Merging(set, branching, shape).run();
 }

@@ -204,7 +204,7 @@ Shares one_fewer(const Shares& shares, const ReducerInput& node, const Optimisat
   std::vector<double> distances;
   for (const Share& s : shares) balls.push_back(s.ball), distances.push_back(s.distance);
   return optimisation.shared_out(
-      burst({std::move(balls), std::move(distances), node.samples}, shares.size() - 1, node.shape));
+      burst({std::move(balls), std::move(distances), node.samples}, shares.size() - 1, node.shape).balls);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spawn [bradshaw2002]: spheres that all stick out by s, laid one beside the other until they contain all samples; the
+// Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all samples; the
 // least s for which few enough do.
 //
 // Departures: a sphere has r = s − φ(c), so its centre is all there is to search; its gain is the number of new samples
@@ -13,8 +13,8 @@
 #include <cmath>
 #include <morula/medial/medial_balls.hpp>
 
-#include "build/reducers.hpp"
 #include "build/sample_set.hpp"
+#include "build/reducers.hpp"
 
 
 namespace morula {
@@ -25,9 +25,24 @@ struct Seed {
   double distance;  // signed
 };
 
+// Inscribed balls at an even choice of samples.
+std::vector<Seed> medial_seeds(const ReducerInput& node) {
+  constexpr std::size_t most = 96;
+  const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);
+  std::vector<Vec3> points, normals;
+  for (std::size_t k = 0; k < node.samples.size(); k += step) {
+    points.push_back(node.samples[k]);
+    normals.push_back(node.normals[k]);
+  }
+  std::vector<Seed> seeds;
+  for (const Sphere& ball : shrinking_balls(node.shape, points, normals).balls)
+    seeds.push_back({ball.center, node.shape(ball.center)});
+  return seeds;
+}
+
 class Spawn {
  public:
-  explicit Spawn(const ReducerInput& node) : node_(node), seeds_(medial_seeds()) {
+  explicit Spawn(const ReducerInput& node) : node_(node), seeds_(medial_seeds(node)) {
     Vec3 mean{};
     for (const Vec3& p : node.samples) mean += p;
     mean = mean / static_cast<double>(node.samples.size());
@@ -55,21 +70,6 @@ class Spawn {
   }
 
  private:
-  // Inscribed balls at an even choice of samples, and the choice itself, where no ball is found.
-  std::vector<Seed> medial_seeds() const {
-    constexpr std::size_t most = 96;
-    const std::size_t step = std::max<std::size_t>(1, node_.samples.size() / most);
-    std::vector<Vec3> points, normals;
-    for (std::size_t k = 0; k < node_.samples.size(); k += step) {
-      points.push_back(node_.samples[k]);
-      normals.push_back(node_.normals[k]);
-    }
-    std::vector<Seed> seeds;
-    for (const Sphere& ball : shrinking_balls(node_.shape, points, normals).balls)
-      seeds.push_back({ball.center, node_.shape(ball.center)});
-    return seeds;
-  }
-
   // At most `branching` spheres of this protrusion that contain all samples; none when it takes more.
   std::vector<Sphere> lay(double s, std::span<const Sphere> previous) const {
     std::vector<Sphere> spheres;
@@ -118,7 +118,7 @@ class Spawn {
   Sphere best_sphere(double s, const Vec3& must, const SampleSet& left, std::span<const Sphere> previous) const {
     std::vector<Vec3> points;
     left.for_each([&](std::size_t k) { points.push_back(node_.samples[k]); });
-    Sphere best{must, std::max(s - node_.shape(must), 0.0)};
+    Sphere best{must, std::max(0.0, s - node_.shape(must))};
     double most = gain(best, must, points);
     const auto consider = [&](const Vec3& center, double radius) {
       const double g = gain({center, radius}, must, points);
