@@ -6,14 +6,16 @@
 // Departures: a sphere has r = s − φ(c), so its centre is all there is to search; its gain is the number of new samples
 // with a soft edge, which has a slope where a plain count has none; every sphere must contain the remotest sample left,
 // so no stray is left behind for the end; it starts from the best of the medial balls there instead of the previous
-// sphere; s is bisected by its logarithm, and the spheres of the last success are tried again for the next.
+// sphere; s is bisected by its logarithm, and the spheres of the last success are tried again for the next. What is
+// handed over has radii by equal power: with those the spheres share the surface more evenly, which the levels below
+// gain from.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <morula/medial/medial_balls.hpp>
 
-#include "build/sample_set.hpp"
+#include "build/ball_set.hpp"
 #include "build/reducers.hpp"
 
 
@@ -173,9 +175,11 @@ class Spawn {
 
 Proposals propose_spawn(const ReducerInput& node) {
   if (node.samples.empty()) return {};
-  std::vector<Sphere> spheres = Spawn(node).run();
-  if (spheres.empty()) return {};
-  return {{"spawn", std::move(spheres)}};
+  const std::vector<Sphere> laid = Spawn(node).run();
+  if (laid.empty()) return {};
+  std::vector<double> distances;
+  for (const Sphere& s : laid) distances.push_back(node.shape(s.center));
+  return {{"spawn", equally_grown(Growth::power, laid, distances, node.samples)}};
 }
 
 }  // namespace morula
