@@ -24,7 +24,7 @@ struct Budget {
   explicit Budget(std::size_t branching)
       : first_points(std::clamp<std::size_t>(16 * branching, 48, 192)),
         least_balls(std::clamp<std::size_t>(25 * branching, 64, 300)),
-        most_balls(2 * least_balls),
+        most_balls(4 * least_balls),
         insertions(least_balls * 3 / 4) {}
 };
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Expand and select [bradshaw2004]: all balls grow until they stick out by s, and few of them are kept.
 //
-// Departures: at a stand-off s ball i has radius s − φ(c), so it contains sample k from s = |x − c| + φ(c) on. That
-// table is made once, and a trial of s asks no query; a success at s is one at the largest value it used, so the search
+// Departures: at a stand-off s ball i has radius s − φ(c), so it contains sample k from s = |x − c| + φ(c) on, or the
+// like by power. That table is made once, and a trial of s asks no query; a success at s is one at the largest value it used, so the search
 // ends on a value of the table. Greedy choice takes the ball with most new samples, and exchanges between the chosen
 // and all others follow, which the published search does not have.
 
@@ -20,7 +20,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 class Expansion {
  public:
   Expansion(const BallSet& set, std::size_t branching, Growth growth)
-      : set_(set), branching_(branching), growth_(growth) {}
+      : set_(set), branching_(branching), growth_(growth), sample_count_(set.samples().size()) {
+    table_.reserve(set.size() * sample_count_);
+    for (std::size_t i = 0; i < set.size(); ++i)
+      for (const double away : set.to_samples(i)) table_.push_back(growth_to_contain(growth, set.distance(i), away));
+  }
 
   std::vector<Sphere> run() {
     if (set_.size() == 0 || set_.samples().empty()) return {};
@@ -32,13 +36,13 @@ class Expansion {
 
  private:
   double stand_off(std::size_t ball, std::size_t sample) const {
-    return growth_to_contain(growth_, set_.distance(ball), set_.to_samples(ball)[sample]);
+    return table_[ball * sample_count_ + sample];
   }
 
   // The least stand-off at which these balls contain everything.
   double needed(const std::vector<std::size_t>& balls) const {
     double most = -infinity;
-    for (std::size_t k = 0; k < set_.samples().size(); ++k) {
+    for (std::size_t k = 0; k < sample_count_; ++k) {
       double least = infinity;
       for (const std::size_t i : balls) least = std::min(least, stand_off(i, k));
       most = std::max(most, least);
@@ -48,13 +52,13 @@ class Expansion {
 
   // Greedy cover at stand-off s; empty when it takes more than `branching` balls.
   std::vector<std::size_t> cover(double s) const {
-    std::vector<SampleSet> contains(set_.size(), SampleSet(set_.samples().size()));
+    std::vector<SampleSet> contains(set_.size(), SampleSet(sample_count_));
     for (std::size_t i = 0; i < set_.size(); ++i)
-      for (std::size_t k = 0; k < set_.samples().size(); ++k)
+      for (std::size_t k = 0; k < sample_count_; ++k)
         if (stand_off(i, k) <= s) contains[i].add(k);
     std::vector<std::size_t> chosen;
-    SampleSet covered(set_.samples().size());
-    std::size_t left = set_.samples().size();
+    SampleSet covered(sample_count_);
+    std::size_t left = sample_count_;
     while (left > 0) {
       if (chosen.size() == branching_) return {};
       std::size_t best = 0, most = 0;
@@ -98,7 +102,7 @@ class Expansion {
   // first; unused places go to the ball that helps most. True when that lowered the stand-off.
   bool exchange() {
     std::vector<std::vector<std::size_t>> groups(chosen_.size());
-    for (std::size_t k = 0; k < set_.samples().size(); ++k) groups[nearest_chosen(k)].push_back(k);
+    for (std::size_t k = 0; k < sample_count_; ++k) groups[nearest_chosen(k)].push_back(k);
     std::vector<std::size_t> next;
     for (const std::vector<std::size_t>& group : groups) {
       if (group.empty()) continue;
@@ -126,7 +130,7 @@ class Expansion {
   bool add_most_helpful(std::vector<std::size_t>& balls) const {
     std::size_t worst = 0, best = 0;
     double most = -infinity;
-    for (std::size_t k = 0; k < set_.samples().size(); ++k) {
+    for (std::size_t k = 0; k < sample_count_; ++k) {
       double least = infinity;
       for (const std::size_t i : balls) least = std::min(least, stand_off(i, k));
       if (least > most) most = least, worst = k;
@@ -158,6 +162,8 @@ class Expansion {
   const BallSet& set_;
   std::size_t branching_;
   Growth growth_;
+  std::size_t sample_count_;
+  std::vector<double> table_;  // one row per ball
   double high_ = infinity;  // what `chosen_` needs
   std::vector<std::size_t> chosen_;
 };
