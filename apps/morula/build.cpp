@@ -119,9 +119,10 @@ void add_build(CLI::App& app, Run& run) {
       ->type_name("N")
       ->capture_default_str();
   command
-      ->add_option("--reducers", o->reducers,
-                   fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
-                               fmt::join(reduction_names(), ",")))
+      ->add_option(
+          "--reducers", o->reducers,
+          fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
+                      fmt::join(reduction_names(), ",")))
       ->type_name("LIST");
   command->add_option("--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
       ->type_name("NAME")

@@ -77,8 +77,8 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
         if (next < place) std::swap(next, place);
     }
     for (std::size_t other = 1; other < std::min(looked_at, set.size()); ++other)
-      pairs.push_back({std::min(nearest[0].second, nearest[other].second),
-                       std::max(nearest[0].second, nearest[other].second)});
+      pairs.push_back(
+          {std::min(nearest[0].second, nearest[other].second), std::max(nearest[0].second, nearest[other].second)});
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -3,9 +3,9 @@
 // Expand and select [bradshaw2004]: all balls grow until they stick out by s, and few of them are kept.
 //
 // Departures: at a stand-off s ball i has radius s − φ(c), so it contains sample k from s = |x − c| + φ(c) on, or the
-// like by power. That table is made once, and a trial of s asks no query; a success at s is one at the largest value it used, so the search
-// ends on a value of the table. Greedy choice takes the ball with most new samples, and exchanges between the chosen
-// and all others follow, which the published search does not have.
+// like by power. That table is made once, and a trial of s asks no query; a success at s is one at the largest value it
+// used, so the search ends on a value of the table. Greedy choice takes the ball with most new samples, and exchanges
+// between the chosen and all others follow, which the published search does not have.
 
 #include <algorithm>
 #include <limits>
@@ -35,9 +35,7 @@ class Expansion {
   }
 
  private:
-  double stand_off(std::size_t ball, std::size_t sample) const {
-    return table_[ball * sample_count_ + sample];
-  }
+  double stand_off(std::size_t ball, std::size_t sample) const { return table_[ball * sample_count_ + sample]; }
 
   // The least stand-off at which these balls contain everything.
   double needed(const std::vector<std::size_t>& balls) const {
@@ -164,7 +162,7 @@ class Expansion {
   Growth growth_;
   std::size_t sample_count_;
   std::vector<double> table_;  // one row per ball
-  double high_ = infinity;  // what `chosen_` needs
+  double high_ = infinity;     // what `chosen_` needs
   std::vector<std::size_t> chosen_;
 };
 

@@ -186,9 +186,7 @@ class Hubbard {
   struct Entry {
     double cost;
     std::uint32_t a, b;
-    bool operator<(const Entry& other) const {
-      return std::tie(other.cost, other.a, other.b) < std::tie(cost, a, b);
-    }
+    bool operator<(const Entry& other) const { return std::tie(other.cost, other.a, other.b) < std::tie(cost, a, b); }
   };
 
   const ReducerInput& node_;

@@ -42,12 +42,8 @@ class Merging {
       if (inside[i].empty()) continue;
       double radius = 0;
       inside[i].for_each([&](std::size_t k) { radius = std::max(radius, set.to_samples(i)[k]); });
-      cluster_of[i] = add({std::move(inside[i]),
-                           {set.ball(i).center, radius},
-                           set.distance(i),
-                           set.protrusion(i, radius),
-                           true,
-                           {}});
+      cluster_of[i] = add(
+          {std::move(inside[i]), {set.ball(i).center, radius}, set.distance(i), set.protrusion(i, radius), true, {}});
     }
     if (alive_ <= branching_) return;
     for (const BallPair& pair : neighbor_pairs(set))
@@ -83,7 +79,6 @@ class Merging {
     return static_cast<std::uint32_t>(clusters_.size() - 1);
   }
 
-
   void consider(std::uint32_t a, std::uint32_t b) {
     const Cluster& one = clusters_[a];
     const Cluster& other = clusters_[b];
@@ -108,7 +103,9 @@ class Merging {
     heap_.push({joint.protrusion, index});
   }
 
-  bool is_alive(std::uint32_t pair) const { return clusters_[joints_[pair].a].alive && clusters_[joints_[pair].b].alive; }
+  bool is_alive(std::uint32_t pair) const {
+    return clusters_[joints_[pair].a].alive && clusters_[joints_[pair].b].alive;
+  }
   std::uint32_t partner(std::uint32_t pair, std::uint32_t cluster) const {
     return joints_[pair].a == cluster ? joints_[pair].b : joints_[pair].a;
   }

@@ -229,7 +229,11 @@ void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser,
       proposal.fill_places = false;
     }
   }
-  proposal.spheres = Optimisation::spheres_of(shares);
+  // Radii that just hold a sphere's own samples are bad ones to divide the surface by: what is in the middle of a large
+  // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
+  std::vector<double> distances;
+  for (const Share& s : shares) distances.push_back(s.distance);
+  proposal.spheres = equally_grown(Growth::power, Optimisation::spheres_of(shares), distances, node.samples);
 }
 
 }  // namespace morula

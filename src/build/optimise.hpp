@@ -8,8 +8,9 @@
 namespace morula {
 
 /// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing.
-/// The largest protrusion bound of spheres that contained the samples does not grow, but for balance by the share
-/// `excess`. Cost: refit some hundred closest-point queries, simplex a few thousand, balance several times that.
+/// Searches centres for a small worst protrusion bound of spheres that just hold the samples shared out among them:
+/// balance lets it be larger by the share `excess`. The radii handed over are then of equal power. Cost: refit some
+/// hundred closest-point queries, simplex a few thousand, balance several times that.
 void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser, double excess);
 
 }  // namespace morula

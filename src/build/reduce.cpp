@@ -99,8 +99,7 @@ class ReducerDivider {
 
   Division operator()(const BuildNode& node) const {
     const Samples samples = region_samples(mesh_, node.region, shape_.orientation(), node.seed);
-    const Proposals proposals =
-        reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, shape_});
+    const Proposals proposals = reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, shape_});
     // Proposals are compared after a quick fit to some of the patches; only the best is worth a thorough one to all.
     Fitted best;
     const Region few = thinned(node.region);
@@ -110,8 +109,8 @@ class ReducerDivider {
       if (fitted.worst < best.worst) best = std::move(fitted), winner = &proposal;
     }
     for (int round = 0; round < fitting_rounds && !best.parts.empty(); ++round) {
-      Fitted fitted = fit(node.region, winner->fill_places ? with_free_places_filled(best) : best.spheres,
-                          Effort::thorough);
+      Fitted fitted =
+          fit(node.region, winner->fill_places ? with_free_places_filled(best) : best.spheres, Effort::thorough);
       if (fitted.worst < best.worst || round == 0) best = std::move(fitted);
     }
     Division division;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all samples; the
-// least s for which few enough do.
+// Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all
+// samples; the least s for which few enough do.
 //
 // Departures: a sphere has r = s − φ(c), so its centre is all there is to search; its gain is the number of new samples
 // with a soft edge, which has a slope where a plain count has none; every sphere must contain the remotest sample left,
@@ -17,7 +17,6 @@
 
 #include "build/ball_set.hpp"
 #include "build/reducers.hpp"
-
 
 namespace morula {
 namespace {

@@ -124,9 +124,8 @@ TEST(BallSet, equally_grown_spheres_have_the_least_worst_protrusion_that_contain
     const std::vector<Sphere> spheres = equally_grown(growth, balls, distances, samples);
     const auto contain_all = [&](double factor) {
       return std::all_of(samples.begin(), samples.end(), [&](const Vec3& p) {
-        return std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& s) {
-          return distance(s.center, p) <= factor * s.radius;
-        });
+        return std::any_of(spheres.begin(), spheres.end(),
+                           [&](const Sphere& s) { return distance(s.center, p) <= factor * s.radius; });
       });
     };
     EXPECT_TRUE(contain_all(1 + 1e-12));

@@ -53,8 +53,8 @@ TEST(Reducers, contain_the_samples_with_few_spheres) {
   for (const char* body : {"limb", "blob", "torus", "bar"}) {
     const WholeNode node(sample_body(body, 20));
     for (const std::size_t branching : {std::size_t{3}, std::size_t{8}, std::size_t{20}})
-      for (const Proposal& p : combined_reducer({all_reductions().begin(), all_reductions().end()},
-                                                options)(node.input(branching))) {
+      for (const Proposal& p :
+           combined_reducer({all_reductions().begin(), all_reductions().end()}, options)(node.input(branching))) {
         EXPECT_FALSE(p.spheres.empty());
         EXPECT_LE(p.spheres.size(), branching) << p.reducer;
         EXPECT_TRUE(contain_all(p.spheres, node.samples)) << p.reducer << " on " << body;
@@ -151,9 +151,7 @@ TEST(Optimise, balance_trades_spheres_for_excess_and_leaves_at_least_three) {
 
 TEST(BuildOptions, are_refused_where_a_method_has_no_use_for_them) {
   const Mesh mesh = sample_body("bar", 3);
-  const auto refused = [&](const BuildOptions& options) {
-    EXPECT_THROW(build(mesh, options), std::invalid_argument);
-  };
+  const auto refused = [&](const BuildOptions& options) { EXPECT_THROW(build(mesh, options), std::invalid_argument); };
   refused({.method = Method::grid, .reducers = {Reduction::merge}});
   refused({.method = Method::medial, .reducers = {Reduction::grid}});
   refused({.method = Method::combined, .reducers = {Reduction::grid, Reduction::grid}});
