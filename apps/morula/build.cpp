@@ -25,13 +25,22 @@ struct Options {
   int branching = BuildOptions{}.branching;
   int depth = BuildOptions{}.depth;
   std::uint64_t seed = BuildOptions{}.seed;
+  std::string reducers;
+  std::string optimiser{name(BuildOptions{}.optimiser)};
+  double balance_excess = BuildOptions{}.balance_excess;
   unsigned threads = 0;
   bool json = false;
 };
 
 int build_command(const Options& o) {
-  BuildOptions options{
-      .method = parse_method(o.method), .branching = o.branching, .depth = o.depth, .seed = o.seed, .progress = {}};
+  BuildOptions options{.method = parse_method(o.method),
+                       .branching = o.branching,
+                       .depth = o.depth,
+                       .seed = o.seed,
+                       .reducers = parse_reducers(o.reducers),
+                       .optimiser = parse_optimiser(o.optimiser),
+                       .balance_excess = o.balance_excess,
+                       .progress = {}};
   require_tree_output(o.output);
   Workers workers(o.threads);
 
@@ -108,6 +117,20 @@ void add_build(CLI::App& app, Run& run) {
   command->add_option("--depth", o->depth, "Levels below the root, 0 to 8")->type_name("N")->capture_default_str();
   command->add_option("--seed", o->seed, "Of every random choice; equal seeds give equal trees")
       ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--reducers", o->reducers,
+          fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
+                      fmt::join(reduction_names(), ",")))
+      ->type_name("LIST");
+  command->add_option("--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--balance-excess", o->balance_excess,
+                   "For the optimiser balance: share by which the worst sphere may stick out further")
+      ->type_name("SHARE")
       ->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -140,6 +140,29 @@ Method parse_method(const std::string& text) {
   return *method_from_name(text);
 }
 
+std::vector<std::string> reduction_names() {
+  return names_of(all_reductions());
+}
+
+std::vector<std::string> optimiser_names() {
+  return names_of(all_optimisers());
+}
+
+std::vector<Reduction> parse_reducers(const std::string& text) {
+  std::vector<Reduction> reducers;
+  if (text.empty()) return reducers;
+  for (const std::string& item : split(text, ',')) {
+    check_name("reducer", item, reduction_names());
+    reducers.push_back(*reduction_from_name(item));
+  }
+  return reducers;
+}
+
+Optimiser parse_optimiser(const std::string& text) {
+  check_name("optimiser", text, optimiser_names());
+  return *optimiser_from_name(text);
+}
+
 Axis parse_axis(const std::string& text) {
   check_name("axis", text, {"x", "y", "z", "auto"});
   return text == "x" ? Axis::x : text == "y" ? Axis::y : text == "z" ? Axis::z : Axis::automatic;

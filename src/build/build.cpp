@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <morula/build/build.hpp>
 #include <stdexcept>
 
@@ -14,17 +16,75 @@ struct Entry {
   std::string_view name;
   Built (*build)(const Mesh&, const BuildOptions&, Workers&);
 };
-constexpr std::array<Entry, 3> entries{{
+constexpr std::array<Entry, 7> entries{{
     {Method::octree, "octree", build_octree},
     {Method::grid, "grid", build_grid},
+    {Method::hubbard, "hubbard", build_hubbard},
+    {Method::spawn, "spawn", build_spawn},
+    {Method::medial, "medial", build_medial},
+    {Method::combined, "combined", build_combined},
     {Method::morula, "morula", build_own},
 }};
-constexpr std::array<Method, entries.size()> methods{Method::octree, Method::grid, Method::morula};
+
+// An enumeration whose values count up from 0, with its names in that order.
+template <class Enum, std::size_t count>
+struct Names {
+  std::array<std::string_view, count> names;
+  std::array<Enum, count> values{};
+
+  constexpr explicit Names(const std::array<std::string_view, count>& names_) : names(names_) {
+    for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Enum>(i);
+  }
+  std::string_view name(Enum value, const char* what) const {
+    const auto i = static_cast<std::size_t>(value);
+    if (i >= count) throw std::invalid_argument(std::string("build: unknown ") + what);
+    return names[i];
+  }
+  std::optional<Enum> find(std::string_view wanted) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (names[i] == wanted) return values[i];
+    return std::nullopt;
+  }
+};
+constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
+constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
+
+constexpr auto methods = [] {
+  std::array<Method, entries.size()> all{};
+  for (std::size_t i = 0; i < entries.size(); ++i) all[i] = entries[i].method;
+  return all;
+}();
 
 const Entry& entry(Method method) {
   for (const Entry& e : entries)
     if (e.method == method) return e;
   throw std::invalid_argument("build: unknown method");
+}
+
+// What a method does not use must not be set: it would be believed to have an effect.
+void require_used(const BuildOptions& options) {
+  const std::string method(name(options.method));
+  const bool any_list = options.method == Method::combined;
+  if (!options.reducers.empty() && !any_list && options.method != Method::medial)
+    throw std::invalid_argument("build: method " + method + " takes no list of reducers; medial and combined do");
+  for (std::size_t i = 0; i < options.reducers.size(); ++i) {
+    const Reduction r = options.reducers[i];
+    const std::string reducer(name(r));
+    if (!any_list && r != Reduction::merge && r != Reduction::burst && r != Reduction::expand)
+      throw std::invalid_argument("build: method medial reduces by merge, burst or expand, not " + reducer +
+                                  "; combined takes any");
+    if (std::find(options.reducers.begin(), options.reducers.begin() + static_cast<std::ptrdiff_t>(i), r) !=
+        options.reducers.begin() + static_cast<std::ptrdiff_t>(i))
+      throw std::invalid_argument("build: reducer " + reducer + " is listed twice");
+  }
+  if (options.optimiser != Optimiser::none && options.method == Method::octree)
+    throw std::invalid_argument("build: method octree has no use for optimiser " +
+                                std::string(name(options.optimiser)));
+  if (!(options.balance_excess >= 0) || !std::isfinite(options.balance_excess))
+    throw std::invalid_argument("build: balance excess is not a number of at least 0");
+  if (options.balance_excess > 0 && options.optimiser != Optimiser::balance)
+    throw std::invalid_argument("build: a balance excess needs the optimiser balance, not " +
+                                std::string(name(options.optimiser)));
 }
 
 }  // namespace
@@ -43,12 +103,33 @@ std::span<const Method> all_methods() {
   return methods;
 }
 
+std::string_view name(Reduction reduction) {
+  return reduction_names.name(reduction, "reducer");
+}
+std::optional<Reduction> reduction_from_name(std::string_view wanted) {
+  return reduction_names.find(wanted);
+}
+std::span<const Reduction> all_reductions() {
+  return reduction_names.values;
+}
+
+std::string_view name(Optimiser optimiser) {
+  return optimiser_names.name(optimiser, "optimiser");
+}
+std::optional<Optimiser> optimiser_from_name(std::string_view wanted) {
+  return optimiser_names.find(wanted);
+}
+std::span<const Optimiser> all_optimisers() {
+  return optimiser_names.values;
+}
+
 Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
     throw std::invalid_argument("build: branching " + std::to_string(options.branching) + " is not in 2…64");
   if (options.depth < 0 || options.depth > max_depth)
     throw std::invalid_argument("build: depth " + std::to_string(options.depth) + " is not in 0…8");
+  require_used(options);
   require_usable(mesh);
   return chosen.build(mesh, options, workers);
 }

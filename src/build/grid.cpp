@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "build/lattice.hpp"
-#include "build/reduce.hpp"
+#include "build/reducers.hpp"
 
 namespace morula {
 namespace {
@@ -119,7 +119,9 @@ class LatticeSearch {
   Box box_;
 };
 
-Proposals propose(const ReducerInput& node) {
+}  // namespace
+
+Proposals propose_grid(const ReducerInput& node) {
   if (node.samples.empty()) return {};
   const Frame principal = principal_axes(node.samples);
   const Frame coordinate{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -146,16 +148,9 @@ Proposals propose(const ReducerInput& node) {
     std::vector<Sphere> spheres;
     for (const Vec3& c : found[i].candidate.centers)
       spheres.push_back({out_of_frame(frames[found[i].frame], c), found[i].candidate.radius});
-    proposals.push_back(std::move(spheres));
+    proposals.push_back({"grid", std::move(spheres)});
   }
   return proposals;
-}
-
-}  // namespace
-
-Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  const SignedDistance shape(mesh, workers);
-  return top_down(mesh, options, {}, divide_by(mesh, options, shape, propose), workers);
 }
 
 }  // namespace morula

@@ -99,20 +99,22 @@ class ReducerDivider {
 
   Division operator()(const BuildNode& node) const {
     const Samples samples = region_samples(mesh_, node.region, shape_.orientation(), node.seed);
-    const Proposals proposals =
-        reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, shape_});
+    const Proposals proposals = reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, shape_});
     // Proposals are compared after a quick fit to some of the patches; only the best is worth a thorough one to all.
     Fitted best;
     const Region few = thinned(node.region);
-    for (const std::vector<Sphere>& spheres : proposals) {
-      Fitted fitted = fit(few, spheres, Effort::quick);
-      if (fitted.worst < best.worst) best = std::move(fitted);
+    const Proposal* winner = nullptr;
+    for (const Proposal& proposal : proposals) {
+      Fitted fitted = fit(few, proposal.spheres, Effort::quick);
+      if (fitted.worst < best.worst) best = std::move(fitted), winner = &proposal;
     }
     for (int round = 0; round < fitting_rounds && !best.parts.empty(); ++round) {
-      Fitted fitted = fit(node.region, with_free_places_filled(best), Effort::thorough);
+      Fitted fitted =
+          fit(node.region, winner->fill_places ? with_free_places_filled(best) : best.spheres, Effort::thorough);
       if (fitted.worst < best.worst || round == 0) best = std::move(fitted);
     }
     Division division;
+    if (winner) division.reducer = winner->reducer;
     division.leftover_patches = best.leftover_patches;
     for (std::size_t i = 0; i < best.parts.size(); ++i) {
       Sphere sphere = best.spheres[i];

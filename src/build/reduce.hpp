@@ -6,6 +6,7 @@
 #pragma once
 
 #include <morula/query/signed_distance.hpp>
+#include <string_view>
 
 #include "build/top_down.hpp"
 
@@ -20,8 +21,14 @@ struct ReducerInput {
   std::uint64_t seed;
   const SignedDistance& shape;
 };
-/// Proposals: sets of at most `branching` spheres that together contain the samples. The best after fitting is taken.
-using Proposals = std::vector<std::vector<Sphere>>;
+/// At most `branching` spheres that together contain the samples, or nearly.
+struct Proposal {
+  std::string_view reducer;  ///< whose it is; the report counts the winners
+  std::vector<Sphere> spheres;
+  bool fill_places = true;  ///< false: fewer spheres on purpose, so free places stay free
+};
+/// The best after fitting is taken.
+using Proposals = std::vector<Proposal>;
 using Reducer = std::function<Proposals(const ReducerInput&)>;
 
 /// The divider made of a reducer (ALGORITHMS B.2). shape: borrowed; what the fit is judged by.

@@ -20,6 +20,31 @@ bool worth_keeping(const BuildNode& node, const Division& division) {
   return division.children[0].sphere.radius < (1 - least_gain_of_single_child) * node.sphere.radius;
 }
 
+// How often each reducer's proposal was taken, in the order of first use.
+class Winners {
+ public:
+  void add(std::string_view reducer) {
+    if (reducer.empty()) return;
+    for (auto& [name, count] : counts_)
+      if (name == reducer) {
+        ++count;
+        return;
+      }
+    counts_.emplace_back(reducer, 1);
+  }
+  // Nothing when there was no choice and no fallback.
+  std::string note() const {
+    if (counts_.empty() || (counts_.size() == 1 && counts_[0].first != no_proposal)) return {};
+    std::string text = "proposals taken: ";
+    for (std::size_t i = 0; i < counts_.size(); ++i)
+      text += (i > 0 ? ", " : "") + std::string(counts_[i].first) + " " + std::to_string(counts_[i].second);
+    return text;
+  }
+
+ private:
+  std::vector<std::pair<std::string_view, std::size_t>> counts_;
+};
+
 }  // namespace
 
 double largest_coordinate(const Mesh& mesh) {
@@ -44,6 +69,7 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
   };
   progress(0);
 
+  Winners winners;
   std::vector<Region> finished;  // one per node of the tree; only leaves keep theirs
   std::vector<BuildNode> level(1);
   {
@@ -81,6 +107,7 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
     for (std::size_t i = 0; i < level.size(); ++i) {
       child_counts.push_back(static_cast<std::uint32_t>(divisions[i].children.size()));
       report.leftover_patches += divisions[i].leftover_patches;
+      if (!divisions[i].children.empty()) winners.add(divisions[i].reducer);
       finished.push_back(divisions[i].children.empty() ? std::move(level[i].region) : Region{});
       Random seeds(level[i].seed);
       for (BuildNode& child : divisions[i].children) {
@@ -100,6 +127,7 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
   if (built.tree.level_count() < static_cast<std::size_t>(options.depth) + 1)
     report.notes.push_back("the surface cannot be divided further: the tree ends at level " +
                            std::to_string(built.tree.level_count() - 1) + " of " + std::to_string(options.depth));
+  if (std::string note = winners.note(); !note.empty()) report.notes.push_back(std::move(note));
   progress(options.depth);
   return built;
 }

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <morula/build/build.hpp>
+#include <string_view>
 
 #include "tree/region.hpp"
 
@@ -23,7 +24,10 @@ struct BuildNode {
 struct Division {
   std::vector<BuildNode> children;  // their regions divide the node's; empty: the node stays a leaf
   std::size_t leftover_patches = 0;
+  std::string_view reducer{};  // whose proposal it is; empty where there is no choice
 };
+/// The reducer's name on nodes that no reducer had a proposal for.
+inline constexpr std::string_view no_proposal = "none (halved)";
 /// Called for the nodes of a level at the same time.
 using Divider = std::function<Division(const BuildNode&)>;
 
@@ -34,6 +38,10 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
 /// The generators: what divides a node, with whatever they need to know about the mesh.
 Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_hubbard(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_spawn(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_medial(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_combined(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 Built build_own(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 
 /// Padding for radii: bounds |coordinates| of surface and centres.

@@ -11,7 +11,7 @@
 namespace morula {
 namespace {
 
-void expect_proof_on_every_mesh(Method method) {
+void expect_proof_on_every_mesh(Method method, int depth) {
   const auto paths = scenes::corpus_meshes();
   if (paths.empty()) GTEST_SKIP() << "the corpus is not there: run scripts/corpus, or set MORULA_CORPUS";
   Workers workers(0);
@@ -26,7 +26,7 @@ void expect_proof_on_every_mesh(Method method) {
       continue;
     }
     ++loaded;
-    const Built built = build(mesh, {.method = method}, workers);
+    const Built built = build(mesh, {.method = method, .depth = depth}, workers);
     const auto faults = validate(mesh, built);
     EXPECT_TRUE(faults.empty()) << name(method) << " on " << path.filename() << ": " << faults.front();
   }
@@ -34,10 +34,22 @@ void expect_proof_on_every_mesh(Method method) {
 }
 
 TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::octree);
+  expect_proof_on_every_mesh(Method::octree, 3);
 }
 TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::grid);
+  expect_proof_on_every_mesh(Method::grid, 3);
+}
+TEST(Corpus, hubbard_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::hubbard, 2);
+}
+TEST(Corpus, spawn_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::spawn, 2);
+}
+TEST(Corpus, medial_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::medial, 2);
+}
+TEST(Corpus, combined_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::combined, 2);
 }
 
 }  // namespace

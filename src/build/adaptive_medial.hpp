@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The adaptive medial axis of a node [bradshaw2004].
+#pragma once
+
+#include "build/ball_set.hpp"
+#include "build/reduce.hpp"
+
+namespace morula {
+
+/// Voronoi balls of points of the surface about the node. Points are added where a ball sticks out most, until all
+/// stick out less than half as far as the node's sphere or there are enough. Every sample is in a ball with its centre
+/// inside the object, or near enough to it, or in a ball from outside that was taken for its sake.
+///
+/// May be empty: fewer than four samples, or all in one plane. Same bits for the same node.
+/// Cost: some 200 insertions into a diagram, and a query for every ball that they leave; a few milliseconds.
+BallSet adaptive_medial(const ReducerInput& node);
+
+}  // namespace morula

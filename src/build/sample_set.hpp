@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Sets of samples, as bits.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace morula {
+
+/// A subset of samples 0 … count − 1. Sets that meet in an operation must have the same count.
+class SampleSet {
+ public:
+  SampleSet() = default;
+  explicit SampleSet(std::size_t count) : words_((count + 63) / 64) {}
+
+  void add(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  void remove(std::size_t i) { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
+  bool has(std::size_t i) const { return ((words_[i / 64] >> (i % 64)) & 1u) != 0; }
+  void clear() { words_.assign(words_.size(), 0); }
+
+  std::size_t size() const {
+    std::size_t n = 0;
+    for (const std::uint64_t w : words_) n += static_cast<std::size_t>(std::popcount(w));
+    return n;
+  }
+  bool empty() const {
+    for (const std::uint64_t w : words_)
+      if (w != 0) return false;
+    return true;
+  }
+  /// How many members are not in `other`.
+  std::size_t size_without(const SampleSet& other) const {
+    std::size_t n = 0;
+    for (std::size_t w = 0; w < words_.size(); ++w)
+      n += static_cast<std::size_t>(std::popcount(words_[w] & ~other.words_[w]));
+    return n;
+  }
+  SampleSet& operator|=(const SampleSet& other) {
+    for (std::size_t w = 0; w < words_.size(); ++w) words_[w] |= other.words_[w];
+    return *this;
+  }
+  bool operator==(const SampleSet&) const = default;
+
+  /// Members in ascending order.
+  template <class Visitor>
+  void for_each(const Visitor& visit) const {
+    for (std::size_t w = 0; w < words_.size(); ++w)
+      for (std::uint64_t left = words_[w]; left != 0; left &= left - 1)
+        visit(64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace morula
