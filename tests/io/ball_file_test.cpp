@@ -22,7 +22,9 @@ TEST(BallFile, is_ply_with_four_doubles_a_ball) {
       "property double z\nproperty double radius\nend_header\n";
   ASSERT_EQ(bytes.size(), header.size() + 64);
   EXPECT_EQ(bytes.substr(0, header.size()), header);
-  EXPECT_EQ(std::memcmp(bytes.data() + header.size(), balls.data(), 64), 0);
+  std::vector<Sphere> read(2);
+  std::memcpy(read.data(), bytes.data() + header.size(), 64);
+  EXPECT_EQ(read, balls);
   write_balls(folder.path() / "none.ply", {});
   EXPECT_NE(bytes_of(folder.path() / "none.ply").find("element vertex 0\n"), std::string::npos);
 }
