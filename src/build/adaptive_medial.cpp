@@ -23,11 +23,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct Budget {
   std::size_t first_points, least_balls, most_balls, insertions, inscribed;
   explicit Budget(std::size_t branching)
-      : first_points(std::clamp<std::size_t>(16 * branching, 48, 192)),
+      : first_points(std::clamp<std::size_t>(12 * branching, 48, 192)),
         least_balls(std::clamp<std::size_t>(25 * branching, 64, 300)),
         most_balls(4 * least_balls),
-        insertions(least_balls * 3 / 4),
-        inscribed(first_points / 2) {}
+        insertions(least_balls * 2 / 5),
+        inscribed(first_points / 4) {}
 };
 
 class AdaptiveMedial {
@@ -122,7 +122,7 @@ class AdaptiveMedial {
 
   void refine() {
     const double target = 0.5 * node_.shape.protrusion_bound(node_.sphere);
-    constexpr std::size_t points_at_once = 16;
+    constexpr std::size_t points_at_once = 40;
     constexpr int most_rounds = 16;
     std::size_t inserted = 0;
     for (int round = 0; round < most_rounds && inserted < budget_.insertions; ++round) {
