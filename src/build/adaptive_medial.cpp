@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <morula/medial/medial_balls.hpp>
 
 #include "medial/voronoi_balls.hpp"
 
@@ -20,12 +21,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // What is made of `branching` spheres' samples: enough balls to choose from, few enough to be fast.
 struct Budget {
-  std::size_t first_points, least_balls, most_balls, insertions;
+  std::size_t first_points, least_balls, most_balls, insertions, inscribed;
   explicit Budget(std::size_t branching)
-      : first_points(std::clamp<std::size_t>(16 * branching, 48, 192)),
+      : first_points(std::clamp<std::size_t>(12 * branching, 48, 192)),
         least_balls(std::clamp<std::size_t>(25 * branching, 64, 300)),
         most_balls(4 * least_balls),
-        insertions(least_balls * 3 / 4) {}
+        insertions(least_balls * 2 / 5),
+        inscribed(first_points / 4) {}
 };
 
 class AdaptiveMedial {
@@ -120,7 +122,7 @@ class AdaptiveMedial {
 
   void refine() {
     const double target = 0.5 * node_.shape.protrusion_bound(node_.sphere);
-    constexpr std::size_t points_at_once = 16;
+    constexpr std::size_t points_at_once = 40;
     constexpr int most_rounds = 16;
     std::size_t inserted = 0;
     for (int round = 0; round < most_rounds && inserted < budget_.insertions; ++round) {
@@ -152,6 +154,20 @@ class AdaptiveMedial {
     return true;
   }
 
+  // Balls inscribed at some of the samples: they are there on flat parts too, where the diagram has none.
+  void add_inscribed(std::vector<Sphere>& balls, std::vector<double>& distances) const {
+    const std::size_t step = std::max<std::size_t>(1, node_.samples.size() / budget_.inscribed);
+    std::vector<Vec3> points, normals;
+    for (std::size_t k = 0; k < node_.samples.size(); k += step) {
+      points.push_back(node_.samples[k]);
+      normals.push_back(node_.normals[k]);
+    }
+    for (const Sphere& ball : shrinking_balls(node_.shape, points, normals).balls) {
+      balls.push_back(ball);
+      distances.push_back(node_.shape(ball.center));
+    }
+  }
+
   BallSet result() const {
     std::vector<std::pair<double, std::size_t>> order;  // those that stick out least first
     for (std::size_t s = 0; s < slots_.size(); ++s)
@@ -171,6 +187,7 @@ class AdaptiveMedial {
       balls.push_back(b.ball);
       distances.push_back(b.distance);
     }
+    add_inscribed(balls, distances);
     return {std::move(balls), std::move(distances), node_.samples};
   }
 

@@ -45,7 +45,8 @@ std::vector<SampleSet> samples_owned(const BallSet& set);
 /// other the second or third. i < j, ascending, each pair once.
 struct BallPair {
   std::uint32_t i, j;
-  auto operator<=>(const BallPair&) const = default;
+  bool operator==(const BallPair&) const = default;
+  bool operator<(const BallPair& other) const { return i != other.i ? i < other.i : j < other.j; }
 };
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 

@@ -129,6 +129,9 @@ class Bursting {
     change.ball = {before.ball.center, farthest_distance(before.ball.center, points_)};
     change.protrusion = std::max(0.0, change.ball.radius + change.distance);
     const Sphere smallest = enclosing_sphere(points_);
+    // Distance changes no faster than place: often that is enough to know that the smallest ball is no better.
+    const double least_distance = before.distance - morula::distance(before.ball.center, smallest.center);
+    if (!(smallest.radius + least_distance < change.protrusion)) return;
     const double distance = shape_(smallest.center);
     if (const double p = std::max(0.0, smallest.radius + distance); p < change.protrusion)
       change.ball = smallest, change.distance = distance, change.protrusion = p;

@@ -27,8 +27,8 @@ Built build_reduced(const Mesh& mesh, const BuildOptions& options, Workers& work
                   workers);
 }
 
-std::vector<Reduction> chosen_or(const BuildOptions& options, std::vector<Reduction> usual) {
-  return options.reducers.empty() ? std::move(usual) : options.reducers;
+std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {
+  return options.reducers.empty() ? usual : options.reducers;
 }
 
 }  // namespace

@@ -95,7 +95,11 @@ class Merging {
     };
     take_if_less(other.ball.center, farthest_distance(other.ball.center, points_), other.distance);
     const Sphere smallest = enclosing_sphere(points_);
-    take_if_less(smallest.center, smallest.radius, shape_(smallest.center));
+    // Distance changes no faster than place: often that is enough to know that the smallest ball is no better.
+    const double least_distance = std::max(one.distance - morula::distance(one.ball.center, smallest.center),
+                                           other.distance - morula::distance(other.ball.center, smallest.center));
+    if (smallest.radius + least_distance < joint.protrusion)
+      take_if_less(smallest.center, smallest.radius, shape_(smallest.center));
     const auto index = static_cast<std::uint32_t>(joints_.size());
     joints_.push_back(joint);
     clusters_[a].pairs.push_back(index);

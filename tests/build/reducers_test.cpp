@@ -65,7 +65,8 @@ TEST(Reducers, contain_the_samples_with_few_spheres) {
 
 TEST(Reducers, leave_what_cannot_be_done_to_halving) {
   const SignedDistance shape(test::box_mesh({0, 0, 0}, {1, 1, 1}));
-  const std::vector<Vec3> equal(20, Vec3{0.5, 0.5, 0}), normals(20, Vec3{0, 0, -1});
+  // Without normals, as on facets without area, no ball can be inscribed.
+  const std::vector<Vec3> equal(20, Vec3{0.5, 0.5, 0}), normals(20, Vec3{0, 0, 0});
   std::vector<Vec3> line, plane;
   for (int i = 0; i < 20; ++i) {
     line.push_back({0.05 * i, 0.5, 0});
@@ -86,6 +87,16 @@ TEST(Reducers, leave_what_cannot_be_done_to_halving) {
     EXPECT_EQ(medial[0].reducer, no_proposal);
     EXPECT_EQ(medial[0].spheres, std::vector<Sphere>{sphere});
   }
+}
+
+TEST(AdaptiveMedial, has_inscribed_balls_on_a_flat_part) {
+  const SignedDistance shape(test::box_mesh({0, 0, 0}, {1, 1, 1}));
+  std::vector<Vec3> plane;
+  for (int i = 0; i < 20; ++i) plane.push_back({0.1 + 0.2 * (i % 5), 0.2 + 0.2 * (i / 5), 0});
+  const std::vector<Vec3> normals(plane.size(), Vec3{0, 0, -1});
+  const BallSet set = adaptive_medial({plane, normals, enclosing_sphere(plane), 4, 1, shape});
+  ASSERT_GT(set.size(), 5u);
+  for (std::size_t i = 0; i < set.size(); ++i) EXPECT_NEAR(set.ball(i).radius, -shape(set.ball(i).center), 1e-9);
 }
 
 TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
