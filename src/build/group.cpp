@@ -33,49 +33,6 @@ Spheref sphere_of(const GroupBall& b) {
   return {b.center, b.radius};
 }
 
-// The square of the largest distance; a maximum does not depend on the order of its terms, so lanes are free.
-float farthest_squared(const GroupPoints& points, const Vec3f& center) {
-  float farthest = 0;
-  const std::size_t n = points.size();
-  const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
-  constexpr std::size_t lanes = 8;
-  std::array<float, lanes> most{};
-  std::size_t i = 0;
-  for (; i + lanes <= n; i += lanes)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const float dx = x[i + l] - center.x, dy = y[i + l] - center.y, dz = z[i + l] - center.z;
-      const float d = dx * dx + dy * dy + dz * dz;
-      most[l] = d > most[l] ? d : most[l];
-    }
-  for (; i < n; ++i) {
-    const float dx = x[i] - center.x, dy = y[i] - center.y, dz = z[i] - center.z;
-    farthest = std::max(farthest, dx * dx + dy * dy + dz * dz);
-  }
-  for (const float m : most) farthest = std::max(farthest, m);
-  return farthest;
-}
-
-// Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
-Vec3f near_smallest_center(const GroupPoints& points) {
-  Box box;
-  for (std::size_t i = 0; i < points.size(); ++i) box.add({points.x[i], points.y[i], points.z[i]});
-  const Vec3 middle = box.center();
-  Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
-  constexpr int steps = 16;
-  for (int step = 0; step < steps; ++step) {
-    float farthest = -1;
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
-      const float d = dx * dx + dy * dy + dz * dz;
-      if (d > farthest) farthest = d, at = i;
-    }
-    const float share = 1.0F / static_cast<float>(step + 3);
-    center = center + (points[at] - center) * share;
-  }
-  return center;
-}
-
 }  // namespace
 
 Group::Group(OutsideGrid& grid, const GroupPoints& points, const SignedDistance& shape, std::size_t most,
@@ -131,51 +88,6 @@ void Group::gather(std::size_t ball) {
     }
 }
 
-float Group::farthest(const Vec3f& center) const {
-  return std::sqrt(farthest_squared(own_, center));
-}
-
-// Fits a ball that is not in the grid to the gathered points.
-GroupBall Group::fit(const Vec3f* starts, std::size_t start_count, float taken, float first_step) {
-  constexpr float least_radius = 1e-4F;  // a point's ball
-  const Vec3f middle = near_smallest_center(own_);
-  const float smallest = std::max(least_radius, farthest(middle));
-  // Starts deeper than this cannot be judged: their balls would leave the focus.
-  static const float farthest_reach = std::getenv("M_REACH") ? std::atof(std::getenv("M_REACH")) : 6.0F; const float usual_reach = std::getenv("M_UREACH") ? std::atof(std::getenv("M_UREACH")) : 2.2F;
-  float reach = usual_reach * smallest;
-  for (std::size_t s = 0; s < start_count; ++s) {
-    const float needed = 1.05F * (distance_between(starts[s], middle) + farthest(starts[s]));
-    if (needed < farthest_reach * smallest) reach = std::max(reach, 1.3F * needed);
-  }
-  grid_.prepare(middle, reach, taken);
-
-  const auto evaluate = [&](const Vec3f& center, float enough) {
-    const float radius = std::max(least_radius, farthest(center));
-    const float extra = whole_volume_share * unit_ball_volume * cube(radius);
-    return GroupBall{center, radius, grid_.cost(center, radius, enough - extra) + extra};
-  };
-  GroupBall best = evaluate(middle, infinity);
-  for (std::size_t s = 0; s < start_count; ++s)
-    if (const GroupBall other = evaluate(starts[s], best.cost); other.cost < best.cost) best = other;
-
-  constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
-                                            Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
-  std::size_t first = 0;
-  static const float last_step = std::getenv("M_LAST") ? std::atof(std::getenv("M_LAST")) : 0.02F;
-  for (float step = first_step; step > last_step; step *= 0.5F) {
-    for (int moves = 0; moves < 12; ++moves) {
-      bool improved = false;
-      for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
-        const std::size_t d = (first + k) % directions.size();
-        const GroupBall trial = evaluate(best.center + directions[d] * (step * smallest), best.cost);
-        if (trial.cost < best.cost) best = trial, first = d, improved = true;
-      }
-      if (!improved) break;
-    }
-  }
-  return best;
-}
-
 bool Group::fits_already(std::size_t ball, float taken) const {
   const Fit& last = fits_[ball];
   if (last.points != points_hash_[ball] || last.taken != taken || last.fitted == 0) return false;
@@ -204,7 +116,7 @@ void Group::refit(std::size_t ball, float taken, float first_step) {
   if (balls_[ball].radius > 0) grid_.remove(sphere_of(balls_[ball]));
   if (count_[ball] == 0) return place(ball, {}, taken);
   gather(ball);
-  place(ball, fit(&balls_[ball].center, 1, taken, first_step), taken);
+  place(ball, fit_ball(grid_, own_, {&balls_[ball].center, 1}, taken, first_step), taken);
 }
 
 float Group::key(std::size_t ball) const {
@@ -401,7 +313,7 @@ bool Group::split(std::size_t ball, std::size_t into, float taken, float most_co
       for (std::size_t i = 0; i < members.size(); ++i)
         if (side[i] == s) own_.push_back(points_[members[i]]);
       // The old centre is deep where the new points are a shallow patch: without it no split finds deep balls.
-      halves[s] = fit(&before.center, 1, taken, 0.25F);
+      halves[s] = fit_ball(grid_, own_, {&before.center, 1}, taken, 0.25F);
       if (s == 0) grid_.add(sphere_of(halves[0]));
     }
     grid_.remove(sphere_of(halves[0]));
@@ -479,6 +391,27 @@ void Group::teleport() {
   split(from, gone, settings_.taken, infinity);
 }
 
+// Moves the walls between one ball and its siblings by a share of the ball's part, and fits what that changes.
+void Group::nudge() {
+  std::vector<float> squares(most_, -1);
+  std::vector<std::size_t> members;
+  for (std::size_t b = 0; b < most_; ++b) {
+    if (!(balls_[b].radius > 0)) continue;
+    squares[b] = balls_[b].radius * balls_[b].radius;
+    if (used(b)) members.push_back(b);
+  }
+  if (members.size() < 2) return;
+  const std::size_t ball = members[std::min(members.size() - 1, static_cast<std::size_t>(random_.uniform() * static_cast<double>(members.size())))];
+  float nearest = infinity;
+  for (const std::size_t j : members)
+    if (j != ball) nearest = std::min(nearest, distance_between(balls_[ball].center, balls_[j].center));
+  static const float amount = std::getenv("M_NUDGE") ? std::atof(std::getenv("M_NUDGE")) : 0.12F;
+  const float shift = amount * settings_.part * (2 * static_cast<float>(random_.uniform()) - 1);
+  squares[ball] += 2 * nearest * shift;
+  assign_by_power(squares);
+  for (std::size_t b = 0; b < most_; ++b) refit(b, settings_.taken, 0.06F);
+}
+
 void Group::shake() {
   const float size = 0.15F + 0.3F * static_cast<float>(random_.uniform());
   std::vector<float> squares(most_, -1);
@@ -494,15 +427,17 @@ void Group::shake() {
 }
 
 void Group::try_changes(int count) {
+  static const int nudge_every = std::getenv("M_NE") ? std::atoi(std::getenv("M_NE")) : 5;
   State best = snapshot();
   double least = objective();
   for (int trial = 0; trial < count; ++trial) {
-    if (trial % 3 == 2)
-      shake();
-    else
+    if (trial % nudge_every != 0) {
+      nudge();
+    } else {
       teleport();
-    sweep(settings_.taken, true);
-    sweep(settings_.taken, true);
+      sweep(settings_.taken, true);
+      sweep(settings_.taken, true);
+    }
     if (const double now = objective(); now < least) {
       least = now;
       best = snapshot();
@@ -538,7 +473,7 @@ GroupBall Group::refit_to(GroupPoints points, const Vec3f& center) {
       least = d, nearest = b;
   own_ = std::move(points);
   if (balls_[nearest].radius > 0) grid_.remove(sphere_of(balls_[nearest]));
-  const GroupBall fitted = fit(&center, 1, settings_.taken, 0.12F);
+  const GroupBall fitted = fit_ball(grid_, own_, {&center, 1}, settings_.taken, 0.12F);
   if (balls_[nearest].radius > 0) grid_.add(sphere_of(balls_[nearest]));
   return fitted;
 }

@@ -9,42 +9,16 @@
 #include <span>
 #include <vector>
 
-#include "build/outside_grid.hpp"
+#include "build/ball_fit.hpp"
 
 namespace morula {
-
-/// Points of a region in grid coordinates.
-struct GroupPoints {
-  std::vector<float> x, y, z;
-  std::vector<float> demand;  // what balance counts a point as; sums to 1
-
-  std::size_t size() const { return x.size(); }
-  Vec3f operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
-  void clear() {
-    x.clear();
-    y.clear();
-    z.clear();
-    demand.clear();
-  }
-  void push_back(const Vec3f& p) {
-    x.push_back(p.x);
-    y.push_back(p.y);
-    z.push_back(p.z);
-  }
-};
-
-/// A ball of a group; cost is its outside volume, what siblings have taken in counting little.
-struct GroupBall {
-  Vec3f center;
-  float radius = 0;
-  float cost = 0;
-};
 
 class Group {
  public:
   struct Settings {
     float taken_while_splitting = 0.6F;  // what space that siblings take in counts, early and late
     float taken = 0.15F;
+    float part = 1;     // width of a child's part of the surface, in cells
     float balance = 0;  // weight of unequal demand among children
   };
   /// grid, points, shape: borrowed. most: balls wanted. start: the node's own ball, mesh coordinates.
@@ -94,14 +68,13 @@ class Group {
   bool used(std::size_t i) const { return count_[i] > 0; }
   void recount();
   void gather(std::size_t ball);
-  float farthest(const Vec3f& center) const;
-  GroupBall fit(const Vec3f* starts, std::size_t start_count, float taken, float first_step);
   void refit(std::size_t ball, float taken, float first_step);
   void assign_by_power(std::span<const float> squared_radii);
   void fill(float taken);
   bool split(std::size_t ball, std::size_t into, float taken, float most_cost_factor);
   float key(std::size_t ball) const;
   void teleport();
+  void nudge();
   void shake();
   double imbalance() const;
 

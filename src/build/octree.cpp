@@ -67,7 +67,7 @@ class OctreeDivider {
     corner_positions(mesh_, region, points);
     const Sphere smallest = enclosing_sphere(points);
     const double radius = rounded_up_radius(smallest.radius, std::max(pad_, largest_component(smallest.center)));
-    return {std::move(region), {smallest.center, radius}, cell, 0, 0};
+    return {std::move(region), {smallest.center, radius}, cell, {}, {}, {}, {}};
   }
 
   std::vector<BuildNode> occupied(const BuildNode& node) const {

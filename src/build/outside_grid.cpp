@@ -46,7 +46,7 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
     axes_[a].steps.reset(new Step[cells + 4 * n]);
     std::fill_n(axes_[a].steps.get(), cells + 4 * n, Step{});
     axes_[a].traced.assign(line_count, 0);
-    axes_[a].current.assign(line_count, 0);
+    axes_[a].current.assign(line_count, {});
   }
 }
 
@@ -92,7 +92,7 @@ void OutsideGrid::change(const Spheref& ball, int by) {
     }
   }
   for (std::size_t a = 0; a < 3; ++a)
-    each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = 0; });
+    each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
 }
 
 // Where the object leaves space on the middle line of each cell.
@@ -148,45 +148,59 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-void OutsideGrid::refresh(std::size_t axis, int u, int v, std::size_t line) {
+// Steps over the needed part of a line, or over what it had and what is needed.
+void OutsideGrid::refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed) {
   if (axes_[axis].traced[line] == 0) trace(axis, u, v, line);
+  Extent& current = axes_[axis].current[line];
+  if (current.begin < current.end)
+    needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
+  current = needed;
   const int n = count_[axis];
   const Outside* const cells = &axes_[axis].outside[line * at(n)];
   Step* const steps = &axes_[axis].steps[line * at(n)];
   const std::uint8_t* const over = &balls_over_[at(u) * step_[(axis + 1) % 3] + at(v) * step_[(axis + 2) % 3]];
   const std::size_t along = step_[axis];
   float sum = 0;
-  for (int w = 0; w < n; ++w) {
+  for (int w = needed.begin; w < needed.end; ++w) {
     const float share = over[at(w) * along] != 0 ? taken_ : 1.0F;
     const float after = sum + cells[w].total * share;
     steps[w] = {sum, cells[w].start, cells[w].slope * share, after};
     sum = after;
   }
-  axes_[axis].current[line] = 1;
 }
 
 void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   if (taken != taken_) {
-    for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), std::uint8_t{0});
+    for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), Extent{});
     taken_ = taken;
   }
   prepared_center_ = center;
   prepared_reach_ = reach;
-  for (std::size_t a = 0; a < 3; ++a)
+  for (std::size_t a = 0; a < 3; ++a) {
+    // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
+    const float middle = center[static_cast<int>(a)];
+    const Extent needed{static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
+                        static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
     each_line(a, center, reach, [&](int u, int v, std::size_t line) {
-      if (axes_[a].current[line] == 0) refresh(a, u, v, line);
+      const Extent& has = axes_[a].current[line];
+      if (has.begin > needed.begin || has.end < needed.end) refresh(a, u, v, line, needed);
     });
+  }
+}
+
+bool OutsideGrid::is_prepared(const Vec3f& center, float radius) const {
+  const Vec3f off = center - prepared_center_;
+  const float slack = prepared_reach_ - radius;
+  return slack >= 0 && off.x * off.x + off.y * off.y + off.z * off.z <= slack * slack;
+}
+
+bool OutsideGrid::is_inside(const Vec3f& center, float radius) const {
+  for (int k = 0; k < 3; ++k)
+    if (!(center[k] - radius >= 0 && center[k] + radius <= static_cast<float>(count_[at(k)]))) return false;
+  return true;
 }
 
 float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
-  for (int k = 0; k < 3; ++k)
-    if (!(center[k] - radius >= 0 && center[k] + radius <= static_cast<float>(count_[at(k)])))
-      return std::numeric_limits<float>::infinity();
-  const Vec3f off = center - prepared_center_;
-  const float slack = prepared_reach_ - radius;
-  if (!(slack >= 0 && off.x * off.x + off.y * off.y + off.z * off.z <= slack * slack))
-    return std::numeric_limits<float>::infinity();
-
   float sum = 0;
   for (std::size_t a = 0; a < 3 && sum <= enough; ++a) {
     Float4 total(0.0F);

@@ -37,7 +37,10 @@ class OutsideGrid {
   /// Readies cost() for balls inside the ball of radius `reach` about `center`. taken: what space that a ball has taken
   /// in still counts, 0…1.
   void prepare(const Vec3f& center, float reach, float taken);
-  /// Outside volume of a ball in cells; infinite when it is not inside what was prepared or leaves the grid.
+  /// Whether cost() can answer for this ball.
+  bool is_prepared(const Vec3f& center, float radius) const;
+  bool is_inside(const Vec3f& center, float radius) const;  ///< the ball is inside the grid
+  /// Outside volume of a ball in cells. The ball must be inside what was prepared and inside the grid.
   /// Costs above `enough` may come back as any number above it.
   float cost(const Vec3f& center, float radius, float enough = std::numeric_limits<float>::infinity()) const;
   /// The same for one ball without preparation, with taken = 0: slower than cost(), cheaper than prepare().
@@ -50,14 +53,18 @@ class OutsideGrid {
   struct Outside {
     float start, slope, total;  // empty space on a cell's middle line: from `start`, `slope` a cell, up to `total`
   };
+  struct Extent {
+    std::uint16_t begin = 0, end = 0;
+  };
   struct Axis {
     std::unique_ptr<Outside[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
     std::unique_ptr<Step[]> steps;
-    std::vector<std::uint8_t> traced, current;  // per line: outside is known; steps are up to date
+    std::vector<std::uint8_t> traced;  // per line: outside is known
+    std::vector<Extent> current;       // per line: where steps are up to date
   };
   void change(const Spheref& ball, int by);
   void trace(std::size_t axis, int u, int v, std::size_t line);
-  void refresh(std::size_t axis, int u, int v, std::size_t line);
+  void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
   template <class Visit>
   void each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
 

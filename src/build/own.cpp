@@ -9,6 +9,8 @@
 
 #include <morula/medial/medial_balls.hpp>
 
+#include "build/exchange.hpp"
+#include "build/extremes.hpp"
 #include "build/group.hpp"
 #include "build/medial_seeds.hpp"
 #include "build/partition.hpp"
@@ -75,9 +77,23 @@ void collect(const Mesh& mesh, const Region& region, double spacing, PointCollec
 class OwnDivider {
  public:
   OwnDivider(const Mesh& mesh, const BuildOptions& options, const SignedDistance& shape, const ObjectLines& lines, const MedialBalls* medial, const PowerDiagram* leaves=nullptr, const std::vector<float>* demands=nullptr)
-      : medial_(medial), leaves_(leaves), demands_(demands), fast_(leaves==nullptr), depth_(options.depth), mesh_(mesh), branching_(static_cast<std::size_t>(options.branching)), pad_(largest_coordinate(mesh)), shape_(shape), lines_(lines), directions_(fibonacci_directions(96)) {}
+      : medial_(medial), leaves_(leaves), demands_(demands), fast_(leaves==nullptr), depth_(options.depth), mesh_(mesh), branching_(static_cast<std::size_t>(options.branching)), pad_(largest_coordinate(mesh)), shape_(shape), lines_(lines) {}
 
   Division operator()(const BuildNode& node) const {
+    const int starts = fast_ ? 1 : static_cast<int>(param(node.level == 0 ? "M_K1" : node.level == 1 ? "M_K2" : "M_K3", node.level == 0 ? 4 : 1));
+    Division best;
+    double least = std::numeric_limits<double>::infinity();
+    Random seeds(node.seed);
+    for (int k = 0; k < starts; ++k) {
+      BuildNode copy = node;
+      copy.seed = seeds.next();
+      double cost = 0;
+      Division d = divide(copy, cost);
+      if (cost < least) least = cost, best = std::move(d);
+    }
+    return best;
+  }
+  Division divide(const BuildNode& node, double& cost) const {
     const double spacing = std::sqrt(area_of(mesh_, node.region) / static_cast<double>(branching_));
     if (!(spacing > 0)) return {};
     std::vector<Vec3> corners;
@@ -107,9 +123,10 @@ class OwnDivider {
     for (std::size_t i = 0; i < coarse_points.size(); ++i) points.push_back(grid.to_grid(coarse.from_grid(coarse_points[i])));
 
     Group::Settings settings;
+    settings.part = static_cast<float>(spacing / grid.cell());
     const bool balanced = leaves_ != nullptr && node.level + 1 < depth_;
     if (balanced) {
-      settings.balance = static_cast<float>(param(node.level == 0 ? "M_BAL1" : "M_BAL2", node.level == 0 ? 1.0 : 0.7));
+      settings.balance = static_cast<float>(param(node.level == 0 ? "M_BAL1" : "M_BAL2", node.level == 0 ? 2.5 : 2.0));
       double sum = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
         points.demand.push_back((*demands_)[leaves_->owner(grid.from_grid(points[i]))]);
@@ -127,18 +144,21 @@ class OwnDivider {
     for (int i = 0; i < static_cast<int>(param("M_SWEEPS", 4)); ++i) { group.sweep(later, true); tell("sweep"); }
     lap(1);
     if (!fast_ && param("M_SEEDS", 1) > 0) {
-      const std::vector<GroupBall> candidates = medial_candidates(node, grid, points, static_cast<float>(spacing / grid.cell()));
+      GroupPoints few;
+      const std::size_t stride = 1 + points.size() / static_cast<std::size_t>(param("M_SEEDPTS", 300));
+      for (std::size_t i = 0; i < points.size(); i += stride) few.push_back(points[i]);
+      const std::vector<GroupBall> candidates = medial_candidates(node, grid, few, static_cast<float>(spacing / grid.cell()));
       for (const Dilation d : {Dilation::length, Dilation::square}) {
-        group.try_seeds(medial_seeds(candidates, points, branching_, d), 4, 6);
+        group.try_seeds(medial_seeds(candidates, few, branching_, d), static_cast<int>(param("M_SRIN", 2)), static_cast<int>(param("M_SSW", 2)));
         tell(d == Dilation::length ? "seeds length" : "seeds square");
       }
     }
     lap(2);
     if (!fast_ && param("M_RIN", 1) > 0) { group.try_inscribed(4, 6); tell("rin"); }
     lap(3);
-    group.try_changes(static_cast<int>(fast_ ? 0 : param("M_TRIALS", 12))); tell("trials"); lap(4);
+    group.try_changes(static_cast<int>(fast_ ? 0 : param(node.level == 0 ? "M_T1" : node.level == 1 ? "M_T2" : "M_T3", 12))); tell("trials"); lap(4);
     if (!fast_ && param("M_RIN", 1) > 1) group.try_inscribed(4, 6);
-    auto result = exact(node, grid, points, group);
+    auto result = exact(node, grid, points, group, cost);
     lap(5);
     if (timing) std::fprintf(stderr, "split %.3f sweeps %.3f seeds %.3f rin %.3f trials %.3f exact %.3f\n", acc[0], acc[1], acc[2], acc[3], acc[4], acc[5]);
     return result;
@@ -157,7 +177,7 @@ class OwnDivider {
         const float dx = points.x[i] - c.x, dy = points.y[i] - c.y, dz = points.z[i] - c.z;
         nearest = std::min(nearest, dx * dx + dy * dy + dz * dz);
       }
-      if (std::sqrt(nearest) < r + static_cast<float>(param("M_TOUCH", 0.1)) * spacing) found.push_back({c, r, 0});
+      if (std::sqrt(nearest) < r + static_cast<float>(param("M_TOUCH", 0.25)) * spacing) found.push_back({c, r, 0});
     }
     const auto most = static_cast<std::size_t>(param("M_CAND", 300));
     if (found.size() <= most) return found;
@@ -166,7 +186,7 @@ class OwnDivider {
     return some;
   }
 
-  Division exact(const BuildNode& node, OutsideGrid& grid, const GroupPoints& points, Group& group) const {
+  Division exact(const BuildNode& node, OutsideGrid& grid, const GroupPoints& points, Group& group, double& cost) const {
     const double sampled = group.objective();
     std::vector<Sphere> spheres = group.spheres();
     Partition best;
@@ -200,36 +220,23 @@ class OwnDivider {
         best_spheres = fitted;
       }
     }
-    if (param("M_PRINT", 0) > 0) std::fprintf(stderr, "sampled %g exact first %g best %g  n %zu points %zu\n", sampled, first, least, best_spheres.size(), points.size());
+    if (param("M_DEM", 0) > 0 && !fast_ && node.level == 2) {
+      double total = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) total += (*demands_)[leaves_->owner(grid.from_grid(points[i]))];
+      total *= area_of(mesh_, node.region) / static_cast<double>(points.size());
+      std::fprintf(stderr, "DEM %g %g\n", total, std::sqrt(least * std::pow(grid.cell(), 3)));
+    }
+    if (param("M_SUM", 0) > 0 && !fast_) { static double acc[9][4]; const double c3 = std::pow(grid.cell(), 3); auto* q = acc[node.level]; q[0] += sampled * c3; q[1] += first * c3; q[2] += least * c3; q[3]++; std::fprintf(stderr, "LEVEL %d n %g sampled %g exact0 %g exact %g\n", node.level, q[3], q[0], q[1], q[2]); }
+    if (param("M_PRINT", 0) > 0) std::fprintf(stderr, "sampled %g exact first %g best %g  n %zu points %zu\n", sampled, first, least * std::pow(grid.cell(), 3) * 1e9, best_spheres.size(), points.size());
+    cost = least * std::pow(grid.cell(), 3);
     Division division;
     division.leftover_patches = best.leftover_patches;
     for (std::size_t i = 0; i < best_spheres.size(); ++i) {
       Sphere sphere = best_spheres[i];
       sphere.radius = rounded_up_radius(sphere.radius, std::max(pad_, largest_component(sphere.center)));
-      division.children.push_back({std::move(best.regions[i]), sphere, {}, 0, 0});
+      division.children.push_back({std::move(best.regions[i]), sphere, {}, {}, {}, {}, {}});
     }
     return division;
-  }
-
-  GroupPoints extremes(const std::vector<Vec3>& corners, const OutsideGrid& grid) const {
-    GroupPoints all, few;
-    for (const Vec3& p : corners) all.push_back(grid.to_grid(p));
-    if (all.size() <= 200) return all;
-    std::vector<std::uint32_t> chosen;
-    for (const Vec3& d : directions_) {
-      const float dx = static_cast<float>(d.x), dy = static_cast<float>(d.y), dz = static_cast<float>(d.z);
-      float most = -std::numeric_limits<float>::infinity();
-      std::uint32_t at = 0;
-      for (std::uint32_t i = 0; i < all.size(); ++i) {
-        const float v = all.x[i] * dx + all.y[i] * dy + all.z[i] * dz;
-        if (v > most) most = v, at = i;
-      }
-      chosen.push_back(at);
-    }
-    std::sort(chosen.begin(), chosen.end());
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    for (const std::uint32_t i : chosen) few.push_back(all[i]);
-    return few;
   }
 
   const MedialBalls* medial_;
@@ -242,7 +249,6 @@ class OwnDivider {
   double pad_;
   const SignedDistance& shape_;
   const ObjectLines& lines_;
-  std::vector<Vec3> directions_;
 };
 
 }  // namespace
@@ -292,7 +298,11 @@ Built build_own(const Mesh& mesh, const BuildOptions& options, Workers& workers)
   }
   const PowerDiagram diagram(leaves);
   lap("pre");
-  return top_down(mesh, options, {}, OwnDivider(mesh, options, shape, lines, &medial, &diagram, &demands), workers);
+  const LevelHook relax = [&](std::vector<BuildNode>& nodes) {
+    if (nodes[0].level >= 2 && param("M_RELAX", 3) > 0) exchange(mesh, lines, nodes, static_cast<int>(param("M_RELAX", 3)), workers);
+    lap("level");
+  };
+  return top_down(mesh, options, {}, OwnDivider(mesh, options, shape, lines, &medial, &diagram, &demands), workers, relax);
 }
 
 }  // namespace morula

@@ -119,7 +119,7 @@ class ReducerDivider {
     for (std::size_t i = 0; i < best.parts.size(); ++i) {
       Sphere sphere = best.spheres[i];
       sphere.radius = rounded_up_radius(sphere.radius, std::max(pad_, largest_component(sphere.center)));
-      division.children.push_back({std::move(best.parts[i]), sphere, {}, 0, 0});
+      division.children.push_back({std::move(best.parts[i]), sphere, {}, {}, {}, {}, {}});
     }
     return division;
   }

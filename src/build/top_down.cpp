@@ -53,7 +53,7 @@ double largest_coordinate(const Mesh& mesh) {
 }
 
 Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
-               Workers& workers) {
+               Workers& workers, const LevelHook& new_level) {
   Built built;
   built.tree.branching = static_cast<std::uint32_t>(options.branching);
   BuildReport& report = built.report;
@@ -101,11 +101,8 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
       progress(depth + static_cast<double>(end) / static_cast<double>(level.size()));
     }
 
-    std::vector<std::uint32_t> child_counts;
-    std::vector<Sphere> spheres;
     std::vector<BuildNode> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
-      child_counts.push_back(static_cast<std::uint32_t>(divisions[i].children.size()));
       report.leftover_patches += divisions[i].leftover_patches;
       if (!divisions[i].children.empty()) winners.add(divisions[i].reducer);
       finished.push_back(divisions[i].children.empty() ? std::move(level[i].region) : Region{});
@@ -113,9 +110,21 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
       for (BuildNode& child : divisions[i].children) {
         child.seed = seeds.next();
         child.level = depth + 1;
-        spheres.push_back(child.sphere);
+        child.parent = static_cast<std::uint32_t>(i);
+        child.ancestors = level[i].ancestors;
+        if (depth > 0) child.ancestors.push_back(level[i].sphere);
         next.push_back(std::move(child));
       }
+    }
+    if (new_level && !next.empty()) {
+      new_level(next);
+      std::erase_if(next, [](const BuildNode& node) { return node.region.empty(); });
+    }
+    std::vector<std::uint32_t> child_counts(level.size(), 0);
+    std::vector<Sphere> spheres;
+    for (const BuildNode& node : next) {
+      ++child_counts[node.parent];
+      spheres.push_back(node.sphere);
     }
     if (!next.empty()) built.tree.append_level(child_counts, spheres);
     level = std::move(next);

@@ -17,6 +17,8 @@ struct BuildNode {
   Sphere sphere;         // wraps the region, radius rounded up
   Box cell;              // the part of space that an octree node stands for; empty otherwise
   int level = 0;
+  std::uint32_t parent = 0;        // its place among the nodes of the level above
+  std::vector<Sphere> ancestors;   // spheres of the nodes above, the root's aside
   std::uint64_t seed{};  // of this node's random choices, the same for any number of workers
 };
 
@@ -30,10 +32,13 @@ struct Division {
 inline constexpr std::string_view no_proposal = "none (halved)";
 /// Called for the nodes of a level at the same time.
 using Divider = std::function<Division(const BuildNode&)>;
+/// Called with all nodes of a new level before they join the tree. May change spheres and regions as long as each sphere,
+/// and each of its ancestors', contains the region; nodes without a region are dropped.
+using LevelHook = std::function<void(std::vector<BuildNode>&)>;
 
 /// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
 Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
-               Workers& workers);
+               Workers& workers, const LevelHook& new_level = {});
 
 /// The generators: what divides a node, with whatever they need to know about the mesh.
 Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers);
