@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The driver that every generator goes through: level by level, each node's region is divided among children.
+// The driver that every generator goes through: each node's region is divided among children, level by level, or the
+// worst leaf first.
 #pragma once
 
 #include <functional>
-#include <morula/build/build.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <string_view>
 
+#include "build/build_run.hpp"
 #include "tree/region.hpp"
 
 namespace morula {
@@ -16,7 +18,7 @@ struct BuildNode {
   Region region;
   Sphere sphere;         // wraps the region, radius rounded up
   Box cell;              // the part of space that an octree node stands for; empty otherwise
-  int level = 0;
+  int level = 0;         // 0: the root
   std::uint64_t seed{};  // of this node's random choices, the same for any number of workers
 };
 
@@ -28,20 +30,24 @@ struct Division {
 };
 /// The reducer's name on nodes that no reducer had a proposal for.
 inline constexpr std::string_view no_proposal = "none (halved)";
-/// Called for the nodes of a level at the same time.
+/// Called for several nodes at the same time.
 using Divider = std::function<Division(const BuildNode&)>;
 
 /// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
+/// shape: of the mesh, borrowed, where the generator has it anyway.
+Built top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide, Workers& workers,
+               const SignedDistance* shape = nullptr);
+/// The same with a clock of its own.
 Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
                Workers& workers);
 
 /// The generators: what divides a node, with whatever they need to know about the mesh.
-Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers);
-Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers);
-Built build_hubbard(const Mesh& mesh, const BuildOptions& options, Workers& workers);
-Built build_spawn(const Mesh& mesh, const BuildOptions& options, Workers& workers);
-Built build_medial(const Mesh& mesh, const BuildOptions& options, Workers& workers);
-Built build_combined(const Mesh& mesh, const BuildOptions& options, Workers& workers);
+Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);
+Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers);
+Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers);
+Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
+Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
+Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
 Built build_own(const Mesh& mesh, const BuildOptions& options, Workers& workers);
 
 /// Padding for radii: bounds |coordinates| of surface and centres.
