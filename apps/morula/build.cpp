@@ -49,7 +49,7 @@ int build_command(const Options& o) {
   const double read_seconds = watch.lap();
   const Built built = [&] {
     Progress progress(fmt::format("building {}", o.method));
-    options.progress = [&](double share) { progress.update(share); };
+    options.progress = [&](const BuildProgress& p) { progress.update(p.share); };
     return build(mesh, options, workers);
   }();
   const double build_seconds = watch.lap();

@@ -90,7 +90,7 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
                                             Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
   std::size_t first = 0;
-  static const float last_step = std::getenv("M_LAST") ? std::atof(std::getenv("M_LAST")) : 0.02F;
+  constexpr float last_step = 0.02F;
   for (float step = first_step; step > last_step; step *= 0.5F) {
     for (int moves = 0; moves < 12; ++moves) {
       bool improved = false;

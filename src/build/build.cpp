@@ -14,7 +14,7 @@ namespace {
 struct Entry {
   Method method;
   std::string_view name;
-  Built (*build)(const Mesh&, const BuildOptions&, Workers&);
+  Built (*build)(const Mesh&, const BuildRun&, Workers&);
 };
 constexpr std::array<Entry, 7> entries{{
     {Method::octree, "octree", build_octree},
@@ -23,7 +23,8 @@ constexpr std::array<Entry, 7> entries{{
     {Method::spawn, "spawn", build_spawn},
     {Method::medial, "medial", build_medial},
     {Method::combined, "combined", build_combined},
-    {Method::morula, "morula", build_own},
+    {Method::morula, "morula",
+     [](const Mesh& mesh, const BuildRun& run, Workers& workers) { return build_own(mesh, run, workers); }},
 }};
 
 // An enumeration whose values count up from 0, with its names in that order.
@@ -48,6 +49,7 @@ struct Names {
 };
 constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
 constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
+constexpr Names<Quality, 3> quality_names({"fast", "default", "best"});
 
 constexpr auto methods = [] {
   std::array<Method, entries.size()> all{};
@@ -85,6 +87,14 @@ void require_used(const BuildOptions& options) {
   if (options.balance_excess > 0 && options.optimiser != Optimiser::balance)
     throw std::invalid_argument("build: a balance excess needs the optimiser balance, not " +
                                 std::string(name(options.optimiser)));
+  if (options.quality != Quality::standard && options.method != Method::morula)
+    throw std::invalid_argument("build: method " + method + " has one way only; quality " +
+                                std::string(name(options.quality)) + " is for method morula");
+}
+
+void require_length(double value, const char* what) {
+  if (!(value >= 0) || !std::isfinite(value))
+    throw std::invalid_argument(std::string("build: ") + what + " is not a number of at least 0");
 }
 
 }  // namespace
@@ -123,6 +133,16 @@ std::span<const Optimiser> all_optimisers() {
   return optimiser_names.values;
 }
 
+std::string_view name(Quality quality) {
+  return quality_names.name(quality, "quality");
+}
+std::optional<Quality> quality_from_name(std::string_view wanted) {
+  return quality_names.find(wanted);
+}
+std::span<const Quality> all_qualities() {
+  return quality_names.values;
+}
+
 Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
@@ -130,8 +150,12 @@ Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   if (options.depth < 0 || options.depth > max_depth)
     throw std::invalid_argument("build: depth " + std::to_string(options.depth) + " is not in 0…8");
   require_used(options);
+  require_length(options.max_protrusion, "the greatest protrusion");
+  require_length(options.time_limit_seconds, "the time limit");
   require_usable(mesh);
-  return chosen.build(mesh, options, workers);
+  const BuildRun run(options);
+  run.throw_if_stopped();
+  return chosen.build(mesh, run, workers);
 }
 
 }  // namespace morula

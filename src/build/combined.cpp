@@ -20,11 +20,11 @@ void append(Proposals& all, Proposals more) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
-Built build_reduced(const Mesh& mesh, const BuildOptions& options, Workers& workers,
-                    std::vector<Reduction> reductions) {
+Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions) {
   const SignedDistance shape(mesh, workers);
-  return top_down(mesh, options, {}, divide_by(mesh, options, shape, combined_reducer(std::move(reductions), options)),
-                  workers);
+  run.throw_if_stopped();
+  return top_down(mesh, run, {}, divide_by(mesh, run, shape, combined_reducer(std::move(reductions), run)), workers,
+                  &shape);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {
@@ -67,21 +67,21 @@ Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& 
   };
 }
 
-Built build_grid(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  return build_reduced(mesh, options, workers, {Reduction::grid});
+Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::grid});
 }
-Built build_hubbard(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  return build_reduced(mesh, options, workers, {Reduction::hubbard});
+Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::hubbard});
 }
-Built build_spawn(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  return build_reduced(mesh, options, workers, {Reduction::spawn});
+Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::spawn});
 }
-Built build_medial(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  return build_reduced(mesh, options, workers, chosen_or(options, {Reduction::merge, Reduction::expand}));
+Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}));
 }
-Built build_combined(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
-  return build_reduced(mesh, options, workers,
-                       chosen_or(options, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}));
+Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers,
+                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}));
 }
 
 }  // namespace morula

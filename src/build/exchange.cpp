@@ -43,20 +43,14 @@ class Exchange {
 
   void trade(Workers& workers) {
     std::vector<Sphere> spheres;
-    std::vector<std::uint32_t> node_of;
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      if (!nodes_[i].region.empty()) {
-        spheres.push_back(nodes_[i].sphere);
-        node_of.push_back(static_cast<std::uint32_t>(i));
-      }
-    if (spheres.empty()) return;
+    for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
     const PowerDiagram diagram(spheres);
     std::vector<Gifts> gifts(spheres.size());
-    workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), diagram, spheres, node_of); });
-    for (const std::uint32_t i : node_of) nodes_[i].region = {};
+    workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), diagram, spheres); });
+    for (BuildNode& node : nodes_) node.region = {};
     for (const Gifts& g : gifts)
       for (const Given& part : g.parts)
-        nodes_[node_of[part.to]].region.add(
+        nodes_[part.to].region.add(
             part.facet, std::span(g.corners).subspan(part.corner_begin, part.corner_end - part.corner_begin));
   }
 
@@ -67,10 +61,9 @@ class Exchange {
   }
 
  private:
-  Gifts give(std::uint32_t from, const PowerDiagram& diagram, std::span<const Sphere> spheres,
-             std::span<const std::uint32_t> node_of) const {
+  Gifts give(std::uint32_t from, const PowerDiagram& diagram, std::span<const Sphere> spheres) const {
     Gifts gifts;
-    const BuildNode& own = nodes_[node_of[from]];
+    const BuildNode& own = nodes_[from];
     std::vector<std::uint32_t> near, allowed;
     std::vector<Vec3> corners;
     CutFacet cut;
@@ -83,7 +76,7 @@ class Exchange {
       diagram.candidates(geometry.corners, near);
       allowed.clear();
       for (const std::uint32_t c : near) {
-        const BuildNode& other = nodes_[node_of[c]];
+        const BuildNode& other = nodes_[c];
         const bool may = c == from || other.parent == own.parent ||
                          std::all_of(other.ancestors.begin(), other.ancestors.end(),
                                      [&](const Sphere& a) { return contains(a, corners); });
@@ -109,12 +102,16 @@ class Exchange {
         gifts.add(to != from && contains(spheres[to], corners) ? to : from, facet, cut.polygon(piece));
       }
     }
-    return gifts;
+    // A place that is given up is lost for the level: who would give everything keeps everything.
+    const bool keeps_some = std::any_of(gifts.parts.begin(), gifts.parts.end(), [&](const Given& g) { return g.to == from; });
+    if (keeps_some) return gifts;
+    Gifts all;
+    for (std::size_t k = 0; k < own.region.size(); ++k) all.add(from, own.region.facet[k], own.region.polygon(k));
+    return all;
   }
 
   Sphere fit(std::size_t i) const {
     const BuildNode& node = nodes_[i];
-    if (node.region.empty()) return node.sphere;
     std::vector<Vec3> corners;
     corner_positions(mesh_, node.region, corners);
     const double radius = farthest_distance(node.sphere.center, corners);
@@ -126,7 +123,7 @@ class Exchange {
     OutsideGrid grid(lines_, box, radius / 4);
     for (std::size_t j = 0; j < nodes_.size(); ++j) {
       const Sphere& other = nodes_[j].sphere;
-      if (j == i || nodes_[j].region.empty()) continue;
+      if (j == i) continue;
       if (distance(other.center, node.sphere.center) < other.radius + room)
         grid.add({grid.to_grid(other.center), static_cast<float>(other.radius / grid.cell())});
     }

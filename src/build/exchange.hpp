@@ -10,8 +10,8 @@ namespace morula {
 
 /// Divides the whole level by power once more. A part may go to a node of another parent when that node's sphere and
 /// every ancestor of it, the root aside, contain the part already: cover and wrapping hold at every moment, and no
-/// ancestor changes. Then each sphere is fitted to what it owns now. Nodes that lose everything stay, with an empty
-/// region. Same bits for any number of workers.
+/// ancestor changes. Then each sphere is fitted to what it owns now. No node loses everything.
+/// Same bits for any number of workers.
 void exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
 
 }  // namespace morula

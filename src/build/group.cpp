@@ -405,7 +405,7 @@ void Group::nudge() {
   float nearest = infinity;
   for (const std::size_t j : members)
     if (j != ball) nearest = std::min(nearest, distance_between(balls_[ball].center, balls_[j].center));
-  static const float amount = std::getenv("M_NUDGE") ? std::atof(std::getenv("M_NUDGE")) : 0.12F;
+  constexpr float amount = 0.12F;
   const float shift = amount * settings_.part * (2 * static_cast<float>(random_.uniform()) - 1);
   squares[ball] += 2 * nearest * shift;
   assign_by_power(squares);
@@ -427,7 +427,7 @@ void Group::shake() {
 }
 
 void Group::try_changes(int count) {
-  static const int nudge_every = std::getenv("M_NE") ? std::atoi(std::getenv("M_NE")) : 5;
+  constexpr int nudge_every = 5;
   State best = snapshot();
   double least = objective();
   for (int trial = 0; trial < count; ++trial) {

@@ -108,11 +108,11 @@ class OctreeDivider {
 
 }  // namespace
 
-Built build_octree(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const Box box = bounding_box(mesh);
   const double half = 0.5 * largest_component(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
-  return top_down(mesh, options, cube, OctreeDivider(mesh, options), workers);
+  return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
 }
 
 }  // namespace morula

@@ -2,124 +2,109 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build/top_down.hpp"
 
-#include <cmath>
-#include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <algorithm>
+
+#include "build/growth.hpp"
+#include "build/join.hpp"
 
 namespace morula {
 namespace {
 
-// A single child is worth a level only if it is this much smaller than its parent.
-constexpr double least_gain_of_single_child = 0.02;
-// Regions smaller than this share of the mesh's diagonal are points for all purposes.
-constexpr double smallest_region = 1e-9;
+// One level's nodes and what became of them.
+struct LevelDivision {
+  std::vector<Division> divisions;
+  std::size_t undivided = 0;  // for want of time
+};
 
-bool worth_keeping(const BuildNode& node, const Division& division) {
-  if (division.children.empty()) return false;
-  if (division.children.size() > 1) return true;
-  return division.children[0].sphere.radius < (1 - least_gain_of_single_child) * node.sphere.radius;
+LevelDivision divide_level(const std::vector<BuildNode>& level, const BuildRun& run, const Divider& divide,
+                           double too_small, TimeEstimate& estimate, Workers& workers) {
+  LevelDivision result;
+  result.divisions.resize(level.size());
+  estimate.begin_level(level.size());
+  // A few nodes at a time, so that progress is reported from here; results do not depend on the grouping.
+  const std::size_t nodes_per_report = std::max<std::size_t>(16, 8 * std::size_t{workers.thread_count()});
+  for (std::size_t begin = 0; begin < level.size(); begin += nodes_per_report) {
+    const std::size_t count = std::min(nodes_per_report, level.size() - begin);
+    std::vector<double> seconds(count, 0.0);
+    std::vector<char> divided(count, 0);
+    const auto divide_one = [&](std::size_t i) {
+      const double before = run.seconds();
+      if (run.stop.stop_requested() || run.out_of_time()) return;
+      result.divisions[begin + i] = children_of(level[begin + i], divide, too_small);
+      divided[i] = 1;
+      seconds[i] = run.seconds() - before;
+    };
+    // A single node has the workers to itself.
+    if (level.size() == 1)
+      divide_one(0);
+    else
+      workers.run(count, divide_one);
+    run.throw_if_stopped();
+    std::size_t children = 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      children += result.divisions[begin + i].children.size();
+      sum += seconds[i];
+      result.undivided += divided[i] == 0;
+    }
+    estimate.add(count, children, sum);
+    const std::optional<double> left = estimate.seconds_left();
+    const double gone = run.seconds();
+    run.tell(left ? gone / (gone + *left) : 0, level[0].level + 1, left);
+    run.throw_if_stopped();
+  }
+  return result;
 }
 
-// How often each reducer's proposal was taken, in the order of first use.
-class Winners {
- public:
-  void add(std::string_view reducer) {
-    if (reducer.empty()) return;
-    for (auto& [name, count] : counts_)
-      if (name == reducer) {
-        ++count;
-        return;
-      }
-    counts_.emplace_back(reducer, 1);
-  }
-  // Nothing when there was no choice and no fallback.
-  std::string note() const {
-    if (counts_.empty() || (counts_.size() == 1 && counts_[0].first != no_proposal)) return {};
-    std::string text = "proposals taken: ";
-    for (std::size_t i = 0; i < counts_.size(); ++i)
-      text += (i > 0 ? ", " : "") + std::string(counts_[i].first) + " " + std::to_string(counts_[i].second);
-    return text;
-  }
-
- private:
-  std::vector<std::pair<std::string_view, std::size_t>> counts_;
-};
+void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of, std::size_t below,
+                     BuildReport& report) {
+  if (undivided + below == 0) return;
+  const auto level = report.level_seconds.size() - 2;
+  std::string note = "the time limit of " + short_number(run.time_limit_seconds) + " s was over: undivided are " +
+                     std::to_string(undivided) + " of the " + std::to_string(of) + " nodes of level " +
+                     std::to_string(level);
+  if (below > 0) note += " and all " + std::to_string(below) + " of level " + std::to_string(level + 1);
+  report.notes.push_back(std::move(note));
+  report.complete = false;
+}
 
 }  // namespace
 
-double largest_coordinate(const Mesh& mesh) {
-  const Box box = bounding_box(mesh);
-  return std::max(largest_component(box.lower), largest_component(box.upper));
-}
-
-Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_cell, const Divider& divide,
-               Workers& workers, const LevelHook& new_level) {
+Built top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide, Workers& workers,
+               const SignedDistance* shape, const LevelHook& new_level) {
+  run.throw_if_stopped();
+  if (run.spheres > 0 || run.max_protrusion > 0) {
+    if (shape) return best_first(mesh, run, root_cell, divide, *shape, workers);
+    return best_first(mesh, run, root_cell, divide, SignedDistance(mesh, workers), workers);
+  }
+  run.tell(0, 0);
   Built built;
-  built.tree.branching = static_cast<std::uint32_t>(options.branching);
-  BuildReport& report = built.report;
-  report.method = name(options.method);
-  report.branching = built.tree.branching;
-  report.depth = static_cast<std::uint32_t>(options.depth);
-  report.seed = options.seed;
-  report.mesh_hash = mesh_hash(mesh);
-
-  // Progress: every level costs about the same, because each goes over the whole surface once.
-  const auto progress = [&](double done) {
-    if (options.progress) options.progress(done / std::max(1, options.depth));
-  };
-  progress(0);
+  BuildReport& report = built.report = new_report(mesh, run);
+  built.tree.branching = report.branching;
 
   Winners winners;
   std::vector<Region> finished;  // one per node of the tree; only leaves keep theirs
-  std::vector<BuildNode> level(1);
-  {
-    BuildNode& root = level[0];
-    root.region = whole_surface(mesh);
-    root.cell = root_cell;
-    root.seed = options.seed;
-    std::vector<Vec3> points;
-    corner_positions(mesh, root.region, points);
-    const Sphere smallest = enclosing_sphere(points);
-    root.sphere = {smallest.center, rounded_up_radius(smallest.radius, std::max(largest_coordinate(mesh),
-                                                                                largest_component(smallest.center)))};
-    built.tree.append_level({}, std::span(&root.sphere, 1));
-  }
-  const double too_small = smallest_region * bounding_box(mesh).diagonal();
+  std::vector<BuildNode> level{root_node(mesh, run, root_cell)};
+  built.tree.append_level({}, std::span(&level[0].sphere, 1));
+  TimeEstimate estimate(run.depth, run.branching, level[0].region.size(), workers.thread_count());
+  const double too_small = smallest_radius(mesh);
+  double told = run.seconds();
+  report.level_seconds.push_back(told);
 
-  for (int depth = 0; depth < options.depth && !level.empty(); ++depth) {
-    std::vector<Division> divisions(level.size());
-    const auto divide_node = [&](std::size_t i) {
-      if (!(level[i].sphere.radius > too_small)) return;
-      divisions[i] = divide(level[i]);
-      if (!worth_keeping(level[i], divisions[i])) divisions[i] = {};
-    };
-    // A few nodes at a time, so that progress is reported from here; results do not depend on the grouping.
-    constexpr std::size_t nodes_per_report = 16;
-    for (std::size_t begin = 0; begin < level.size(); begin += nodes_per_report) {
-      const std::size_t end = std::min(level.size(), begin + nodes_per_report);
-      workers.run(end - begin, [&](std::size_t i) { divide_node(begin + i); });
-      progress(depth + static_cast<double>(end) / static_cast<double>(level.size()));
-    }
-
+  for (int depth = 0; depth < run.depth && !level.empty() && report.complete; ++depth) {
+    LevelDivision divided = divide_level(level, run, divide, too_small, estimate, workers);
     std::vector<BuildNode> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
-      report.leftover_patches += divisions[i].leftover_patches;
-      if (!divisions[i].children.empty()) winners.add(divisions[i].reducer);
-      finished.push_back(divisions[i].children.empty() ? std::move(level[i].region) : Region{});
-      Random seeds(level[i].seed);
-      for (BuildNode& child : divisions[i].children) {
-        child.seed = seeds.next();
-        child.level = depth + 1;
+      Division& division = divided.divisions[i];
+      report.leftover_patches += division.leftover_patches;
+      winners.add(division);
+      finished.push_back(division.children.empty() ? std::move(level[i].region) : Region{});
+      for (BuildNode& child : division.children) {
         child.parent = static_cast<std::uint32_t>(i);
-        child.ancestors = level[i].ancestors;
-        if (depth > 0) child.ancestors.push_back(level[i].sphere);
         next.push_back(std::move(child));
       }
     }
-    if (new_level && !next.empty()) {
-      new_level(next);
-      std::erase_if(next, [](const BuildNode& node) { return node.region.empty(); });
-    }
+    if (new_level && !next.empty()) new_level(next);
     std::vector<std::uint32_t> child_counts(level.size(), 0);
     std::vector<Sphere> spheres;
     for (const BuildNode& node : next) {
@@ -127,17 +112,23 @@ Built top_down(const Mesh& mesh, const BuildOptions& options, const Box& root_ce
       spheres.push_back(node.sphere);
     }
     if (!next.empty()) built.tree.append_level(child_counts, spheres);
+    report.level_seconds.push_back(run.seconds() - told);
+    told = run.seconds();
+    if (divided.undivided > 0)
+      note_time_limit(run, divided.undivided, level.size(), depth + 1 < run.depth ? next.size() : 0, report);
     level = std::move(next);
   }
   for (BuildNode& node : level) finished.push_back(std::move(node.region));
+  report.level_seconds.resize(built.tree.level_count());
   built.cover = assemble_cover(mesh, built.tree, finished);
   for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
     report.early_leaves += built.tree.is_leaf(i);
-  if (built.tree.level_count() < static_cast<std::size_t>(options.depth) + 1)
+  if (report.complete && built.tree.level_count() < static_cast<std::size_t>(run.depth) + 1)
     report.notes.push_back("the surface cannot be divided further: the tree ends at level " +
-                           std::to_string(built.tree.level_count() - 1) + " of " + std::to_string(options.depth));
+                           std::to_string(built.tree.level_count() - 1) + " of " + std::to_string(run.depth));
   if (std::string note = winners.note(); !note.empty()) report.notes.push_back(std::move(note));
-  progress(options.depth);
+  run.tell(1, static_cast<int>(built.tree.level_count()) - 1, 0.0);
+  run.throw_if_stopped();
   return built;
 }
 

@@ -10,14 +10,16 @@
 #include <morula/tree/cover.hpp>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
 namespace morula {
 
 enum class Method {
-  octree,  ///< occupied cells of a halved cube [liu1988, hubbard1993]; fastest, loosest
-  grid,    ///< per node, the smallest oriented lattice whose occupied cells number at most branching [bradshaw2002]
+  octree,    ///< occupied cells of a halved cube [liu1988, hubbard1993]; fastest, loosest
+  grid,      ///< per node, the smallest oriented lattice whose occupied cells number at most branching [bradshaw2002]
   hubbard,   ///< Voronoi balls of surface samples, merged [hubbard1996]
   spawn,     ///< spheres that all stick out equally, laid one beside the other [bradshaw2002]
   medial,    ///< balls of an adaptive medial axis, reduced by merge, burst, expand [bradshaw2004]
@@ -45,18 +47,51 @@ std::string_view name(Optimiser optimiser);
 std::optional<Optimiser> optimiser_from_name(std::string_view name);
 std::span<const Optimiser> all_optimisers();
 
+/// Time for tightness, for the method `morula`; the others have one way.
+enum class Quality { fast, standard, best };
+/// "fast", "default", "best".
+std::string_view name(Quality quality);
+std::optional<Quality> quality_from_name(std::string_view name);
+std::span<const Quality> all_qualities();
+
+/// How far a build is.
+struct BuildProgress {
+  double share;                        ///< of the time it takes, 0…1, estimated; never decreasing, 1 at the end
+  int level;                           ///< the level that is being made; with spheres or max_protrusion, the deepest
+  std::optional<double> seconds_left;  ///< nothing until there is something to estimate it by
+};
+
 struct BuildOptions {
   Method method = Method::grid;
-  int branching = 8;       ///< most children of a node, 2…64
-  int depth = 3;           ///< levels below the root, 0…8
+  int branching = 8;  ///< most children of a node, 2…64
+  int depth = 3;      ///< levels below the root, 0…8; without effect when one of the next two is given
+  /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
+  /// leaves. The tree above it is as deep as it needs to be, up to max_depth.
+  std::size_t spheres = 0;
+  /// Not 0: as few leaves as needed for each to stick out of the object by at most this length, mesh units, proven by
+  /// r + φ(c). With `spheres` too: until the one or the other.
+  double max_protrusion = 0;
   std::uint64_t seed = 1;  ///< of every random choice; equal seeds, equal bits
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,
   /// merge and expand. Every one adds to the time; the best is taken for each node.
   std::vector<Reduction> reducers{};
   Optimiser optimiser = Optimiser::none;  ///< for all methods but octree
   double balance_excess = 0;              ///< for balance: share by which the worst sphere may stick out further
-  /// Called on the calling thread with the share of work done, 0…1, never decreasing.
-  std::function<void(double)> progress{};
+  Quality quality = Quality::standard;    ///< for method morula
+  /// 0: none. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what was
+  /// left, and report.complete is false. How far it gets depends on the machine: such a result is not reproducible.
+  double time_limit_seconds = 0;
+  /// Asked before every node, on all threads. Once requested, build throws BuildStopped as soon as the nodes in work
+  /// are done.
+  std::stop_token stop{};
+  /// Called on the calling thread. May request the stop.
+  std::function<void(const BuildProgress&)> progress{};
+};
+
+/// The stop was requested; nothing was built.
+class BuildStopped : public std::runtime_error {
+ public:
+  BuildStopped() : std::runtime_error("build: stopped on request") {}
 };
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
@@ -64,8 +99,9 @@ struct BuildOptions {
 /// parent's). Works on open, non-manifold and multi-component meshes.
 ///
 /// A region that cannot be told apart further, or does not get tighter by division, ends in a leaf above the last
-/// level. Same bits for any number of workers. Cost: near-linear in facets × levels. Throws std::invalid_argument for
-/// unusable meshes (require_usable) and options out of range, before any work.
+/// level. Same bits for any number of workers, unless a time limit ends it. Cost: near-linear in facets × levels.
+/// Throws std::invalid_argument for unusable meshes (require_usable) and options out of range, before any work;
+/// BuildStopped.
 Built build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
 
 }  // namespace morula

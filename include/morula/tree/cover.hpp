@@ -8,6 +8,7 @@
 #include <morula/parallel/workers.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <morula/tree/sphere_tree.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,11 @@ struct BuildReport {
   std::size_t leftover_patches = 0;  ///< patches outside their own sphere, handed to the one that grew least
   std::size_t dropped_spheres = 0;   ///< spheres that owned nothing
   std::vector<std::string> notes;    ///< fallbacks taken, in words
+
+  // Of the run that built the tree; not written into files.
+  bool complete = true;                    ///< false: ended by a time limit, or short of the protrusion asked for
+  std::vector<double> level_seconds;       ///< wall seconds that went into each level; the first: preparations too
+  std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves; when spheres or max_protrusion asked
 };
 
 /// A tree with its proof.
