@@ -6,6 +6,8 @@
 
 #include "build/adaptive_medial.hpp"
 #include "build/ball_set.hpp"
+#include "build/demand.hpp"
+#include "build/exchange.hpp"
 #include "build/optimise.hpp"
 #include "build/reducers.hpp"
 
@@ -20,11 +22,34 @@ void append(Proposals& all, Proposals more) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
-Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions) {
+// Quick fits for the methods that are quick themselves; thorough ones, after a first tree has told where small spheres
+// will be needed, for those that take their time anyway.
+constexpr ReduceSettings quick{
+    .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2}, .changes = 4};
+constexpr ReduceSettings thorough{
+    .fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
+    .changes = 12,
+    .balance = {2.5F, 2.0F}};
+
+Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
+                    const ReduceSettings& settings) {
   const SignedDistance shape(mesh, workers);
-  run.throw_if_stopped();
-  return top_down(mesh, run, {}, divide_by(mesh, run, shape, combined_reducer(std::move(reductions), run)), workers,
-                  &shape);
+  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), workers);
+  const FitInput input = fit_input(mesh, shape, lines);
+  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
+    constexpr int rounds = 2;
+    if (nodes[0].level >= 2) exchange(mesh, lines, nodes, rounds, workers);
+  };
+  Reducer reducer = combined_reducer(std::move(reductions), run);
+  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
+  if (settings.balance[0] == 0 || run.depth < 2 || flat)
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape,
+                    exchange_parts);
+  constexpr double first_share = 0.2;
+  const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
+  const BuildRun second = run.pass(first_share, 1);
+  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape,
+                  exchange_parts);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {
@@ -68,20 +93,20 @@ Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& 
 }
 
 Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  return build_reduced(mesh, run, workers, {Reduction::grid});
+  return build_reduced(mesh, run, workers, {Reduction::grid}, quick);
 }
 Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  return build_reduced(mesh, run, workers, {Reduction::hubbard});
+  return build_reduced(mesh, run, workers, {Reduction::hubbard}, quick);
 }
 Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  return build_reduced(mesh, run, workers, {Reduction::spawn});
+  return build_reduced(mesh, run, workers, {Reduction::spawn}, quick);
 }
 Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}));
+  return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}), thorough);
 }
 Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers,
-                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}));
+                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}), thorough);
 }
 
 }  // namespace morula

@@ -172,7 +172,8 @@ void Group::take_in_grid(std::span<const GroupBall> balls) {
   assign_by_power(squares);
 }
 
-void Group::take(std::span<const Sphere> balls) {
+void Group::take(std::span<const Sphere> balls, bool fill_places) {
+  fill_places_ = fill_places;
   std::vector<GroupBall> in_grid;
   for (const Sphere& s : balls)
     in_grid.push_back({grid_.to_grid(s.center), std::max(1e-4F, static_cast<float>(s.radius / grid_.cell())), 0});
@@ -254,6 +255,7 @@ void Group::sweep_inscribed(float taken) {
 }
 
 void Group::fill(float taken) {
+  if (!fill_places_) return;
   std::fill(refused_.begin(), refused_.end(), std::uint8_t{0});
   for (std::size_t into = 0; into < most_; ++into) {
     if (used(into)) continue;

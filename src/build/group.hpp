@@ -27,8 +27,8 @@ class Group {
 
   /// One ball over all points, then split until there are as many as wanted or splitting does not pay.
   void split_from_one();
-  /// Takes these balls: points go to the one of least power.
-  void take(std::span<const Sphere> balls);
+  /// Takes these balls: points go to the one of least power. fill_places: sweeps may place further balls.
+  void take(std::span<const Sphere> balls, bool fill_places = true);
   void take_in_grid(std::span<const GroupBall> balls);
   /// Points to the ball of least power, balls fitted to their points, unused ones placed by splitting.
   void sweep(float taken, bool exclusive);
@@ -93,6 +93,7 @@ class Group {
   std::vector<std::uint64_t> points_hash_;  // of the set of points of each ball
   std::vector<Fit> fits_;
   std::uint64_t clock_ = 0;
+  bool fill_places_ = true;
   std::vector<std::uint8_t> refused_;  // splitting it did not pay
   GroupPoints own_;                    // scratch: points of the ball being fitted
   std::vector<std::uint32_t> own_index_;

@@ -16,6 +16,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/medial/medial_balls.hpp>
 
+#include "build/demand.hpp"
 #include "build/exchange.hpp"
 #include "build/medial_seeds.hpp"
 #include "build/node_fit.hpp"
@@ -185,31 +186,15 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const SignedDistance& shape, st
   return shrinking_balls(shape, points, normals, workers).balls;
 }
 
-// The square root of what a leaf takes in, by area: leaves that are split further take in an eighth each, so roots add
-// up to what a part of the surface needs.
-std::vector<float> leaf_demands(const FitInput& input, const Built& built, std::span<const std::uint32_t> leaves,
-                                Workers& workers) {
-  std::vector<float> demands(leaves.size());
-  workers.run(leaves.size(), [&](std::size_t i) {
-    const Sphere& s = built.tree.spheres[leaves[i]];
-    Box box;
-    box.add(s.center - Vec3{s.radius, s.radius, s.radius});
-    box.add(s.center + Vec3{s.radius, s.radius, s.radius});
-    OutsideGrid grid(input.lines, box, 0.3 * s.radius);
-    const double cost =
-        grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) * std::pow(grid.cell(), 3);
-    double surface = 0;
-    for (std::uint32_t p = built.cover.region_begin[leaves[i]]; p < built.cover.region_end[leaves[i]]; ++p) {
-      const auto patch = built.cover.patch(p);
-      const auto at = [&](std::size_t k) { return corner_position(built.cover, patch[k], input.mesh.positions); };
-      for (std::size_t k = 2; k < patch.size(); ++k) surface += area({at(0), at(k - 1), at(k)});
-    }
-    demands[i] = surface > 0 ? static_cast<float>(std::sqrt(std::max(0.0, cost)) / surface) : 0.0F;
-  });
-  return demands;
-}
-
 }  // namespace
+
+Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
+  const std::vector<Sphere> none;
+  BuildRun deep = run;
+  deep.spheres = 0;
+  deep.max_protrusion = 0;
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
+}
 
 Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const SignedDistance shape(mesh, workers);
@@ -228,19 +213,10 @@ Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
     return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
-  const std::vector<Sphere> none;
-  const BuildRun first_run = run.pass(0, first_share);
-  const Built first =
-      top_down(mesh, first_run, {}, OwnDivider(input, first_run, fast, none, {}, workers), workers, &shape);
+  const Built first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
-  const std::size_t last = first.tree.level_count() - 1;
-  const std::vector<std::uint32_t> leaves = level_set(first.tree, last);
-  const std::vector<Sphere> leaf_spheres = level_set_spheres(first.tree, last);
-  const std::vector<float> demands = leaf_demands(input, first, leaves, workers);
-  const PowerDiagram owners(leaf_spheres);
   const BuildRun second_run = run.pass(first_share, 1);
-  const OwnDivider divide(input, second_run, effort, balls,
-                          [&](const Vec3& p) { return demands[owners.owner(p)]; }, workers);
+  const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
   return top_down(mesh, second_run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
 }
 

@@ -5,9 +5,11 @@
 // owns.
 #pragma once
 
+#include <array>
 #include <morula/query/signed_distance.hpp>
 #include <string_view>
 
+#include "build/node_fit.hpp"
 #include "build/top_down.hpp"
 
 namespace morula {
@@ -31,7 +33,15 @@ struct Proposal {
 using Proposals = std::vector<Proposal>;
 using Reducer = std::function<Proposals(const ReducerInput&)>;
 
-/// The divider made of a reducer (ALGORITHMS B.2). shape: borrowed; what the fit is judged by.
-Divider divide_by(const Mesh& mesh, const BuildOptions& options, const SignedDistance& shape, Reducer reducer);
+/// How thoroughly proposals are fitted.
+struct ReduceSettings {
+  NodeFit::Settings fit;
+  int changes;                         ///< tried on the winner, on every node
+  std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2, when there is a demand
+};
+/// The divider made of a reducer (ALGORITHMS B.2, C.8): proposals are judged by the empty space they take in after a
+/// sweep; the best is settled and made exact. input: borrowed.
+Divider divide_by(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
+                  Demand demand = {});
 
 }  // namespace morula
