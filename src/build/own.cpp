@@ -20,6 +20,7 @@
 #include "build/exchange.hpp"
 #include "build/medial_seeds.hpp"
 #include "build/node_fit.hpp"
+#include "build/reducers.hpp"
 
 namespace morula {
 namespace {
@@ -50,7 +51,7 @@ constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius
                           .sweeps = 2,
                           .inscribed = true,
                           .medial_samples = 6000,
-                          .starts = {4, 1, 1},
+                          .starts = {5, 2, 1},
                           .changes = {60, 30, 12},
                           .balance = {2.5F, 2.0F},
                           .exchanges = 3};
@@ -70,6 +71,7 @@ const Effort& effort_of(Quality quality) {
 }
 
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
+constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
 class OwnDivider {
  public:
@@ -87,7 +89,7 @@ class OwnDivider {
     std::vector<NodeFit::Exact> results(starts);
     const auto fit = [&](std::size_t k) {
       run_.throw_if_stopped();
-      results[k] = attempt(nodes[k], level);
+      results[k] = attempt(nodes[k], level, k);
     };
     // Only the root has the workers to itself.
     if (node.level == 0)
@@ -101,20 +103,30 @@ class OwnDivider {
   }
 
  private:
-  NodeFit::Exact attempt(const BuildNode& node, std::size_t level) const {
+  // Balls to begin with: of ball splitting, then, for further starts, of the paper's reducers.
+  std::vector<Sphere> first_spheres(const BuildNode& node, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
-    NodeFit::Settings settings = effort_.fit;
-    std::vector<Sphere> spheres;
-    double mean_radius = 0;
-    {
-      settings.cell = effort_.first_cell;
-      NodeFit split(input_, node, most, 0, settings);
-      split.group().split_from_one();
-      for (int i = 0; i < 2; ++i) split.group().sweep(while_splitting, true);
-      spheres = split.group().spheres();
-      for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
+    if (start > 0) {
+      const Reduction kind = further_starts[(start - 1) % further_starts.size()];
+      const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
+      const Proposals proposals = combined_reducer({kind}, BuildOptions{})(
+          {samples.points, samples.normals, node.sphere, most, node.seed, input_.shape});
+      if (proposals.front().reducer != no_proposal) return proposals.front().spheres;
     }
-    settings.cell = effort_.fit.cell;
+    NodeFit::Settings settings = effort_.fit;
+    settings.cell = effort_.first_cell;
+    NodeFit fit(input_, node, most, 0, settings);
+    fit.group().split_from_one();
+    for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
+    return fit.group().spheres();
+  }
+
+  NodeFit::Exact attempt(const BuildNode& node, std::size_t level, std::size_t start) const {
+    const auto most = static_cast<std::size_t>(run_.branching);
+    const std::vector<Sphere> spheres = first_spheres(node, start);
+    double mean_radius = 0;
+    for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
+    NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
     NodeFit fit(input_, node, most, mean_radius, settings, demand_);
     Group& group = fit.group();

@@ -21,15 +21,14 @@ Vec3 unit_normal(const Triangle& t, double orientation) {
 }
 
 // Corners of the region's patches, thinned, and points spread over it by area.
-struct Samples {
-  std::vector<Vec3> points, normals;
-  void add(const Vec3& point, const Vec3& normal) {
-    points.push_back(point);
-    normals.push_back(normal);
-  }
-};
-Samples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed) {
-  Samples samples;
+}  // namespace
+
+RegionSamples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed) {
+  RegionSamples samples;
+  const auto add = [&](const Vec3& point, const Vec3& normal) {
+    samples.points.push_back(point);
+    samples.normals.push_back(normal);
+  };
   const std::size_t step = std::max<std::size_t>(1, region.corners.size() / most_corner_samples);
   std::vector<double> area_up_to(region.size());
   double total = 0;
@@ -42,7 +41,7 @@ Samples region_samples(const Mesh& mesh, const Region& region, double orientatio
       total += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
     area_up_to[k] = total;
     for (std::size_t c = 0; c < polygon.size(); ++c)
-      if ((region.corner_begin[k] + c) % step == 0) samples.add(at_barycentric(t, polygon[c]), normal);
+      if ((region.corner_begin[k] + c) % step == 0) add(at_barycentric(t, polygon[c]), normal);
   }
   if (!(total > 0)) return samples;
   Random random(seed);
@@ -59,10 +58,12 @@ Samples region_samples(const Mesh& mesh, const Region& region, double orientatio
       point += at_barycentric(t, b) * weight;
       sum += weight;
     }
-    samples.add(point / sum, unit_normal(t, orientation));
+    add(point / sum, unit_normal(t, orientation));
   }
   return samples;
 }
+
+namespace {
 
 class ReducerDivider {
  public:
@@ -76,7 +77,7 @@ class ReducerDivider {
         demand_(std::move(demand)) {}
 
   Division operator()(const BuildNode& node) const {
-    const Samples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
+    const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
     const Proposals proposals =
         reducer_({samples.points, samples.normals, node.sphere, branching_, node.seed, input_.shape});
     if (proposals.empty()) return {};

@@ -14,6 +14,13 @@
 
 namespace morula {
 
+/// Points that steer a search; cover never depends on them.
+struct RegionSamples {
+  std::vector<Vec3> points, normals;
+};
+/// Corners of the region's patches, thinned, and points spread over it by area. orientation: −1 for a mesh inside out.
+RegionSamples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed);
+
 /// What a reducer sees of a node.
 struct ReducerInput {
   std::span<const Vec3> samples;  ///< points of the region: corners of its patches and points spread by area
