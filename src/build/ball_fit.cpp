@@ -70,7 +70,8 @@ float farthest_from(const GroupPoints& points, const Vec3f& center) {
 
 }  // namespace
 
-GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken, float first_step) {
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken, float first_step,
+                   float last_step) {
   constexpr float least_radius = 1e-4F;  // a point's ball
   const Vec3f middle = near_smallest_center(points);
   const float smallest = std::max(least_radius, farthest_from(points, middle));
@@ -90,7 +91,6 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
                                             Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
   std::size_t first = 0;
-  constexpr float last_step = 0.02F;
   for (float step = first_step; step > last_step; step *= 0.5F) {
     for (int moves = 0; moves < 12; ++moves) {
       bool improved = false;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/query/power_diagram.hpp>
 
 #include "build/ball_fit.hpp"
 #include "build/extremes.hpp"
@@ -44,9 +43,8 @@ class Exchange {
   void trade(Workers& workers) {
     std::vector<Sphere> spheres;
     for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
-    const PowerDiagram diagram(spheres);
     std::vector<Gifts> gifts(spheres.size());
-    workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), diagram, spheres); });
+    workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), spheres); });
     for (BuildNode& node : nodes_) node.region = {};
     for (const Gifts& g : gifts)
       for (const Given& part : g.parts)
@@ -61,28 +59,38 @@ class Exchange {
   }
 
  private:
-  Gifts give(std::uint32_t from, const PowerDiagram& diagram, std::span<const Sphere> spheres) const {
+  Gifts give(std::uint32_t from, std::span<const Sphere> spheres) const {
     Gifts gifts;
     const BuildNode& own = nodes_[from];
+    // Where another node's power is less than this one's, which is not positive, its sphere reaches: only spheres that
+    // meet this one can take anything.
     std::vector<std::uint32_t> near, allowed;
+    for (std::uint32_t j = 0; j < spheres.size(); ++j)
+      if (j != from && distance(spheres[j].center, spheres[from].center) < spheres[j].radius + spheres[from].radius)
+        near.push_back(j);
     std::vector<Vec3> corners;
+    std::vector<double> own_powers;
     CutFacet cut;
     for (std::size_t k = 0; k < own.region.size(); ++k) {
       const std::uint32_t facet = own.region.facet[k];
       const FacetGeometry geometry = facet_geometry(mesh_, facet);
       const auto polygon = own.region.polygon(k);
       corners.clear();
-      for (const Barycentric& b : polygon) corners.push_back(at_barycentric(geometry.corners, b));
-      diagram.candidates(geometry.corners, near);
-      allowed.clear();
-      for (const std::uint32_t c : near) {
-        const BuildNode& other = nodes_[c];
-        const bool may = c == from || other.parent == own.parent ||
-                         std::all_of(other.ancestors.begin(), other.ancestors.end(),
-                                     [&](const Sphere& a) { return contains(a, corners); });
-        if (may) allowed.push_back(c);
+      own_powers.clear();
+      for (const Barycentric& b : polygon) {
+        corners.push_back(at_barycentric(geometry.corners, b));
+        own_powers.push_back(power(spheres[from], corners.back()));
       }
-      if (std::find(allowed.begin(), allowed.end(), from) == allowed.end()) allowed.push_back(from);
+      allowed.assign(1, from);
+      for (const std::uint32_t j : near) {
+        bool less = false;
+        for (std::size_t c = 0; c < corners.size() && !less; ++c) less = power(spheres[j], corners[c]) < own_powers[c];
+        if (!less) continue;
+        const BuildNode& other = nodes_[j];
+        if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
+                                                      [&](const Sphere& a) { return contains(a, corners); }))
+          allowed.push_back(j);
+      }
       std::sort(allowed.begin(), allowed.end());
       if (allowed.size() == 1) {
         gifts.add(from, facet, polygon);

@@ -315,7 +315,7 @@ bool Group::split(std::size_t ball, std::size_t into, float taken, float most_co
       for (std::size_t i = 0; i < members.size(); ++i)
         if (side[i] == s) own_.push_back(points_[members[i]]);
       // The old centre is deep where the new points are a shallow patch: without it no split finds deep balls.
-      halves[s] = fit_ball(grid_, own_, {&before.center, 1}, taken, 0.25F);
+      halves[s] = fit_ball(grid_, own_, {&before.center, 1}, taken, 0.25F, 0.03F);
       if (s == 0) grid_.add(sphere_of(halves[0]));
     }
     grid_.remove(sphere_of(halves[0]));

@@ -34,7 +34,7 @@ class SeedSearch {
     float lower = 0, upper = 0;
     for (std::size_t i = 0; i < points_; ++i) upper = std::max(upper, growth_[i]);
     std::vector<std::size_t> best = greedy(upper, most);
-    constexpr int bisections = 14;
+    constexpr int bisections = 10;
     for (int k = 0; k < bisections; ++k) {
       const float middle = 0.5F * (lower + upper);
       std::vector<std::size_t> chosen = greedy(middle, most);

@@ -21,17 +21,14 @@ constexpr double thinning = 0.7;
 // One sample of each neighbourhood: a set of cells, open addressing, insertion only.
 class ThinnedPoints {
  public:
-  ThinnedPoints(const OutsideGrid& grid, float width, GroupPoints& points)
-      : grid_(grid), per_cell_(1 / width), points_(points), keys_(1024, 0) {}
+  ThinnedPoints(const Vec3& origin, double width, std::vector<Vec3>& points)
+      : origin_(origin), per_cell_(1 / width), points_(points), keys_(1024, 0) {}
 
   void add(const Vec3& p) {
-    const Vec3f q = grid_.to_grid(p);
-    // Grid coordinates start at 0; a box of 2²¹ cells is more than any grid has.
-    const auto cell = [&](float v) {
-      return static_cast<std::uint64_t>(std::clamp(v * per_cell_, 0.0F, 2097151.0F));
-    };
+    const auto cell = [&](double v) { return static_cast<std::uint64_t>(std::clamp(v * per_cell_, 0.0, 2097151.0)); };
+    const Vec3 q = p - origin_;
     // Never 0, which marks a free slot.
-    if (insert((cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1)) points_.push_back(q);
+    if (insert((cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1)) points_.push_back(p);
   }
 
  private:
@@ -55,9 +52,9 @@ class ThinnedPoints {
       if (key != 0) find(key) = key;
   }
 
-  const OutsideGrid& grid_;
-  float per_cell_;
-  GroupPoints& points_;
+  Vec3 origin_;
+  double per_cell_;
+  std::vector<Vec3>& points_;
   std::vector<std::uint64_t> keys_;
   std::size_t count_ = 0;
 };
@@ -113,28 +110,33 @@ double area_of(const Mesh& mesh, const Region& region) {
   return total;
 }
 
-NodeFit::NodeFit(const FitInput& input, const BuildNode& node, std::size_t most, double mean_radius,
-                 const Settings& settings, const Demand& demand)
-    : input_(input), node_(node), settings_(settings) {
+RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing) {
   // Regions without area, or next to none beside their sphere, still have a length.
   const double least_width = 0.02 * node.sphere.radius;
-  const double width =
-      std::max(least_width, std::sqrt(area_of(input.mesh, node.region) / static_cast<double>(most)));
-  Box box;
-  std::vector<Vec3> corners;
-  corner_positions(input.mesh, node.region, corners);
-  for (const Vec3& p : corners) box.add(p);
+  RegionPoints result;
+  result.width = std::max(least_width, std::sqrt(area_of(input.mesh, node.region) / static_cast<double>(most)));
+  const Vec3& c = node.sphere.center;
+  const double r = node.sphere.radius;
+  ThinnedPoints thinned(c - Vec3{r, r, r}, thinning * spacing * result.width, result.points);
+  sample(input.mesh, node.region, spacing * result.width, thinned);
+  for (const Vec3& p : result.points) result.box.add(p);
+  return result;
+}
+
+NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoints& samples, std::size_t most,
+                 double mean_radius, const Settings& settings, const Demand& demand)
+    : input_(input), node_(node), settings_(settings) {
+  Box box = samples.box;
   const double margin = room * node.sphere.radius;
   box.lower = box.lower - Vec3{margin, margin, margin};
   box.upper = box.upper + Vec3{margin, margin, margin};
   constexpr double most_cells = 160;  // along a side, whatever the shape
   grid_ = std::make_unique<OutsideGrid>(
       input.lines, box,
-      std::max({settings.cell * width, mean_radius / settings.cells_per_radius,
+      std::max({settings.cell * samples.width, mean_radius / settings.cells_per_radius,
                 largest_component(box.extent()) / most_cells}));
-  part_width_ = static_cast<float>(width / grid_->cell());
-  ThinnedPoints thinned(*grid_, static_cast<float>(thinning * settings.spacing) * part_width_, points_);
-  sample(input.mesh, node.region, settings.spacing * width, thinned);
+  part_width_ = static_cast<float>(samples.width / grid_->cell());
+  for (const Vec3& p : samples.points) points_.push_back(grid_->to_grid(p));
   if (settings.balance > 0 && demand) {
     double sum = 0;
     for (std::size_t i = 0; i < points_.size(); ++i) {

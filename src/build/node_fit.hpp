@@ -26,18 +26,27 @@ int lattice_cells(const Mesh& mesh, int branching, int depth);
 /// Demand of a surface point for spheres of later levels; any unit.
 using Demand = std::function<float(const Vec3&)>;
 
+/// Samples of a node's region, evenly spread, for any number of fits.
+struct RegionPoints {
+  double width = 0;  ///< of one child's part of the region, mesh units
+  Box box;           ///< of the region
+  std::vector<Vec3> points;
+};
+/// most: children. spacing: of the samples, in widths of a child's part.
+RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing);
+
 class NodeFit {
  public:
   struct Settings {
-    double spacing = 0.1;       ///< of samples, in widths of a child's part of the region
-    double cell = 0.2;          ///< narrowest grid cell, in the same
+    double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
+    double cell = 0.2;            ///< narrowest grid cell, in the same
     double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    float balance = 0;          ///< weight of demand that is shared out unevenly
+    float balance = 0;            ///< weight of demand that is shared out unevenly
     int exact_rounds = 3;
   };
   /// mean_radius: of the balls to come, mesh units; sets the width of the grid's cells.
-  NodeFit(const FitInput& input, const BuildNode& node, std::size_t most, double mean_radius, const Settings& settings,
-          const Demand& demand = {});
+  NodeFit(const FitInput& input, const BuildNode& node, const RegionPoints& samples, std::size_t most,
+          double mean_radius, const Settings& settings, const Demand& demand = {});
 
   Group& group() { return *group_; }
   OutsideGrid& grid() { return *grid_; }

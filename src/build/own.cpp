@@ -45,14 +45,14 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .starts = {1, 1, 1},
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
-                      .exchanges = 1};
+                      .exchanges = 0};
 constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
                           .first_cell = 0.35,
                           .sweeps = 2,
                           .inscribed = true,
-                          .medial_samples = 6000,
-                          .starts = {5, 2, 1},
-                          .changes = {60, 30, 12},
+                          .medial_samples = 4000,
+                          .starts = {5, 3, 1},
+                          .changes = {100, 40, 4},
                           .balance = {2.5F, 2.0F},
                           .exchanges = 3};
 constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 5, .balance = 0, .exact_rounds = 4},
@@ -86,10 +86,12 @@ class OwnDivider {
     std::vector<BuildNode> nodes(starts, node);
     Random seeds(node.seed);
     for (BuildNode& n : nodes) n.seed = seeds.next();
+    const RegionPoints points =
+        region_points(input_, node, static_cast<std::size_t>(run_.branching), effort_.fit.spacing);
     std::vector<NodeFit::Exact> results(starts);
     const auto fit = [&](std::size_t k) {
       run_.throw_if_stopped();
-      results[k] = attempt(nodes[k], level, k);
+      results[k] = attempt(nodes[k], points, level, k);
     };
     // Only the root has the workers to itself.
     if (node.level == 0)
@@ -104,7 +106,7 @@ class OwnDivider {
 
  private:
   // Balls to begin with: of ball splitting, then, for further starts, of the paper's reducers.
-  std::vector<Sphere> first_spheres(const BuildNode& node, std::size_t start) const {
+  std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     if (start > 0) {
       const Reduction kind = further_starts[(start - 1) % further_starts.size()];
@@ -115,20 +117,21 @@ class OwnDivider {
     }
     NodeFit::Settings settings = effort_.fit;
     settings.cell = effort_.first_cell;
-    NodeFit fit(input_, node, most, 0, settings);
+    NodeFit fit(input_, node, points, most, 0, settings);
     fit.group().split_from_one();
     for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
     return fit.group().spheres();
   }
 
-  NodeFit::Exact attempt(const BuildNode& node, std::size_t level, std::size_t start) const {
+  NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level,
+                         std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
-    const std::vector<Sphere> spheres = first_spheres(node, start);
+    const std::vector<Sphere> spheres = first_spheres(node, points, start);
     double mean_radius = 0;
     for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
     NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
-    NodeFit fit(input_, node, most, mean_radius, settings, demand_);
+    NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     Group& group = fit.group();
     group.take(spheres);
     for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
@@ -140,7 +143,7 @@ class OwnDivider {
         for (const Dilation d : {Dilation::length, Dilation::square})
           group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, sweeps);
       }
-      group.try_inscribed(2 * inscribed_sweeps, 3 * sweeps);
+      group.try_inscribed(2 * inscribed_sweeps, sweeps);
     }
     run_.throw_if_stopped();
     group.try_changes(effort_.changes[level]);
@@ -157,7 +160,7 @@ class OwnDivider {
   // Inscribed balls that touch the region, in grid coordinates; an even choice when they are many.
   std::vector<GroupBall> touching(const BuildNode& node, const NodeFit& fit, const GroupPoints& points) const {
     constexpr float near = 0.25F;  // parts of the region
-    constexpr std::size_t enough = 300;
+    constexpr std::size_t enough = 200;
     const OutsideGrid& grid = const_cast<NodeFit&>(fit).grid();
     std::vector<GroupBall> found;
     for (const Sphere& ball : balls_) {

@@ -84,7 +84,8 @@ class ReducerDivider {
     double mean_radius = 0, count = 0;
     for (const Proposal& proposal : proposals)
       for (const Sphere& s : proposal.spheres) mean_radius += s.radius, ++count;
-    NodeFit fit(input_, node, branching_, mean_radius / std::max(1.0, count), fit_settings(node.level), demand_);
+    const RegionPoints points = region_points(input_, node, branching_, settings_.fit.spacing);
+    NodeFit fit(input_, node, points, branching_, mean_radius / std::max(1.0, count), fit_settings(node.level), demand_);
     Group& group = fit.group();
 
     // All proposals are judged after a sweep; the best gets more.
