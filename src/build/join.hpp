@@ -7,22 +7,36 @@
 
 namespace morula {
 
+struct Verdict {
+  double bound;  // of how far the sphere sticks out
+  double worth;  // what there is to gain by dividing the node; the greatest is divided first
+};
+
+/// Two siblings made one.
+struct Join {
+  double cost;  // what is lost by it
+  BuildNode node;
+  Verdict verdict;
+  std::size_t first, second;  // which
+};
+
 class Judge {
  public:
   /// max_protrusion: 0 where only the number of spheres matters.
   Judge(const Mesh& mesh, const SignedDistance& shape, double max_protrusion);
 
-  /// Upper bound of how far the sphere sticks out.
-  double bound(const Sphere& sphere) const { return shape_.protrusion_bound(sphere); }
-  /// What there is to gain by dividing a node with this sphere.
-  double worth(const Sphere& sphere) const;
+  Verdict operator()(const Sphere& sphere) const;
 
-  /// Joins siblings until at most `most` are left, each time those that then take in least more.
-  void join_to(Division& division, std::size_t most) const;
-  /// Joins siblings as long as the common sphere sticks out by no more than max_protrusion.
-  void join_while_good(Division& division) const;
+  /// Of the closest pairs, the one whose common sphere takes in least more than the two do, or, where protrusion is
+  /// what matters, sticks out least. verdicts: one per sibling. Nothing of fewer than two.
+  std::optional<Join> cheapest_join(std::span<const BuildNode* const> siblings,
+                                    std::span<const Verdict> verdicts) const;
+  /// Moves spheres that stick out by more than max_protrusion where they do not, if they can be, and joins siblings as
+  /// long as their common sphere does not either.
+  void make_few(Division& division) const;
 
  private:
+  Sphere fitted(const Region& region, const Vec3& start) const;
   BuildNode joined(const BuildNode& a, const BuildNode& b) const;
 
   const Mesh& mesh_;
