@@ -12,13 +12,17 @@ struct Verdict {
   double worth;  // what there is to gain by dividing the node; the greatest is divided first
 };
 
-/// Two siblings made one.
+/// What two siblings would be as one.
 struct Join {
   double cost;  // what is lost by it
-  BuildNode node;
+  Sphere sphere;
   Verdict verdict;
-  std::size_t first, second;  // which
 };
+
+/// Smallest sphere around two, as far as its radius goes: which siblings are close.
+double common_radius(const Sphere& a, const Sphere& b);
+/// The siblings' regions and cells as one, with the sphere given.
+BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
 
 class Judge {
  public:
@@ -27,17 +31,16 @@ class Judge {
 
   Verdict operator()(const Sphere& sphere) const;
 
-  /// Of the closest pairs, the one whose common sphere takes in least more than the two do, or, where protrusion is
-  /// what matters, sticks out least. verdicts: one per sibling. Nothing of fewer than two.
-  std::optional<Join> cheapest_join(std::span<const BuildNode* const> siblings,
-                                    std::span<const Verdict> verdicts) const;
+  /// The cost is how much more the common sphere takes in than the two do, or, where protrusion is what matters, how
+  /// far it sticks out.
+  Join join(const BuildNode& a, const Verdict& of_a, const BuildNode& b, const Verdict& of_b) const;
   /// Moves spheres that stick out by more than max_protrusion where they do not, if they can be, and joins siblings as
   /// long as their common sphere does not either.
   void make_few(Division& division) const;
 
  private:
-  Sphere fitted(const Region& region, const Vec3& start) const;
-  BuildNode joined(const BuildNode& a, const BuildNode& b) const;
+  Sphere fitted(const std::vector<Vec3>& points, const Vec3& start) const;
+  Sphere common_sphere(const BuildNode& a, const BuildNode& b) const;
 
   const Mesh& mesh_;
   const SignedDistance& shape_;

@@ -3,14 +3,21 @@
 #include "build/prune.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace morula {
 namespace {
 
+using Pair = std::pair<std::uint32_t, std::uint32_t>;  // two leaves, the children of one node
+struct Candidates {
+  std::map<Pair, Join> joins;
+  std::optional<Pair> best;
+};
+
 class Pruner {
  public:
-  Pruner(std::vector<Grown>& nodes, const Judge& judge) : nodes_(nodes), judge_(judge), joins_(nodes.size()) {
+  Pruner(std::vector<Grown>& nodes, const Judge& judge) : nodes_(nodes), judge_(judge), candidates_(nodes.size()) {
     parent_.resize(nodes.size(), no_node);
     for (std::uint32_t i = 0; i < nodes.size(); ++i)
       for (const std::uint32_t child : nodes[i].children) parent_[child] = i;
@@ -44,33 +51,50 @@ class Pruner {
   }
 
  private:
+  // The least cost of joining two leaves among a node's children.
   void look_for_join(std::uint32_t parent) {
-    std::vector<const BuildNode*> leaves;
-    std::vector<Verdict> verdicts;
-    for (const std::uint32_t child : nodes_[parent].children) {
-      if (!nodes_[child].children.empty()) continue;
-      leaves.push_back(&nodes_[child].node);
-      verdicts.push_back(nodes_[child].verdict);
+    Candidates& of = candidates_[parent];
+    std::vector<std::pair<double, Pair>> pairs;
+    const std::vector<std::uint32_t>& children = nodes_[parent].children;
+    for (std::size_t i = 0; i < children.size(); ++i)
+      for (std::size_t j = i + 1; j < children.size(); ++j)
+        if (nodes_[children[i]].children.empty() && nodes_[children[j]].children.empty())
+          pairs.push_back({common_radius(nodes_[children[i]].node.sphere, nodes_[children[j]].node.sphere),
+                           {children[i], children[j]}});
+    // Fitting is what costs: only the closest pairs are tried, and what was tried before is remembered.
+    constexpr std::size_t most_trials = 8;
+    const std::size_t trials = std::min(most_trials, pairs.size());
+    std::partial_sort(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(trials), pairs.end());
+    of.best.reset();
+    for (std::size_t k = 0; k < trials; ++k) {
+      const Pair pair = pairs[k].second;
+      const Grown &a = nodes_[pair.first], &b = nodes_[pair.second];
+      auto known = of.joins.find(pair);
+      if (known == of.joins.end())
+        known = of.joins.emplace(pair, judge_.join(a.node, a.verdict, b.node, b.verdict)).first;
+      if (!of.best || known->second.cost < of.joins.at(*of.best).cost) of.best = pair;
     }
-    joins_[parent] = judge_.cheapest_join(leaves, verdicts);
   }
+  double cost(std::uint32_t parent) const { return candidates_[parent].joins.at(*candidates_[parent].best).cost; }
 
   void enqueue(std::uint32_t parent) {
-    if (joins_[parent]) queue_.insert({joins_[parent]->cost, parent});
+    if (candidates_[parent].best) queue_.insert({cost(parent), parent});
   }
 
   void join(std::uint32_t parent) {
-    Join join = std::move(*joins_[parent]);
-    joins_[parent].reset();
-    std::vector<std::uint32_t>& children = nodes_[parent].children;
-    std::vector<std::uint32_t> leaves;
-    for (const std::uint32_t child : children)
-      if (nodes_[child].children.empty()) leaves.push_back(child);
-    const std::uint32_t kept = leaves[join.first], gone = leaves[join.second];
-    std::erase(children, gone);
+    Candidates& of = candidates_[parent];
+    const auto [kept, gone] = *of.best;
+    const Join join = of.joins.at(*of.best);
+    std::erase_if(of.joins, [kept = kept, gone = gone](const auto& entry) {
+      const Pair& pair = entry.first;
+      return pair.first == kept || pair.first == gone || pair.second == kept || pair.second == gone;
+    });
+    BuildNode node = joined(nodes_[kept].node, nodes_[gone].node, join.sphere);
     nodes_[gone].node.region = {};
+    std::vector<std::uint32_t>& children = nodes_[parent].children;
+    std::erase(children, gone);
     if (children.size() > 1) {
-      nodes_[kept].node = std::move(join.node);
+      nodes_[kept].node = std::move(node);
       nodes_[kept].verdict = join.verdict;
       look_for_join(parent);
       enqueue(parent);
@@ -79,21 +103,21 @@ class Pruner {
     // The only child left: it stands for its parent, whose own sphere may be the better one.
     children.clear();
     nodes_[kept].node.region = {};
-    nodes_[parent].node.region = std::move(join.node.region);
+    nodes_[parent].node.region = std::move(node.region);
     if (join.verdict.worth < nodes_[parent].verdict.worth) {
-      nodes_[parent].node.sphere = join.node.sphere;
+      nodes_[parent].node.sphere = join.sphere;
       nodes_[parent].verdict = join.verdict;
     }
     const std::uint32_t above = parent_[parent];
     if (above == no_node) return;
-    if (joins_[above]) queue_.erase({joins_[above]->cost, above});
+    if (candidates_[above].best) queue_.erase({cost(above), above});
     look_for_join(above);
     enqueue(above);
   }
 
   std::vector<Grown>& nodes_;
   const Judge& judge_;
-  std::vector<std::optional<Join>> joins_;  // of each node's children
+  std::vector<Candidates> candidates_;  // of each node
   std::vector<std::uint32_t> parent_;
   std::set<std::pair<double, std::uint32_t>> queue_;  // the cheapest first
 };
