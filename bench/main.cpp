@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
+#include "baseline.hpp"
 #include "input.hpp"
 #include "report.hpp"
 
@@ -39,6 +41,11 @@ int run(int argc, char** argv) {
   std::size_t questions = 20000;
   unsigned threads = 1;
   bool json = false;
+  std::vector<std::string> methods, method_names;
+  for (const Method method : all_methods()) method_names.emplace_back(name(method));
+  std::uint64_t seeds = 1;
+  std::string baseline_file;
+  bool scaling = false;
   app.add_option("--scenario", wanted, "build, update, measure, query; may be repeated (default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
@@ -51,6 +58,13 @@ int run(int argc, char** argv) {
   app.add_option("--questions", questions, "points that `query` asks about (default 20000)")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
+  app.add_option("--method", methods, "which generators `build` runs; may be repeated (default: all)")
+      ->check(CLI::IsMember(method_names));
+  app.add_option("--seeds", seeds, "trees of so many seeds in `build`, for the spread of looseness (default 1)")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));
+  app.add_option("--baseline", baseline_file,
+                 "CSV with the columns mesh,method,level,looseness; `build` divides its looseness by it");
+  app.add_flag("--scaling", scaling, "`build` on bodies of 10 thousand to a million facets, instead of meshes");
   app.add_flag("--json", json, "one JSON object instead of text");
   app.footer(
       "Example:\n  morula_bench --scenario update --mesh limb:96 --threads 2\n\n"
@@ -61,9 +75,15 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : exit_bad_use;
   }
 
-  const std::vector<Input> found = inputs(meshes);
+  std::optional<Baseline> baseline;
+  if (!baseline_file.empty()) baseline.emplace(baseline_file);
+  const std::vector<Input> found = scaling ? std::vector<Input>{} : inputs(meshes);
   Workers workers(threads);
-  const Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
+  Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
+  settings.seeds = seeds;
+  settings.baseline = baseline ? &*baseline : nullptr;
+  for (const std::string& method : methods) settings.methods.push_back(*method_from_name(method));
+  if (methods.empty()) settings.methods.assign(all_methods().begin(), all_methods().end());
   std::vector<Result> results;
   std::size_t wrong = 0;
   for (const Input& input : found) {
@@ -80,8 +100,16 @@ int run(int argc, char** argv) {
       std::fflush(stdout);
     }
   }
+  if (scaling)
+    for (Result& result : run_build_scaling(settings)) {
+      if (!json) print(result);
+      wrong += !result.faults.empty();
+      results.push_back(std::move(result));
+    }
+  const std::vector<SummaryRow> summary = build_summary(results);
+  if (!json) print(summary);
   if (json)
-    fmt::print("{}\n", to_json(found, results, settings));
+    fmt::print("{}\n", to_json(found, results, summary, settings));
   else if (wrong == 0)
     fmt::print("{} results, all verified\n", results.size());
   else

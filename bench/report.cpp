@@ -48,7 +48,17 @@ void print(const Result& result) {
   for (const std::string& fault : result.faults) fmt::print("{:8}WRONG: {}\n", "", fault);
 }
 
-std::string to_json(std::span<const Input> inputs, std::span<const Result> results, const Settings& settings) {
+void print(std::span<const SummaryRow> rows) {
+  if (rows.empty()) return;
+  fmt::print("over all meshes\n{:8}{:12}{:24}{:>7}{:>12}{:>12}\n", "", "method", "figure", "meshes", "median",
+             "largest");
+  for (const SummaryRow& row : rows)
+    fmt::print("{:8}{:12}{:24}{:>7}{:>12.4g}{:>12.4g}\n", "", row.item, row.figure, row.meshes, row.median,
+               row.largest);
+}
+
+std::string to_json(std::span<const Input> inputs, std::span<const Result> results, std::span<const SummaryRow> summary,
+                    const Settings& settings) {
   using nlohmann::json;
   json meshes = json::array();
   for (const Input& input : inputs)
@@ -70,11 +80,16 @@ std::string to_json(std::span<const Input> inputs, std::span<const Result> resul
                     {"figures", std::move(figures)},
                     {"faults", result.faults}});
   }
-  const json report{{"morula", version},
-                    {"compiler", compiler},
-                    {"threads", settings.workers->thread_count()},
-                    {"meshes", std::move(meshes)},
-                    {"results", std::move(rows)}};
+  json over_meshes = json::array();
+  for (const SummaryRow& row : summary)
+    over_meshes.push_back({{"item", row.item},
+                           {"figure", row.figure},
+                           {"meshes", row.meshes},
+                           {"median", row.median},
+                           {"largest", row.largest}});
+  const json report{
+      {"morula", version},           {"compiler", compiler},       {"threads", settings.workers->thread_count()},
+      {"meshes", std::move(meshes)}, {"results", std::move(rows)}, {"summary", std::move(over_meshes)}};
   return report.dump(2);
 }
 

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "baseline.hpp"
 #include "scenario.hpp"
 
 namespace morula::bench {
@@ -12,7 +13,11 @@ namespace morula::bench {
 /// Two lines or more: times; figures; what is wrong.
 void print(const Result& result);
 
+/// Medians and maxima over the meshes, as a table; nothing for no rows.
+void print(std::span<const SummaryRow> rows);
+
 /// Everything, times in seconds, as one JSON object.
-std::string to_json(std::span<const Input> inputs, std::span<const Result> results, const Settings& settings);
+std::string to_json(std::span<const Input> inputs, std::span<const Result> results, std::span<const SummaryRow> summary,
+                    const Settings& settings);
 
 }  // namespace morula::bench

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <morula/build/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
 #include <span>
@@ -19,11 +20,17 @@ struct Input {
   Mesh mesh;
 };
 
+class Baseline;
+
 struct Settings {
   int repeats;            ///< at least 1
   double patience;        ///< seconds; an item that takes longer gets fewer repeats, but never fewer than two
   std::size_t questions;  ///< points asked about by `query`
   Workers* workers;
+  // For `build`.
+  std::vector<Method> methods{};       ///< which
+  std::uint64_t seeds = 1;             ///< trees of so many seeds, for the spread of their looseness
+  const Baseline* baseline = nullptr;  ///< what looseness is divided by
 };
 
 /// Something counted or derived; the same on every run, unless it has a time in it.
@@ -49,6 +56,8 @@ struct Result {
 
 using Run = std::vector<Result> (*)(const Input&, const Settings&);
 std::vector<Result> run_build(const Input& input, const Settings& settings);
+/// Bodies of ten thousand to a million facets: time and memory per facet. Not for an input.
+std::vector<Result> run_build_scaling(const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);

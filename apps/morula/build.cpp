@@ -6,11 +6,15 @@
 
 #include <memory>
 #include <morula/build/build.hpp>
+#include <morula/io/ball_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <optional>
 
+#include "build_report.hpp"
 #include "command.hpp"
 #include "figures.hpp"
 #include "files.hpp"
+#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "report.hpp"
@@ -24,79 +28,171 @@ struct Options {
   std::string method{name(BuildOptions{}.method)};
   int branching = BuildOptions{}.branching;
   int depth = BuildOptions{}.depth;
+  std::optional<std::int64_t> spheres;
+  std::optional<double> max_protrusion;
   std::uint64_t seed = BuildOptions{}.seed;
+  std::string quality{name(BuildOptions{}.quality)};
   std::string reducers;
   std::string optimiser{name(BuildOptions{}.optimiser)};
   double balance_excess = BuildOptions{}.balance_excess;
+  std::optional<double> time_limit;
   unsigned threads = 0;
   bool json = false;
+  bool report = false;
+  bool depth_given = false;
+
+  /// A flat set is asked for instead of a depth.
+  bool flat() const { return spheres || max_protrusion; }
 };
 
-int build_command(const Options& o) {
-  BuildOptions options{.method = parse_method(o.method),
-                       .branching = o.branching,
-                       .depth = o.depth,
-                       .seed = o.seed,
-                       .reducers = parse_reducers(o.reducers),
-                       .optimiser = parse_optimiser(o.optimiser),
-                       .balance_excess = o.balance_excess,
-                       .progress = {}};
-  require_tree_output(o.output);
+/// Contradictions and outputs that cannot be: before anything is read.
+void require_sense(const Options& o) {
+  if (o.flat() && o.depth_given) {
+    throw UsageError(
+        fmt::format("{} and --depth contradict each other: leave out one; the tree becomes as deep as needed",
+                    o.spheres ? "--spheres" : "--max-protrusion"));
+  }
+  if (o.spheres && *o.spheres < 1) throw UsageError(fmt::format("--spheres {}: give at least 1", *o.spheres));
+  if (o.max_protrusion && !(*o.max_protrusion > 0)) {
+    throw UsageError(fmt::format("--max-protrusion {}: give a length above 0, in mesh units", *o.max_protrusion));
+  }
+  if (o.time_limit && !(*o.time_limit > 0)) {
+    throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
+  }
+  if (extension(o.output) != ".ply") return require_tree_output(o.output);
+  if (!o.flat()) {
+    throw UsageError(fmt::format(
+        "{}: .ply holds one set of balls, not a tree: add --spheres N or --max-protrusion LENGTH, or write a .morula",
+        o.output));
+  }
+  require_output_place(o.output);
+}
+
+BuildOptions build_options(const Options& o) {
+  return {.method = parse_method(o.method),
+          .branching = o.branching,
+          .depth = o.depth,
+          .spheres = static_cast<std::size_t>(o.spheres.value_or(0)),
+          .max_protrusion = o.max_protrusion.value_or(0),
+          .seed = o.seed,
+          .reducers = parse_reducers(o.reducers),
+          .optimiser = parse_optimiser(o.optimiser),
+          .balance_excess = o.balance_excess,
+          .quality = parse_quality(o.quality),
+          .time_limit_seconds = o.time_limit.value_or(0),
+          .stop = {},
+          .progress = {}};
+}
+
+struct Seconds {
+  double read, build, check, report, write;
+};
+
+Json json_report(const Options& o, const Mesh& mesh, const Built& built, const Certificate& certificate,
+                 const std::vector<LevelFigures>& figures, const Seconds& seconds, const Workers& workers) {
+  Json json{{"mesh", o.mesh},
+            {"vertices", mesh.vertex_count()},
+            {"facets", mesh.facet_count()},
+            {"mesh_hash", hash_text(built.report.mesh_hash)},
+            {"tree", o.output},
+            {"method", built.report.method},
+            {"branching", built.report.branching},
+            {"depth", built.report.depth},
+            {"seed", built.report.seed},
+            {"tree_hash", hash_text(tree_hash(built.tree))},
+            {"spheres", built.tree.leaf_count()}};
+  if (o.spheres) json["spheres_asked"] = *o.spheres;
+  if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
+  if (built.report.protrusion_bound) json["protrusion_bound"] = *built.report.protrusion_bound;
+  json.update(
+      {{"levels", build_levels_json(built, figures)},
+       {"early_leaves", built.report.early_leaves},
+       {"leftover_patches", built.report.leftover_patches},
+       {"notes", built.report.notes},
+       {"complete", built.report.complete},
+       {"covered", certificate.covered},
+       {"worst_excess", certificate.worst_excess},
+       {"threads", workers.thread_count()},
+       {"seconds",
+        {{"read", seconds.read}, {"build", seconds.build}, {"check", seconds.check}, {"write", seconds.write}}}});
+  if (o.report) json["seconds"]["report"] = seconds.report;
+  return json;
+}
+
+void print_report(const Options& o, const Mesh& mesh, const Built& built, const std::vector<LevelFigures>& figures,
+                  const Seconds& s, const Workers& workers) {
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
+  if (o.flat()) {
+    fmt::print("flat set      {}, sticking out by at most {}\n", counted(built.tree.leaf_count(), "sphere"),
+               figure(built.report.protrusion_bound.value_or(0)));
+  } else {
+    fmt::print("early leaves  {}\n", built.report.early_leaves);
+  }
+  fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
+             counted(built.cover.patch_count(), "patch", "patches"));
+  fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
+             seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),
+             counted(workers.thread_count(), "thread"));
+  for (const std::string& note : built.report.notes) fmt::print("note          {}\n", note);
+  fmt::print("written       {}\n", o.output);
+}
+
+/// Throws BuildStopped on Ctrl-C, before anything is written.
+int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
+  BuildOptions options = build_options(o);
   Workers workers(o.threads);
 
   Stopwatch watch;
+  Seconds seconds{};
   const Mesh mesh = read_mesh(o.mesh);
-  const double read_seconds = watch.lap();
+  seconds.read = watch.lap();
+  options.stop = interrupt.token();
   const Built built = [&] {
     Progress progress(fmt::format("building {}", o.method));
-    options.progress = [&](const BuildProgress& p) { progress.update(p.share); };
+    options.progress = [&](const BuildProgress& now) {
+      const std::string last = o.flat() ? "" : fmt::format(" of {}", o.depth);
+      progress.update(now.share,
+                      fmt::format("building {}, level {}{}{}", o.method, now.level, last, time_left(now.seconds_left)));
+    };
     return build(mesh, options, workers);
   }();
-  const double build_seconds = watch.lap();
+  seconds.build = watch.lap();
   const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
-  const double check_seconds = watch.lap();
+  seconds.check = watch.lap();
   if (!certificate.covered) {
     fmt::print(stderr,
                "morula: error: the tree does not cover {}: node {} lacks {}; nothing was written, please report it\n",
                o.mesh, certificate.worst_node, figure(certificate.worst_excess));
     return exit_check_failed;
   }
-  write_tree(o.output, built);
-  const double write_seconds = watch.lap();
+  std::vector<LevelFigures> figures;
+  if (o.report) figures = measure_levels(mesh, built.tree, interrupt.token(), workers);
+  seconds.report = watch.lap();
+  if (interrupt.requested()) throw BuildStopped();
+  if (extension(o.output) == ".ply") {
+    write_balls(o.output, level_set_spheres(built.tree, built.tree.level_count() - 1));
+  } else {
+    write_tree(o.output, built);
+  }
+  seconds.write = watch.lap();
 
   if (o.json) {
-    print_json(
-        {{"mesh", o.mesh},
-         {"vertices", mesh.vertex_count()},
-         {"facets", mesh.facet_count()},
-         {"mesh_hash", hash_text(built.report.mesh_hash)},
-         {"tree", o.output},
-         {"method", built.report.method},
-         {"branching", built.report.branching},
-         {"depth", built.report.depth},
-         {"seed", built.report.seed},
-         {"tree_hash", hash_text(tree_hash(built.tree))},
-         {"levels", level_json(built.tree)},
-         {"early_leaves", built.report.early_leaves},
-         {"leftover_patches", built.report.leftover_patches},
-         {"notes", built.report.notes},
-         {"covered", certificate.covered},
-         {"worst_excess", certificate.worst_excess},
-         {"threads", workers.thread_count()},
-         {"seconds",
-          {{"read", read_seconds}, {"build", build_seconds}, {"check", check_seconds}, {"write", write_seconds}}}});
-    return exit_done;
+    print_json(json_report(o, mesh, built, certificate, figures, seconds, workers));
+  } else {
+    print_report(o, mesh, built, figures, seconds, workers);
   }
-  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), level_table(built.tree));
-  fmt::print("early leaves  {}\n", built.report.early_leaves);
-  fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
-             counted(built.cover.patch_count(), "patch", "patches"));
-  fmt::print("seconds       read {}, build {}, check {}, write {} ({})\n", seconds(read_seconds),
-             seconds(build_seconds), seconds(check_seconds), seconds(write_seconds),
-             counted(workers.thread_count(), "thread"));
-  for (const std::string& note : built.report.notes) fmt::print("note          {}\n", note);
-  fmt::print("written       {}\n", o.output);
-  return exit_done;
+  return built.report.complete ? exit_done : exit_check_failed;
+}
+
+int build_command(const Options& o) {
+  require_sense(o);
+  const Interrupt interrupt;
+  try {
+    return build_unless_stopped(o, interrupt);
+  } catch (const BuildStopped&) {
+    fmt::print(stderr, "morula: interrupted; nothing was written\n");
+    return interrupt.exit_code();
+  }
 }
 
 }  // namespace
@@ -105,7 +201,9 @@ void add_build(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("build", "Build a sphere tree that covers a mesh at every level");
   command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("-o,--output", o->output, "Tree file: .morula (with its cover), .sph or .json")
+  command
+      ->add_option("-o,--output", o->output,
+                   "Tree file: .morula (with its cover), .sph or .json; for a flat set also .ply")
       ->type_name("TREE")
       ->required();
   command->add_option("--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
@@ -115,8 +213,19 @@ void add_build(CLI::App& app, Run& run) {
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--depth", o->depth, "Levels below the root, 0 to 8")->type_name("N")->capture_default_str();
+  command
+      ->add_option("--spheres", o->spheres,
+                   "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
+      ->type_name("N");
+  command
+      ->add_option("--max-protrusion", o->max_protrusion,
+                   "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
+      ->type_name("LENGTH");
   command->add_option("--seed", o->seed, "Of every random choice; equal seeds give equal trees")
       ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
+      ->type_name("NAME")
       ->capture_default_str();
   command
       ->add_option(
@@ -132,10 +241,18 @@ void add_build(CLI::App& app, Run& run) {
                    "For the optimiser balance: share by which the worst sphere may stick out further")
       ->type_name("SHARE")
       ->capture_default_str();
+  command
+      ->add_option("--time-limit", o->time_limit,
+                   "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
+      ->type_name("S");
+  command->add_flag("--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer("Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");
-  command->callback([o, &run] { run = [o] { return build_command(*o); }; });
+  command->callback([o, command, &run] {
+    o->depth_given = command->count("--depth") > 0;
+    run = [o] { return build_command(*o); };
+  });
 }
 
 }  // namespace morula::cli

@@ -61,7 +61,8 @@ int run(int argc, char** argv) {
       "  morula sample limb -o limb.obj\n"
       "  morula build limb.obj -o limb.morula\n"
       "  morula measure limb.obj limb.morula\n\n"
-      "Exit codes: 0 done, 1 a check failed or the result is incomplete, 2 bad use or bad input, 3 internal error.");
+      "Exit codes: 0 done, 1 a check failed or the result is incomplete, 2 bad use or bad input, 3 internal error,\n"
+      "130 interrupted.");
   Run run;
   add_build(app, run);
   add_measure(app, run);

@@ -163,6 +163,15 @@ Optimiser parse_optimiser(const std::string& text) {
   return *optimiser_from_name(text);
 }
 
+std::vector<std::string> quality_names() {
+  return names_of(all_qualities());
+}
+
+Quality parse_quality(const std::string& text) {
+  check_name("quality", text, quality_names());
+  return *quality_from_name(text);
+}
+
 Axis parse_axis(const std::string& text) {
   check_name("axis", text, {"x", "y", "z", "auto"});
   return text == "x" ? Axis::x : text == "y" ? Axis::y : text == "z" ? Axis::z : Axis::automatic;

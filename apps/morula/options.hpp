@@ -42,6 +42,8 @@ std::vector<std::string> optimiser_names();
 /// "merge,expand"; nothing for "".
 std::vector<Reduction> parse_reducers(const std::string& text);
 Optimiser parse_optimiser(const std::string& name);
+std::vector<std::string> quality_names();
+Quality parse_quality(const std::string& name);
 Axis parse_axis(const std::string& name);
 /// "exact", or a list such as "0:exact,2:approach2": from the given level on, until the next one given.
 std::vector<Rule> parse_rules(const std::string& text);

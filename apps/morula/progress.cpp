@@ -50,6 +50,13 @@ void Progress::update(double share, std::string label) {
   update(share);
 }
 
+std::string time_left(std::optional<double> seconds) {
+  if (!seconds || !(*seconds >= 1)) return {};
+  if (*seconds < 99.5) return fmt::format(", about {:.0f} s left", *seconds);
+  if (*seconds < 99.5 * 60) return fmt::format(", about {:.0f} min left", *seconds / 60);
+  return fmt::format(", about {:.0f} h left", *seconds / 3600);
+}
+
 double Stopwatch::lap() {
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();

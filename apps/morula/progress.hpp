@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace morula::cli {
@@ -26,6 +27,9 @@ class Progress {
   bool shown_;  // stderr is a terminal
   Clock::time_point last_{};
 };
+
+/// ", about 3 min left"; nothing while it is not known, and for less than a second.
+std::string time_left(std::optional<double> seconds);
 
 /// Seconds since made, or since the last call of lap().
 class Stopwatch {

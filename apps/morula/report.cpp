@@ -13,12 +13,11 @@
 namespace morula::cli {
 namespace {
 
-struct LevelSummary {
-  std::size_t nodes = 0;
-  std::size_t leaves = 0;
-  double largest_radius = 0;
-  double mean_radius = 0;
-};
+Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace
 
 LevelSummary summary(const SphereTree& tree, std::size_t level) {
   LevelSummary s;
@@ -32,12 +31,6 @@ LevelSummary summary(const SphereTree& tree, std::size_t level) {
   if (s.nodes > 0) s.mean_radius /= static_cast<double>(s.nodes);
   return s;
 }
-
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-}  // namespace
 
 void print_json(const Json& json) {
   fmt::print("{}\n", json.dump(2));

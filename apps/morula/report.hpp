@@ -17,6 +17,14 @@ using Json = nlohmann::ordered_json;
 /// One document on stdout, with a line break.
 void print_json(const Json& json);
 
+struct LevelSummary {
+  std::size_t nodes = 0;
+  std::size_t leaves = 0;
+  double largest_radius = 0;
+  double mean_radius = 0;
+};
+LevelSummary summary(const SphereTree& tree, std::size_t level);
+
 /// Per level: nodes, leaves, largest and mean radius.
 std::string level_table(const SphereTree& tree);
 Json level_json(const SphereTree& tree);

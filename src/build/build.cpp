@@ -150,6 +150,9 @@ Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   if (options.depth < 0 || options.depth > max_depth)
     throw std::invalid_argument("build: depth " + std::to_string(options.depth) + " is not in 0…8");
   require_used(options);
+  constexpr std::size_t most_spheres = 100'000'000;
+  if (options.spheres > most_spheres)
+    throw std::invalid_argument("build: " + std::to_string(options.spheres) + " spheres are more than 100000000");
   require_length(options.max_protrusion, "the greatest protrusion");
   require_length(options.time_limit_seconds, "the time limit");
   require_usable(mesh);

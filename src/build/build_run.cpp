@@ -63,8 +63,9 @@ double TimeEstimate::wall(double seconds, double nodes) const {
 std::optional<double> TimeEstimate::seconds_left() const {
   if (levels_.empty() || levels_.back().done == 0) return std::nullopt;
   const Level& now = levels_.back();
-  // Before two levels are seen: a node costs as much as so many patches.
-  constexpr double patches_per_node = 3000;
+  // Before two levels are seen: a node costs as much as so many patches. Rather too much than too little, because the
+  // bar does not go back.
+  constexpr double patches_per_node = 20000;
   double per_node = now.all_seconds() / (now.nodes + patches_ / patches_per_node);
   if (levels_.size() > 1) {
     const Level& before = levels_[levels_.size() - 2];

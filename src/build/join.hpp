@@ -7,23 +7,40 @@
 
 namespace morula {
 
+struct Verdict {
+  double bound;  // of how far the sphere sticks out
+  double worth;  // what there is to gain by dividing the node; the greatest is divided first
+};
+
+/// What two siblings would be as one.
+struct Join {
+  double cost;  // what is lost by it
+  Sphere sphere;
+  Verdict verdict;
+};
+
+/// Smallest sphere around two, as far as its radius goes: which siblings are close.
+double common_radius(const Sphere& a, const Sphere& b);
+/// The siblings' regions and cells as one, with the sphere given.
+BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
+
 class Judge {
  public:
   /// max_protrusion: 0 where only the number of spheres matters.
   Judge(const Mesh& mesh, const SignedDistance& shape, double max_protrusion);
 
-  /// Upper bound of how far the sphere sticks out.
-  double bound(const Sphere& sphere) const { return shape_.protrusion_bound(sphere); }
-  /// What there is to gain by dividing a node with this sphere.
-  double worth(const Sphere& sphere) const;
+  Verdict operator()(const Sphere& sphere) const;
 
-  /// Joins siblings until at most `most` are left, each time those that then take in least more.
-  void join_to(Division& division, std::size_t most) const;
-  /// Joins siblings as long as the common sphere sticks out by no more than max_protrusion.
-  void join_while_good(Division& division) const;
+  /// The cost is how much more the common sphere takes in than the two do, or, where protrusion is what matters, how
+  /// far it sticks out.
+  Join join(const BuildNode& a, const Verdict& of_a, const BuildNode& b, const Verdict& of_b) const;
+  /// Moves spheres that stick out by more than max_protrusion where they do not, if they can be, and joins siblings as
+  /// long as their common sphere does not either.
+  void make_few(Division& division) const;
 
  private:
-  BuildNode joined(const BuildNode& a, const BuildNode& b) const;
+  Sphere fitted(const std::vector<Vec3>& points, const Vec3& start) const;
+  Sphere common_sphere(const BuildNode& a, const BuildNode& b) const;
 
   const Mesh& mesh_;
   const SignedDistance& shape_;

@@ -59,5 +59,81 @@ TEST(BuildCommand, prints_no_progress_into_files) {
   EXPECT_EQ(bench.require("build bar.obj -o bar.morula --method octree").err, "");
 }
 
+TEST(BuildCommand, makes_flat_sets_and_writes_them_as_balls) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 12");
+  const Mesh mesh = read_mesh(bench / "limb.obj");
+  const auto json = bench.require("build limb.obj -o t.morula --method octree --spheres 30 --json").json();
+  EXPECT_EQ(json["spheres"], 30);
+  EXPECT_EQ(json["spheres_asked"], 30);
+  EXPECT_TRUE(json["complete"].get<bool>());
+  const Built read = read_built(bench / "t.morula", mesh);
+  EXPECT_EQ(tree_hash(read.tree), tree_hash(build(mesh, {.method = Method::octree, .spheres = 30}).tree));
+  bench.require("build limb.obj -o balls.ply --method octree --spheres 30");
+  EXPECT_NE(bench.read("balls.ply").find("element vertex 30\n"), std::string::npos);
+  const auto within = bench.require("build limb.obj -o t.sph --method octree --max-protrusion 0.3 --json").json();
+  EXPECT_LE(within["protrusion_bound"].get<double>(), 0.3);
+  EXPECT_EQ(within["max_protrusion_asked"], 0.3);
+}
+
+TEST(BuildCommand, exits_with_1_when_the_protrusion_or_the_time_is_not_enough) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 12");
+  const CommandResult far =
+      bench.run("build limb.obj -o far.morula --method octree --max-protrusion 0.01 --spheres 9 --json");
+  EXPECT_EQ(far.exit_code, 1) << far.err;
+  EXPECT_FALSE(far.json()["complete"].get<bool>());
+  EXPECT_GT(far.json()["protrusion_bound"].get<double>(), 0.01);
+  bench.require("info far.morula --check --mesh limb.obj");
+  const CommandResult late = bench.run("build limb.obj -o late.morula --depth 8 --time-limit 0.05");
+  EXPECT_EQ(late.exit_code, 1) << late.err;
+  EXPECT_NE(late.out.find("the time limit of 0.05 s was over"), std::string::npos) << late.out;
+  bench.require("info late.morula --check --mesh limb.obj");
+}
+
+TEST(BuildCommand, reports_every_level_as_measure_does) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 12");
+  const auto json = bench.require("build limb.obj -o t.morula --depth 2 --report --json").json();
+  const auto measured = bench.require("measure limb.obj t.morula --resolution 160 --json").json();
+  ASSERT_EQ(json["levels"].size(), 3u);
+  for (std::size_t level = 0; level < 3; ++level) {
+    const auto& told = json["levels"][level];
+    const auto& expected = measured["frames"][0]["levels"][level];
+    EXPECT_EQ(told["spheres"], expected["spheres"]);
+    EXPECT_EQ(told["looseness"], expected["looseness"]);
+    EXPECT_EQ(told["protrusion_worst"], expected["protrusion_worst"]);
+    EXPECT_NEAR(told["protrusion_mean"].get<double>(), expected["protrusion_mean"].get<double>(), 1e-12);
+    EXPECT_GE(told["seconds"].get<double>(), 0);
+  }
+  const auto plain = bench.require("build limb.obj -o t.morula --depth 2 --json").json();
+  EXPECT_FALSE(plain["levels"][0].contains("looseness"));
+}
+
+TEST(BuildCommand, reports_no_looseness_of_an_open_mesh) {
+  const Workbench bench;
+  bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.2\nf 1 2 3\nf 2 4 3\n");
+  const auto json = bench.require("build open.obj -o t.sph --depth 1 --report --json").json();
+  EXPECT_TRUE(json["levels"][0]["looseness"].is_null());
+  EXPECT_TRUE(json["levels"][0]["protrusion_worst"].is_null());
+  EXPECT_NE(bench.require("build open.obj -o t.sph --depth 1 --report").out.find("n/a"), std::string::npos);
+}
+
+TEST(BuildCommand, refuses_contradictions_with_nothing_written) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  const auto before = bench.listing();
+  for (const char* options :
+       {"-o t.morula --spheres 9 --depth 2", "-o t.morula --max-protrusion 0.1 --depth 3", "-o t.ply",
+        "-o t.morula --spheres 0", "-o t.morula --spheres -4", "-o t.morula --spheres 1e3",
+        "-o t.morula --max-protrusion 0", "-o t.morula --max-protrusion nan", "-o t.morula --time-limit 0",
+        "-o t.morula --time-limit -1", "-o t.morula --quality best", "-o t.morula --method morula --quality good"}) {
+    const CommandResult result = bench.run(std::string("build bar.obj ") + options);
+    EXPECT_EQ(result.exit_code, 2) << options;
+    EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << result.err;
+  }
+  EXPECT_EQ(bench.listing(), before);
+}
+
 }  // namespace
 }  // namespace morula::test

@@ -69,8 +69,8 @@ struct BuildReport {
   std::vector<std::string> notes;    ///< fallbacks taken, in words
 
   // Of the run that built the tree; not written into files.
-  bool complete = true;                    ///< false: ended by a time limit, or short of the protrusion asked for
-  std::vector<double> level_seconds;       ///< wall seconds that went into each level; the first: preparations too
+  bool complete = true;               ///< false: ended by a time limit, or short of the protrusion asked for
+  std::vector<double> level_seconds;  ///< wall seconds that went into dividing for each level; the first: preparations
   std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves; when spheres or max_protrusion asked
 };
 

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Ctrl-C, as a signal to a running child.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "workbench.hpp"
+
+extern char** environ;
+
+namespace morula::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A command that runs by itself, with its output in a file beside the folder.
+class Child {
+ public:
+  Child(const Workbench& bench, std::vector<std::string> arguments, const std::filesystem::path& err) {
+    arguments.insert(arguments.begin(), MORULA_COMMAND);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addchdir_np(&files, bench.folder().c_str());
+    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&files, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    // A test run in the background has SIGINT ignored, which children would inherit.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGINT);
+    sigaddset(&defaults, SIGTERM);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    EXPECT_EQ(posix_spawn(&id_, MORULA_COMMAND, &files, &attributes, argv.data(), environ), 0);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+  }
+  void send(int signal) const { EXPECT_EQ(kill(id_, signal), 0); }
+  /// The exit code; −1 when a signal ended it.
+  int wait() {
+    int status = 0;
+    EXPECT_EQ(waitpid(id_, &status, 0), id_);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t id_ = -1;
+};
+
+TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 24");
+  bench.write("old.morula", "an older result");
+  const auto before = bench.listing();
+  const std::filesystem::path err = bench.folder().string() + ".err";
+  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}}) {
+    // Minutes of work.
+    Child child(bench, {"build", "limb.obj", "-o", "old.morula", "--method", "medial", "--depth", "6"}, err);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const auto sent = Clock::now();
+    child.send(signal);
+    EXPECT_EQ(child.wait(), code);
+    EXPECT_LT(std::chrono::duration<double>(Clock::now() - sent).count(), 5.0);
+    EXPECT_EQ(bench.listing(), before);
+    std::ifstream file(err);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    EXPECT_EQ(text, "morula: interrupted; nothing was written\n");
+  }
+  std::filesystem::remove(err);
+}
+
+}  // namespace
+}  // namespace morula::test
