@@ -70,8 +70,8 @@ float farthest_from(const GroupPoints& points, const Vec3f& center) {
 
 }  // namespace
 
-GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken, float first_step,
-                   float last_step) {
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
+                   float first_step, float last_step) {
   constexpr float least_radius = 1e-4F;  // a point's ball
   const Vec3f middle = near_smallest_center(points);
   const float smallest = std::max(least_radius, farthest_from(points, middle));

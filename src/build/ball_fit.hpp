@@ -37,9 +37,9 @@ struct GroupBall {
   float cost = 0;
 };
 
-/// The ball around the points that takes in least, found by compass search from the smallest ball's centre and `starts`.
-/// The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step: shares of the
-/// smallest ball's radius. points: at least one. Cost: some thirty evaluations of the grid.
+/// The ball around the points that takes in least, found by compass search from the smallest ball's centre and
+/// `starts`. The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step:
+/// shares of the smallest ball's radius. points: at least one. Cost: some thirty evaluations of the grid.
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
                    float first_step, float last_step = 0.02F);
 

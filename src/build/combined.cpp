@@ -106,7 +106,8 @@ Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
 }
 Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers,
-                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}), thorough);
+                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}),
+                       thorough);
 }
 
 }  // namespace morula

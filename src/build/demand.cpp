@@ -20,8 +20,8 @@ std::vector<float> leaf_demands(const FitInput& input, const Built& built, std::
     box.add(s.center - Vec3{s.radius, s.radius, s.radius});
     box.add(s.center + Vec3{s.radius, s.radius, s.radius});
     OutsideGrid grid(input.lines, box, 0.3 * s.radius);
-    const double cost =
-        grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) * std::pow(grid.cell(), 3);
+    const double cost = grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) *
+                        std::pow(grid.cell(), 3);
     double surface = 0;
     for (std::uint32_t p = built.cover.region_begin[leaves[i]]; p < built.cover.region_end[leaves[i]]; ++p) {
       const auto patch = built.cover.patch(p);
@@ -38,16 +38,15 @@ struct Leaves {
   std::vector<float> demands;
   PowerDiagram owners;
 
-  Leaves(std::vector<Sphere> s, std::vector<float> d)
-      : spheres(std::move(s)), demands(std::move(d)), owners(spheres) {}
+  Leaves(std::vector<Sphere> s, std::vector<float> d) : spheres(std::move(s)), demands(std::move(d)), owners(spheres) {}
 };
 
 }  // namespace
 
 Demand demand_from(const FitInput& input, const Built& first, Workers& workers) {
   const std::size_t last = first.tree.level_count() - 1;
-  const auto leaves = std::make_shared<const Leaves>(
-      level_set_spheres(first.tree, last), leaf_demands(input, first, level_set(first.tree, last), workers));
+  const auto leaves = std::make_shared<const Leaves>(level_set_spheres(first.tree, last),
+                                                     leaf_demands(input, first, level_set(first.tree, last), workers));
   return [leaves](const Vec3& p) { return leaves->demands[leaves->owners.owner(p)]; };
 }
 

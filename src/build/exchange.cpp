@@ -111,7 +111,8 @@ class Exchange {
       }
     }
     // A place that is given up is lost for the level: who would give everything keeps everything.
-    const bool keeps_some = std::any_of(gifts.parts.begin(), gifts.parts.end(), [&](const Given& g) { return g.to == from; });
+    const bool keeps_some =
+        std::any_of(gifts.parts.begin(), gifts.parts.end(), [&](const Given& g) { return g.to == from; });
     if (keeps_some) return gifts;
     Gifts all;
     for (std::size_t k = 0; k < own.region.size(); ++k) all.add(from, own.region.facet[k], own.region.polygon(k));

@@ -19,11 +19,11 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   std::vector<std::uint32_t> chosen;
   for (const Vec3& d : directions) {
     const float dx = static_cast<float>(d.x), dy = static_cast<float>(d.y), dz = static_cast<float>(d.z);
-    float most = -std::numeric_limits<float>::infinity();
+    float farthest = -std::numeric_limits<float>::infinity();
     std::uint32_t at = 0;
     for (std::uint32_t i = 0; i < all.size(); ++i) {
       const float v = all.x[i] * dx + all.y[i] * dy + all.z[i] * dz;
-      if (v > most) most = v, at = i;
+      if (v > farthest) farthest = v, at = i;
     }
     chosen.push_back(at);
   }

@@ -403,7 +403,8 @@ void Group::nudge() {
     if (used(b)) members.push_back(b);
   }
   if (members.size() < 2) return;
-  const std::size_t ball = members[std::min(members.size() - 1, static_cast<std::size_t>(random_.uniform() * static_cast<double>(members.size())))];
+  const std::size_t ball = members[std::min(
+      members.size() - 1, static_cast<std::size_t>(random_.uniform() * static_cast<double>(members.size())))];
   float nearest = infinity;
   for (const std::size_t j : members)
     if (j != ball) nearest = std::min(nearest, distance_between(balls_[ball].center, balls_[j].center));

@@ -125,8 +125,9 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
   const int longest = *std::max_element(count_.begin(), count_.end());
   block_ = (longest + most_blocks - 1) / most_blocks;
   for (std::size_t k = 0; k < 3; ++k) block_count_[k] = (count_[k] + block_ - 1) / block_;
-  const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(block_count_[0]),
-                                        static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
+  const std::array<std::size_t, 3> step{
+      1, static_cast<std::size_t>(block_count_[0]),
+      static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
   weights_.assign(step[2] * static_cast<std::size_t>(block_count_[2]), {0, 0, 0});
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
@@ -202,8 +203,7 @@ void ObjectLines::vote() {
         };
         bool inside = false;
         for (std::size_t w = 0; w <= n[axis]; ++w) {
-          const bool now =
-              w < n[axis] && votes[u * step[u_axis] + v * step[v_axis] + w * step[axis]] >= 2;
+          const bool now = w < n[axis] && votes[u * step[u_axis] + v * step[v_axis] + w * step[axis]] >= 2;
           if (now != inside) voted.crossings.push_back({static_cast<float>(w), facet_near(w)});
           inside = now;
         }

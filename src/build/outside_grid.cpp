@@ -22,7 +22,8 @@ struct Range {
 };
 Range middles_within(float middle, float half, int count) {
   const float lower = middle - half + 0.5F, upper = middle + half + 0.5F;
-  return {lower > 0 ? std::min(count, static_cast<int>(lower)) : 0, upper > 0 ? std::min(count, static_cast<int>(upper)) : 0};
+  return {lower > 0 ? std::min(count, static_cast<int>(lower)) : 0,
+          upper > 0 ? std::min(count, static_cast<int>(upper)) : 0};
 }
 
 }  // namespace
@@ -103,7 +104,8 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   for (int w = 0; w < n; ++w) cells[w] = {0, 1, 1};
   const auto crossings = lines_.line(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
   const auto in_cells = [&](float position) {
-    return std::clamp(static_cast<float>((position - lower_[static_cast<int>(axis)]) / stride_), 0.0F, static_cast<float>(n));
+    return std::clamp(static_cast<float>((position - lower_[static_cast<int>(axis)]) / stride_), 0.0F,
+                      static_cast<float>(n));
   };
   // A cell that is entered and left again, with empty space on both sides, counts evenly: slope −1 marks it.
   for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
@@ -152,8 +154,7 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
 void OutsideGrid::refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed) {
   if (axes_[axis].traced[line] == 0) trace(axis, u, v, line);
   Extent& current = axes_[axis].current[line];
-  if (current.begin < current.end)
-    needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
+  if (current.begin < current.end) needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
   current = needed;
   const int n = count_[axis];
   const Outside* const cells = &axes_[axis].outside[line * at(n)];
@@ -179,8 +180,9 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   for (std::size_t a = 0; a < 3; ++a) {
     // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
     const float middle = center[static_cast<int>(a)];
-    const Extent needed{static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
-                        static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
+    const Extent needed{
+        static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
+        static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
     each_line(a, center, reach, [&](int u, int v, std::size_t line) {
       const Extent& has = axes_[a].current[line];
       if (has.begin > needed.begin || has.end < needed.end) refresh(a, u, v, line, needed);
@@ -249,7 +251,8 @@ float OutsideGrid::new_outside(const Spheref& ball) {
       const float du = static_cast<float>(u) + 0.5F - ball.center[static_cast<int>(ua)];
       const float dv = static_cast<float>(v) + 0.5F - ball.center[static_cast<int>(va)];
       const float chord = std::sqrt(std::max(0.0F, ball.radius * ball.radius - du * du - dv * dv));
-      const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)), to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
+      const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)),
+                  to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
       const Outside* const cells = &axes_[a].outside[line * at(n)];
       const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
       const int last = std::min(n - 1, static_cast<int>(to));

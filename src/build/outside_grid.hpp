@@ -19,8 +19,8 @@
 
 namespace morula {
 
-/// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are cells
-/// of this grid from its lower corner. For one thread at a time: lines are worked out when they are first needed.
+/// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are
+/// cells of this grid from its lower corner. For one thread at a time: lines are worked out when they are first needed.
 class OutsideGrid {
  public:
   /// box: where balls may be, mesh coordinates. cell_width: wanted, mesh units. lines: borrowed.
@@ -70,11 +70,11 @@ class OutsideGrid {
 
   const ObjectLines& lines_;
   double cell_;
-  int stride_;                // lattice cells to a cell
+  int stride_;                  // lattice cells to a cell
   std::array<int, 3> first_{};  // lattice lines through the middles of the first cells
-  Vec3 lower_;                // lattice coordinates of the grid's lower corner
+  Vec3 lower_;                  // lattice coordinates of the grid's lower corner
   std::array<int, 3> count_{};
-  std::array<std::size_t, 3> step_{};  // of balls_over_
+  std::array<std::size_t, 3> step_{};     // of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
   std::array<Axis, 3> axes_;
   float taken_ = -1;

@@ -30,9 +30,9 @@ struct Effort {
   NodeFit::Settings fit;
   double first_cell;  // of the grid for splitting, in parts of the region
   int sweeps;
-  bool inscribed;                // seeds and sweeps by inscribed balls
-  std::size_t medial_samples;    // 0: no seeds
-  std::array<int, 3> starts;     // tries from the beginning, the best is kept
+  bool inscribed;              // seeds and sweeps by inscribed balls
+  std::size_t medial_samples;  // 0: no seeds
+  std::array<int, 3> starts;   // tries from the beginning, the best is kept
   std::array<int, 3> changes;
   std::array<float, 2> balance;  // on levels 1 and 2
   int exchanges;                 // rounds per level
@@ -111,8 +111,8 @@ class OwnDivider {
     if (start > 0) {
       const Reduction kind = further_starts[(start - 1) % further_starts.size()];
       const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
-      const Proposals proposals = combined_reducer({kind}, BuildOptions{})(
-          {samples.points, samples.normals, node.sphere, most, node.seed, input_.shape});
+      const Proposals proposals = combined_reducer(
+          {kind}, BuildOptions{})({samples.points, samples.normals, node.sphere, most, node.seed, input_.shape});
       if (proposals.front().reducer != no_proposal) return proposals.front().spheres;
     }
     NodeFit::Settings settings = effort_.fit;

@@ -3,9 +3,8 @@
 #include "build/reduce.hpp"
 
 #include <algorithm>
-#include <morula/geometry/random.hpp>
 #include <limits>
-
+#include <morula/geometry/random.hpp>
 
 namespace morula {
 namespace {
@@ -85,7 +84,8 @@ class ReducerDivider {
     for (const Proposal& proposal : proposals)
       for (const Sphere& s : proposal.spheres) mean_radius += s.radius, ++count;
     const RegionPoints points = region_points(input_, node, branching_, settings_.fit.spacing);
-    NodeFit fit(input_, node, points, branching_, mean_radius / std::max(1.0, count), fit_settings(node.level), demand_);
+    NodeFit fit(input_, node, points, branching_, mean_radius / std::max(1.0, count), fit_settings(node.level),
+                demand_);
     Group& group = fit.group();
 
     // All proposals are judged after a sweep; the best gets more.

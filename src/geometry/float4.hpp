@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Four floats at once, for the loops that take the time: every point of every frame, every line of every fit. One type with vector instructions and
-// its scalar twin: the same operations in the same order, so the same bits.
+// Four floats at once, for the loops that take the time: every point of every frame, every line of every fit. One type
+// with vector instructions and its scalar twin: the same operations in the same order, so the same bits.
 #pragma once
 
 #include <array>
@@ -55,7 +55,8 @@ class ScalarFloat4 {
   /// Rounded towards zero, as numbers and as floats. Lanes must fit an int.
   ScalarFloat4 truncated(std::array<int, 4>& whole) const {
     ScalarFloat4 result;
-    for (std::size_t k = 0; k < 4; ++k) whole[k] = static_cast<int>(lane_[k]), result.lane_[k] = static_cast<float>(whole[k]);
+    for (std::size_t k = 0; k < 4; ++k)
+      whole[k] = static_cast<int>(lane_[k]), result.lane_[k] = static_cast<float>(whole[k]);
     return result;
   }
   /// Rows become columns.
