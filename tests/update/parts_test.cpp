@@ -128,7 +128,7 @@ std::vector<float> every_operation(const LocalPoint* p) {
   LocalPoint stored;
   (a + d).store(stored);
   results.insert(results.end(), {stored.x, stored.y, stored.z, stored.unused});
-  Wide::transpose(a, b, c, d);
+  Wide::transpose_points(a, b, c, d);
   for (const Wide& w : {a, b, c}) add(w);
   return results;
 }

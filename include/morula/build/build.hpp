@@ -62,7 +62,7 @@ struct BuildProgress {
 };
 
 struct BuildOptions {
-  Method method = Method::grid;
+  Method method = Method::morula;
   int branching = 8;  ///< most children of a node, 2…64
   int depth = 3;      ///< levels below the root, 0…8; without effect when one of the next two is given
   /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
