@@ -28,7 +28,8 @@ Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, std::vector<Reduction> usual) {
-  return options.reducers.empty() ? std::move(usual) : options.reducers;
+  if (options.reducers.empty()) return usual;
+  return options.reducers;
 }
 
 }  // namespace
