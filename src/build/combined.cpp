@@ -28,8 +28,7 @@ Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, std::vector<Reduction> usual) {
-  if (options.reducers.empty()) return usual;
-  return options.reducers;
+  return options.reducers.empty() ? std::move(usual) : options.reducers;
 }
 
 }  // namespace
