@@ -127,7 +127,8 @@ TEST(Build, ends_early_where_there_is_nothing_to_divide) {
 TEST(Build, reports_progress_that_never_goes_back) {
   for (const Method method : all_methods()) {
     std::vector<double> seen;
-    build(sample_body("bar", 8), {.method = method, .depth = 2, .progress = [&](const BuildProgress& p) { seen.push_back(p.share); }});
+    build(sample_body("bar", 8),
+          {.method = method, .depth = 2, .progress = [&](const BuildProgress& p) { seen.push_back(p.share); }});
     ASSERT_GE(seen.size(), 2u);
     EXPECT_EQ(seen.front(), 0);
     EXPECT_EQ(seen.back(), 1);
