@@ -241,7 +241,8 @@ float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
 }
 
 float OutsideGrid::new_outside(const Spheref& ball) {
-  float total = 0;
+  // Line by line: thirds of cells added to one large float would be rounded the same way each time.
+  double total = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
     const int n = count_[a];
@@ -256,17 +257,19 @@ float OutsideGrid::new_outside(const Spheref& ball) {
       const Outside* const cells = &axes_[a].outside[line * at(n)];
       const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
       const int last = std::min(n - 1, static_cast<int>(to));
+      float sum = 0;
       for (int w = static_cast<int>(from); w <= last; ++w) {
         if (over[at(w) * step_[a]] != 0) continue;
         const Outside& cell = cells[w];
         const auto up_to = [&](float position) {
           return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);
         };
-        total += up_to(std::min(to, static_cast<float>(w + 1))) - up_to(std::max(from, static_cast<float>(w)));
+        sum += up_to(std::min(to, static_cast<float>(w + 1))) - up_to(std::max(from, static_cast<float>(w)));
       }
+      total += static_cast<double>(sum);
     });
   }
-  return total;
+  return static_cast<float>(total);
 }
 
 }  // namespace morula

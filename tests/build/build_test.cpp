@@ -13,6 +13,11 @@
 namespace morula {
 namespace {
 
+// Promises do not depend on the quality: method morula keeps them at its fastest here, and at the others in own_test.
+Quality quick(Method method) {
+  return method == Method::morula ? Quality::fast : Quality::standard;
+}
+
 std::string described(Method method, const std::string& mesh, int branching, int depth) {
   return std::string(name(method)) + " on " + mesh + ", branching " + std::to_string(branching) + ", depth " +
          std::to_string(depth);
@@ -40,29 +45,35 @@ void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const s
 TEST(Build, covers_every_kind_of_mesh_with_every_method) {
   for (const Method method : all_methods())
     for (const test::NamedMesh& named : test::all_meshes())
-      expect_promises_kept(named.mesh, {.method = method, .depth = 2}, described(method, named.name, 8, 2));
+      expect_promises_kept(named.mesh, {.method = method, .depth = 2, .quality = quick(method)},
+                           described(method, named.name, 8, 2));
 }
 
 TEST(Build, keeps_its_promises_for_every_branching_and_depth) {
   const Mesh mesh = sample_body("limb", 12);
   for (const Method method : all_methods()) {
     for (const int branching : {2, 3, 5, 8, 13, 64})
-      expect_promises_kept(mesh, {.method = method, .branching = branching, .depth = 2},
+      expect_promises_kept(mesh, {.method = method, .branching = branching, .depth = 2, .quality = quick(method)},
                            described(method, "limb", branching, 2));
     for (const int depth : {0, 1, 4})
-      expect_promises_kept(mesh, {.method = method, .branching = 4, .depth = depth},
+      expect_promises_kept(mesh, {.method = method, .branching = 4, .depth = depth, .quality = quick(method)},
                            described(method, "limb", 4, depth));
-    expect_promises_kept(mesh, {.method = method, .branching = 2, .depth = 8}, described(method, "limb", 2, 8));
+    expect_promises_kept(mesh, {.method = method, .branching = 2, .depth = 8, .quality = quick(method)},
+                         described(method, "limb", 2, 8));
   }
 }
 
 TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
-  const Mesh mesh = sample_body("blob", 24);
-  for (const Method method : all_methods()) {
-    const Built reference = build(mesh, {.method = method});
+  const Mesh mesh = sample_body("blob", 16);
+  std::vector<BuildOptions> runs;
+  for (const Method method : all_methods()) runs.push_back({.method = method, .quality = quick(method)});
+  runs.push_back({.method = Method::morula, .depth = 2});
+  for (const BuildOptions& options : runs) {
+    const Method method = options.method;
+    const Built reference = build(mesh, options);
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
       Workers workers(threads);
-      const Built again = build(mesh, {.method = method}, workers);
+      const Built again = build(mesh, options, workers);
       EXPECT_EQ(tree_hash(again.tree), tree_hash(reference.tree)) << name(method) << " with " << threads;
       EXPECT_EQ(again.cover.corners, reference.cover.corners);
       EXPECT_EQ(again.cover.cut_points, reference.cover.cut_points);
@@ -73,24 +84,34 @@ TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
 
 TEST(Build, makes_the_golden_trees) {
   // Changes when a generator changes; must not change with compiler, processor or build type.
-  const Mesh mesh = sample_body("limb", 24);
-  EXPECT_EQ(tree_hash(build(mesh, {.method = Method::octree}).tree), 0x485c5b967fffc1b6u);
-  EXPECT_EQ(tree_hash(build(mesh, {.method = Method::grid}).tree), 0x60d08393e0e0db41u);
+  const Mesh mesh = sample_body("limb", 16);
+  const auto hash = [&](Method method, Quality quality = Quality::standard) {
+    return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
+  };
+  EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
+  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
+  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
+  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
+  EXPECT_EQ(hash(Method::medial), 0xb2c586c89973e216u);
+  EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
+  EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
 }
 
 TEST(Build, moves_and_scales_with_its_input) {
   const Mesh mesh = sample_body("limb", 16);
   const Vec3 offset{3, -7, 11};
   for (const Method method : all_methods()) {
-    const SphereTree here = build(mesh, {.method = method, .depth = 2}).tree;
+    const SphereTree here = build(mesh, {.method = method, .depth = 2, .quality = quick(method)}).tree;
     // Powers of two scale every number of the computation exactly.
-    const SphereTree larger = build(test::scaled(mesh, 4), {.method = method, .depth = 2}).tree;
+    const SphereTree larger =
+        build(test::scaled(mesh, 4), {.method = method, .depth = 2, .quality = quick(method)}).tree;
     ASSERT_EQ(larger.node_count(), here.node_count());
     for (std::size_t i = 0; i < here.node_count(); ++i) {
       EXPECT_NEAR(larger.spheres[i].radius, 4 * here.spheres[i].radius, 1e-9) << name(method);
       EXPECT_LT(distance(larger.spheres[i].center, here.spheres[i].center * 4.0), 1e-9) << name(method);
     }
-    const SphereTree there = build(test::translated(mesh, offset), {.method = method, .depth = 1}).tree;
+    const SphereTree there =
+        build(test::translated(mesh, offset), {.method = method, .depth = 1, .quality = quick(method)}).tree;
     double here_sum = 0, there_sum = 0;
     for (const Sphere& s : level_set_spheres(here, 1)) here_sum += volume(s);
     for (const Sphere& s : level_set_spheres(there, 1)) there_sum += volume(s);
@@ -101,7 +122,7 @@ TEST(Build, moves_and_scales_with_its_input) {
 TEST(Build, gets_tighter_with_depth) {
   const Mesh mesh = sample_body("torus", 24);
   for (const Method method : all_methods()) {
-    const SphereTree tree = build(mesh, {.method = method}).tree;
+    const SphereTree tree = build(mesh, {.method = method, .quality = quick(method)}).tree;
     const auto loose = [&](std::size_t level) {
       return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
     };

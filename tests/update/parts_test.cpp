@@ -126,10 +126,18 @@ std::vector<float> every_operation(const LocalPoint* p) {
   for (const Wide& w : {a + b, a - b, a * b, a / (b * b + Wide(1.0f)), min(a, b), max(a, b), sqrt(a * a)}) add(w);
   results.push_back(largest_lane(a - b));
   LocalPoint stored;
-  (a + d).store(stored);
+  const Wide stored_sum = a + d;
+  stored_sum.store(stored);
   results.insert(results.end(), {stored.x, stored.y, stored.z, stored.unused});
   Wide::transpose_points(a, b, c, d);
   for (const Wide& w : {a, b, c}) add(w);
+  std::array<int, 4> whole;
+  add((stored_sum * Wide(1000.0f)).truncated(whole));
+  for (const int k : whole) results.push_back(static_cast<float>(k));
+  add(Wide::counting());
+  Wide first = Wide::load(p[0]), second = Wide::load(p[1]), third = Wide::load(p[2]), fourth = Wide::load(p[3]);
+  Wide::transpose(first, second, third, fourth);
+  for (const Wide& w : {first, second, third, fourth}) add(w);
   return results;
 }
 
@@ -139,6 +147,13 @@ TEST(Float4, operations_agree_with_the_scalar_twin) {
     const std::vector<float> wide = every_operation<Float4>(points.data());
     EXPECT_EQ(wide, every_operation<ScalarFloat4>(points.data()));
     EXPECT_EQ(wide[33], points[0].x) << "transposed: the x of four points";
+    EXPECT_EQ(wide[45], std::trunc((points[0].x + points[3].x) * 1000.0f)) << "towards zero";
+    EXPECT_EQ(wide[49], wide[45]) << "as numbers and as floats";
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(wide[53 + k], static_cast<float>(k)) << "counting";
+      EXPECT_EQ(wide[57 + k], points[k].x) << "rows become columns";
+      EXPECT_EQ(wide[69 + k], points[k].unused) << "rows become columns";
+    }
   }
 }
 
