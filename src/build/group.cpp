@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -15,8 +14,6 @@ namespace morula {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// A little of a ball's whole volume joins its cost, so that of two balls without empty space the smaller is better.
-constexpr float whole_volume_share = 0.001F;
 constexpr float unit_ball_volume = static_cast<float>(4.0 / 3.0 * std::numbers::pi);
 
 std::uint64_t mixed(std::uint64_t i) {
@@ -413,20 +410,6 @@ void Group::nudge() {
   squares[ball] += 2 * nearest * shift;
   assign_by_power(squares);
   for (std::size_t b = 0; b < most_; ++b) refit(b, settings_.taken, 0.06F);
-}
-
-void Group::shake() {
-  const float size = 0.15F + 0.3F * static_cast<float>(random_.uniform());
-  std::vector<float> squares(most_, -1);
-  for (std::size_t b = 0; b < most_; ++b) {
-    if (!(balls_[b].radius > 0)) continue;
-    float normal = -6;
-    for (int k = 0; k < 12; ++k) normal += static_cast<float>(random_.uniform());
-    squares[b] = balls_[b].radius * balls_[b].radius * std::max(0.05F, 1 + size * normal);
-  }
-  assign_by_power(squares);
-  for (std::size_t b = 0; b < most_; ++b) refit(b, settings_.taken, 0.12F);
-  fill(settings_.taken);
 }
 
 void Group::try_changes(int count) {

@@ -43,9 +43,7 @@ class Group {
   double objective();
   /// Fits a ball to other points, with all balls of this group but the nearest to `center` in place.
   GroupBall refit_to(GroupPoints points, const Vec3f& center);
-  void leave() { clear_grid(); }
   std::vector<Sphere> spheres() const;
-  const std::vector<GroupBall>& balls() const { return balls_; }
 
  private:
   // When a ball last changed and was last fitted, and to what: a ball whose points and neighbours are the same as then
@@ -75,7 +73,6 @@ class Group {
   float key(std::size_t ball) const;
   void teleport();
   void nudge();
-  void shake();
   double imbalance() const;
 
   OutsideGrid& grid_;

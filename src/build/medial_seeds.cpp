@@ -128,7 +128,6 @@ std::vector<GroupBall> medial_seeds(std::span<const GroupBall> candidates, const
   if (candidates.empty() || points.size() == 0) return {};
   const SeedSearch search(candidates, points, dilation);
   std::vector<std::size_t> seeds = search.least_cover(most);
-  // Places left over go to candidates of their own, spread by the settling.
   constexpr int rounds = 24;
   search.settle(seeds, rounds);
   std::sort(seeds.begin(), seeds.end());

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Method morula: the balls of each node are sought, from several starts, where they take in least empty space together.
 //
-//   split    one ball over the region, split until there are enough
+//   starts   one ball over the region, split until there are enough; then what the paper's reducers propose
 //   seeds    inscribed balls that need to grow least, spread over the region
 //   changes  walls nudged, balls moved from where they are missed least to where they help most; kept when they help
 //   exact    the region divided by power, each ball fitted to exactly what it owns
@@ -105,7 +105,7 @@ class OwnDivider {
   }
 
  private:
-  // Balls to begin with: of ball splitting, then, for further starts, of the paper's reducers.
+  // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
   std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     if (start > 0) {

@@ -19,7 +19,6 @@ Vec3 unit_normal(const Triangle& t, double orientation) {
   return size > 0 ? n * (orientation / size) : Vec3{};
 }
 
-// Corners of the region's patches, thinned, and points spread over it by area.
 }  // namespace
 
 RegionSamples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed) {

@@ -66,12 +66,6 @@ class Search {
 
 }  // namespace
 
-Sphere better_of_two(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
-  const Sphere smallest = enclosing_sphere(points);
-  const Sphere other{start, farthest_distance(start, points)};
-  return shape.protrusion_bound(other) < shape.protrusion_bound(smallest) ? other : smallest;
-}
-
 Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
   const Sphere smallest = enclosing_sphere(points);
   Search search(points, shape);

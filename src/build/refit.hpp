@@ -15,7 +15,4 @@ namespace morula {
 /// Cost: some forty evaluations, each over a few hundred extreme points and one closest-point query.
 Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
 
-/// The better of the two centres that refit starts from, unchanged: two closest-point queries.
-Sphere better_of_two(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
-
 }  // namespace morula
