@@ -151,12 +151,11 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   group_ = std::make_unique<Group>(*grid_, points_, input.shape, most, node.sphere, group_settings, node.seed);
 }
 
-NodeFit::Exact NodeFit::exact() {
+NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds) {
   Exact best;
   best.cost = std::numeric_limits<double>::infinity();
-  std::vector<Sphere> spheres = group_->spheres();
   std::vector<Vec3> corners;
-  for (int round = 0; round < settings_.exact_rounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     Partition divided = partition(input_.mesh, node_.region, spheres);
     Exact now;
     now.leftover_patches = divided.leftover_patches;

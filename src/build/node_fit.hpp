@@ -62,7 +62,9 @@ class NodeFit {
   };
   /// The region divided exactly among the group's balls, each ball fitted again to what it owns; the best of some
   /// rounds. The group is left with that result.
-  Exact exact();
+  Exact exact() { return exact_from(group_->spheres(), settings_.exact_rounds); }
+  /// The same from other spheres.
+  Exact exact_from(std::vector<Sphere> spheres, int rounds);
 
  private:
   const FitInput& input_;

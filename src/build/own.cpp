@@ -109,11 +109,8 @@ class OwnDivider {
   std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     if (start > 0) {
-      const Reduction kind = further_starts[(start - 1) % further_starts.size()];
-      const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
-      const Proposals proposals = combined_reducer(
-          {kind}, BuildOptions{})({samples.points, samples.normals, node.sphere, most, node.seed, input_.shape});
-      if (proposals.front().reducer != no_proposal) return proposals.front().spheres;
+      std::vector<Sphere> proposed = proposed_spheres(node, further_starts[(start - 1) % further_starts.size()]);
+      if (!proposed.empty()) return proposed;
     }
     NodeFit::Settings settings = effort_.fit;
     settings.cell = effort_.first_cell;
@@ -147,7 +144,19 @@ class OwnDivider {
     }
     run_.throw_if_stopped();
     group.try_changes(effort_.changes[level]);
-    return fit.exact();
+    NodeFit::Exact exact = fit.exact();
+    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+    if (exact.spheres.size() < 2) exact = fit.exact_from(proposed_spheres(node, Reduction::grid), 1);
+    return exact;
+  }
+
+  // Of one of the paper's reducers; none when it has no proposal.
+  std::vector<Sphere> proposed_spheres(const BuildNode& node, Reduction kind) const {
+    const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
+    const Proposals proposals =
+        combined_reducer({kind}, BuildOptions{})({samples.points, samples.normals, node.sphere,
+                                                  static_cast<std::size_t>(run_.branching), node.seed, input_.shape});
+    return proposals.front().reducer == no_proposal ? std::vector<Sphere>{} : proposals.front().spheres;
   }
 
   static GroupPoints some_of(const GroupPoints& points) {

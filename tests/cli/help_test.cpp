@@ -72,7 +72,7 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   expect_refused(bench, "biuld bar.obj -o x.morula", "did you mean build?");
   expect_refused(bench, "build bar.obj -o x.morula --methd grid", "did you mean --method?");
   expect_refused(bench, "build bar.obj -o x.morula --method gird",
-                 "known: octree, grid, hubbard, spawn, medial, combined; did you mean grid?");
+                 "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
   expect_refused(bench, "build bar.obj -o x.morula --method xyzzy", "unknown method 'xyzzy'; known: octree, grid");
   expect_refused(bench, "sample lim -o x.obj", "did you mean limb?");
   expect_refused(bench, "update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
