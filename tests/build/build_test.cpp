@@ -68,7 +68,7 @@ TEST(Build, keeps_its_promises_for_every_branching_and_depth) {
 TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
   const Mesh mesh = sample_body("blob", 16);
   std::vector<BuildOptions> runs;
-  for (const Method method : all_methods()) runs.push_back({.method = method, .quality = quick(method)});
+  for (const Method method : all_methods()) runs.push_back({.method = method, .depth = 2, .quality = quick(method)});
   runs.push_back({.method = Method::morula, .depth = 2});
   for (const BuildOptions& options : runs) {
     const Method method = options.method;
