@@ -79,8 +79,9 @@ void require_used(const BuildOptions& options) {
         options.reducers.begin() + static_cast<std::ptrdiff_t>(i))
       throw std::invalid_argument("build: reducer " + reducer + " is listed twice");
   }
-  if (options.optimiser != Optimiser::none && options.method == Method::octree)
-    throw std::invalid_argument("build: method octree has no use for optimiser " +
+  const bool proposes = options.method != Method::octree && options.method != Method::morula;
+  if (options.optimiser != Optimiser::none && !proposes)
+    throw std::invalid_argument("build: method " + method + " has no use for optimiser " +
                                 std::string(name(options.optimiser)));
   if (!(options.balance_excess >= 0) || !std::isfinite(options.balance_excess))
     throw std::invalid_argument("build: balance excess is not a number of at least 0");

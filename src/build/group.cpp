@@ -458,8 +458,9 @@ GroupBall Group::refit_to(GroupPoints points, const Vec3f& center) {
     if (const float d = distance_between(balls_[b].center, center); balls_[b].radius > 0 && d < least)
       least = d, nearest = b;
   own_ = std::move(points);
+  const std::array<Vec3f, 2> starts{center, start_.center};
   if (balls_[nearest].radius > 0) grid_.remove(sphere_of(balls_[nearest]));
-  const GroupBall fitted = fit_ball(grid_, own_, {&center, 1}, settings_.taken, 0.12F);
+  const GroupBall fitted = fit_ball(grid_, own_, starts, settings_.taken, 0.12F);
   if (balls_[nearest].radius > 0) grid_.add(sphere_of(balls_[nearest]));
   return fitted;
 }

@@ -130,11 +130,11 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   const double margin = room * node.sphere.radius;
   box.lower = box.lower - Vec3{margin, margin, margin};
   box.upper = box.upper + Vec3{margin, margin, margin};
-  constexpr double most_cells = 160;  // along a side, whatever the shape
-  grid_ =
-      std::make_unique<OutsideGrid>(input.lines, box,
-                                    std::max({settings.cell * samples.width, mean_radius / settings.cells_per_radius,
-                                              largest_component(box.extent()) / most_cells}));
+  // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts.
+  constexpr double least_cells_per_radius = 3, most_cells = 160;
+  double cell = std::max(settings.cell * samples.width, mean_radius / settings.cells_per_radius);
+  if (mean_radius > 0) cell = std::min(cell, mean_radius / least_cells_per_radius);
+  grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, largest_component(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());
   for (const Vec3& p : samples.points) points_.push_back(grid_->to_grid(p));
   if (settings.balance > 0 && demand) {

@@ -91,12 +91,12 @@ TEST(Build, makes_the_golden_trees) {
     return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
   };
   EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
-  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
-  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
-  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
-  EXPECT_EQ(hash(Method::medial), 0xb2c586c89973e216u);
-  EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
-  EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
+  EXPECT_EQ(hash(Method::grid), 0xe1da132e45be6a8du);
+  EXPECT_EQ(hash(Method::hubbard), 0x1b4841358378d228u);
+  EXPECT_EQ(hash(Method::spawn), 0xece96ff17d4ce089u);
+  EXPECT_EQ(hash(Method::medial), 0xf87070c62e56ada4u);
+  EXPECT_EQ(hash(Method::morula, Quality::fast), 0x17571cfa2d90cd6eu);
+  EXPECT_EQ(hash(Method::morula), 0x5b0794db85a6d99du);
 }
 
 TEST(Build, moves_and_scales_with_its_input) {
@@ -112,12 +112,14 @@ TEST(Build, moves_and_scales_with_its_input) {
       EXPECT_NEAR(larger.spheres[i].radius, 4 * here.spheres[i].radius, 1e-9) << name(method);
       EXPECT_LT(distance(larger.spheres[i].center, here.spheres[i].center * 4.0), 1e-9) << name(method);
     }
-    const SphereTree there =
-        build(test::translated(mesh, offset), {.method = method, .depth = 1, .quality = quick(method)}).tree;
-    double here_sum = 0, there_sum = 0;
-    for (const Sphere& s : level_set_spheres(here, 1)) here_sum += volume(s);
-    for (const Sphere& s : level_set_spheres(there, 1)) there_sum += volume(s);
-    EXPECT_NEAR(there_sum / here_sum, 1, 0.05) << name(method);
+    // Elsewhere coordinates are rounded differently, and a search may end at another optimum that is as good.
+    const Mesh moved = test::translated(mesh, offset);
+    const SphereTree there = build(moved, {.method = method, .depth = 2, .quality = quick(method)}).tree;
+    for (std::size_t level = 1; level <= 2; ++level) {
+      const double here_loose = looseness(mesh, level_set_spheres(here, level)).looseness.value();
+      const double there_loose = looseness(moved, level_set_spheres(there, level)).looseness.value();
+      EXPECT_NEAR(there_loose / here_loose, 1, 0.25) << name(method) << ", level " << level;
+    }
   }
 }
 

@@ -38,7 +38,7 @@ TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) {
   expect_proof_on_every_mesh(Method::octree, 3);
 }
 TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::grid, 2);
+  expect_proof_on_every_mesh(Method::grid, 3);
 }
 TEST(Corpus, hubbard_proves_its_cover_on_every_mesh_that_loads) {
   expect_proof_on_every_mesh(Method::hubbard, 2);
@@ -54,7 +54,7 @@ TEST(Corpus, combined_proves_its_cover_on_every_mesh_that_loads) {
 }
 
 TEST(Corpus, morula_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::morula, 2, Quality::fast);
+  expect_proof_on_every_mesh(Method::morula, 3, Quality::fast);
 }
 
 }  // namespace

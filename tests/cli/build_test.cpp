@@ -127,7 +127,8 @@ TEST(BuildCommand, refuses_contradictions_with_nothing_written) {
        {"-o t.morula --spheres 9 --depth 2", "-o t.morula --max-protrusion 0.1 --depth 3", "-o t.ply",
         "-o t.morula --spheres 0", "-o t.morula --spheres -4", "-o t.morula --spheres 1e3",
         "-o t.morula --max-protrusion 0", "-o t.morula --max-protrusion nan", "-o t.morula --time-limit 0",
-        "-o t.morula --time-limit -1", "-o t.morula --quality best", "-o t.morula --method morula --quality good"}) {
+        "-o t.morula --time-limit -1", "-o t.morula --method grid --quality best",
+        "-o t.morula --method morula --quality good"}) {
     const CommandResult result = bench.run(std::string("build bar.obj ") + options);
     EXPECT_EQ(result.exit_code, 2) << options;
     EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << result.err;
