@@ -451,14 +451,13 @@ void Group::try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, in
   if (!(objective() < least)) restore(before);
 }
 
-GroupBall Group::refit_to(GroupPoints points, const Vec3f& center) {
+GroupBall Group::refit_to(GroupPoints points, std::span<const Vec3f> starts) {
   std::size_t nearest = 0;
   float least = infinity;
   for (std::size_t b = 0; b < most_; ++b)
-    if (const float d = distance_between(balls_[b].center, center); balls_[b].radius > 0 && d < least)
+    if (const float d = distance_between(balls_[b].center, starts[0]); balls_[b].radius > 0 && d < least)
       least = d, nearest = b;
   own_ = std::move(points);
-  const std::array<Vec3f, 2> starts{center, start_.center};
   if (balls_[nearest].radius > 0) grid_.remove(sphere_of(balls_[nearest]));
   const GroupBall fitted = fit_ball(grid_, own_, starts, settings_.taken, 0.12F);
   if (balls_[nearest].radius > 0) grid_.add(sphere_of(balls_[nearest]));

@@ -41,8 +41,8 @@ class Group {
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
 
   double objective();
-  /// Fits a ball to other points, with all balls of this group but the nearest to `center` in place.
-  GroupBall refit_to(GroupPoints points, const Vec3f& center);
+  /// Fits a ball to other points, with all balls of this group but the nearest to the first start in place.
+  GroupBall refit_to(GroupPoints points, std::span<const Vec3f> starts);
   std::vector<Sphere> spheres() const;
 
  private:

@@ -3,6 +3,7 @@
 #include "build/node_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
@@ -131,9 +132,9 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   box.lower = box.lower - Vec3{margin, margin, margin};
   box.upper = box.upper + Vec3{margin, margin, margin};
   // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts.
-  constexpr double least_cells_per_radius = 3, most_cells = 160;
-  double cell = std::max(settings.cell * samples.width, mean_radius / settings.cells_per_radius);
-  if (mean_radius > 0) cell = std::min(cell, mean_radius / least_cells_per_radius);
+  constexpr double most_cells = 160;
+  const double cell = std::max(settings.cell * samples.width, mean_radius / settings.cells_per_radius);
+
   grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, largest_component(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());
   for (const Vec3& p : samples.points) points_.push_back(grid_->to_grid(p));
@@ -151,7 +152,11 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   group_ = std::make_unique<Group>(*grid_, points_, input.shape, most, node.sphere, group_settings, node.seed);
 }
 
-NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds) {
+NodeFit::Exact NodeFit::divided_anyway(std::vector<Sphere> spheres) {
+  return exact_from(std::move(spheres), 1, true);
+}
+
+NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool from_node_center) {
   Exact best;
   best.cost = std::numeric_limits<double>::infinity();
   std::vector<Vec3> corners;
@@ -163,7 +168,9 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds) {
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       if (divided.regions[i].empty()) continue;
       corner_positions(input_.mesh, divided.regions[i], corners);
-      const GroupBall fitted = group_->refit_to(extremes(corners, *grid_), grid_->to_grid(spheres[i].center));
+      const std::array<Vec3f, 2> starts{grid_->to_grid(spheres[i].center), grid_->to_grid(node_.sphere.center)};
+      const GroupBall fitted =
+          group_->refit_to(extremes(corners, *grid_), std::span(starts).first(from_node_center ? 2 : 1));
       const Vec3 center = grid_->from_grid(fitted.center);
       const double radius = farthest_distance(center, corners);
       balls.push_back({grid_->to_grid(center), static_cast<float>(radius / grid_->cell()), 0});

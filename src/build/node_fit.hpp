@@ -62,11 +62,13 @@ class NodeFit {
   };
   /// The region divided exactly among the group's balls, each ball fitted again to what it owns; the best of some
   /// rounds. The group is left with that result.
-  Exact exact() { return exact_from(group_->spheres(), settings_.exact_rounds); }
-  /// The same from other spheres.
-  Exact exact_from(std::vector<Sphere> spheres, int rounds);
+  Exact exact() { return exact_from(group_->spheres(), settings_.exact_rounds, false); }
+  /// Once, from other spheres, each also tried at the node's own centre: what one ball does as well as many.
+  Exact divided_anyway(std::vector<Sphere> spheres);
 
  private:
+  Exact exact_from(std::vector<Sphere> spheres, int rounds, bool from_node_center);
+
   const FitInput& input_;
   const BuildNode& node_;
   Settings settings_;

@@ -146,7 +146,7 @@ class OwnDivider {
     group.try_changes(effort_.changes[level]);
     NodeFit::Exact exact = fit.exact();
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
-    if (exact.spheres.size() < 2) exact = fit.exact_from(proposed_spheres(node, Reduction::grid), 1);
+    if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
     return exact;
   }
 

@@ -106,7 +106,7 @@ class ReducerDivider {
     group.try_changes(settings_.changes);
     NodeFit::Exact exact = fit.exact();
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
-    if (exact.spheres.size() < 2) exact = fit.exact_from(winner->spheres, 1);
+    if (exact.spheres.size() < 2) exact = fit.divided_anyway(winner->spheres);
     Division division = division_of(std::move(exact));
     division.reducer = winner->reducer;
     return division;

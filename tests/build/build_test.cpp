@@ -91,12 +91,12 @@ TEST(Build, makes_the_golden_trees) {
     return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
   };
   EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
-  EXPECT_EQ(hash(Method::grid), 0xe1da132e45be6a8du);
-  EXPECT_EQ(hash(Method::hubbard), 0x1b4841358378d228u);
-  EXPECT_EQ(hash(Method::spawn), 0xece96ff17d4ce089u);
-  EXPECT_EQ(hash(Method::medial), 0xf87070c62e56ada4u);
-  EXPECT_EQ(hash(Method::morula, Quality::fast), 0x17571cfa2d90cd6eu);
-  EXPECT_EQ(hash(Method::morula), 0x5b0794db85a6d99du);
+  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
+  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
+  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
+  EXPECT_EQ(hash(Method::medial), 0xb2c586c89973e216u);
+  EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
+  EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
 }
 
 TEST(Build, moves_and_scales_with_its_input) {
