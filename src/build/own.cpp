@@ -237,7 +237,7 @@ Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
     return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
-  const Built first = fast_tree(input, run.pass(0, first_share), workers);
+  Built first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
