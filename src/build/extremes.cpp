@@ -3,7 +3,7 @@
 #include "build/extremes.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <array>
 #include <morula/geometry/sampling.hpp>
 
 namespace morula {
@@ -17,15 +17,23 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   if (all.size() <= few_enough) return all;
   static const std::vector<Vec3> directions = fibonacci_directions(direction_count);
   std::vector<std::uint32_t> chosen;
+  std::vector<float> heights(all.size());
   for (const Vec3& d : directions) {
     const float dx = static_cast<float>(d.x), dy = static_cast<float>(d.y), dz = static_cast<float>(d.z);
-    float farthest = -std::numeric_limits<float>::infinity();
-    std::uint32_t at = 0;
-    for (std::uint32_t i = 0; i < all.size(); ++i) {
-      const float v = all.x[i] * dx + all.y[i] * dy + all.z[i] * dz;
-      if (v > farthest) farthest = v, at = i;
-    }
-    chosen.push_back(at);
+    const float *x = all.x.data(), *y = all.y.data(), *z = all.z.data();
+    for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = x[i] * dx + y[i] * dy + z[i] * dz;
+    // The greatest first, in lanes, then where it is: a search for both at once stays scalar.
+    constexpr std::size_t lanes = 8;
+    std::array<float, lanes> most_of_lane;
+    most_of_lane.fill(heights[0]);
+    std::size_t i = 0;
+    for (; i + lanes <= heights.size(); i += lanes)
+      for (std::size_t l = 0; l < lanes; ++l)
+        most_of_lane[l] = heights[i + l] > most_of_lane[l] ? heights[i + l] : most_of_lane[l];
+    float greatest = *std::max_element(most_of_lane.begin(), most_of_lane.end());
+    for (; i < heights.size(); ++i) greatest = std::max(greatest, heights[i]);
+    const auto at = std::find(heights.begin(), heights.end(), greatest);
+    if (at != heights.end()) chosen.push_back(static_cast<std::uint32_t>(at - heights.begin()));
   }
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
