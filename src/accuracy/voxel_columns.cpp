@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/scan_triangle.hpp"
+
 namespace morula {
 namespace {
 
@@ -82,21 +84,6 @@ struct Crossing {
   std::int32_t change;
 };
 
-// Where a mesh edge passes from below a row to above it or back.
-struct EdgeCrossing {
-  double x, z;
-};
-
-// From the lower end to the upper one, whichever facet asks: both sides of an edge get the same bits, and the section
-// of a closed mesh with the row's plane is closed.
-EdgeCrossing cross_row(const Vec3& a, const Vec3& b, double y) {
-  const bool a_lower = a.y < b.y;
-  const Vec3& lower = a_lower ? a : b;
-  const Vec3& upper = a_lower ? b : a;
-  const double t = (y - lower.y) / (upper.y - lower.y);
-  return {lower.x + t * (upper.x - lower.x), lower.z + t * (upper.z - lower.z)};
-}
-
 // The part of the lattice that spheres reach. Bits are kept for this part only: spheres that are small beside the
 // object make a fine lattice that is nearly empty.
 struct Window {
@@ -143,34 +130,13 @@ class StripCounter {
     }
   }
 
-  // Corners in lattice coordinates. A corner on a row counts as below it and an edge that meets a column as left of it,
-  // for every facet that has that corner or edge.
-  void add_facet(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const double lowest = std::min({a.y, b.y, c.y}), highest = std::max({a.y, b.y, c.y});
-    const int begin = std::max(row_begin_, clamped(std::ceil(lowest), lattice_.count[1]));
-    const int end = std::min(row_end_, clamped(std::ceil(highest), lattice_.count[1]));
-    for (int y = begin; y < end; ++y) {
-      EdgeCrossing up{}, down{};
-      const auto visit = [&](const Vec3& from, const Vec3& to) {
-        const bool from_below = from.y <= y, to_below = to.y <= y;
-        if (from_below && !to_below) up = cross_row(from, to, y);
-        if (!from_below && to_below) down = cross_row(from, to, y);
-      };
-      visit(a, b);
-      visit(b, c);
-      visit(c, a);
-      // A facet that looks along +z has its upward edge on the right: going up through it leaves the object.
-      const bool leaves = down.x < up.x;
-      const EdgeCrossing& left = leaves ? down : up;
-      const EdgeCrossing& right = leaves ? up : down;
-      const int x_begin = clamped(std::ceil(left.x), lattice_.count[0]);
-      const int x_end = clamped(std::ceil(right.x), lattice_.count[0]);
-      for (int x = x_begin; x < x_end; ++x) {
-        const double z = left.z + (x - left.x) / (right.x - left.x) * (right.z - left.z);
-        crossings_.push_back({static_cast<std::uint32_t>(column_index(x, y)), clamped(std::ceil(z), lattice_.count[2]),
-                              leaves ? -1 : 1});
-      }
-    }
+  // Corners in lattice coordinates.
+  void add_facet(const Triangle& corners) {
+    const LineLattice columns{0, 1, 2, 0.0, lattice_.count[0], row_begin_, row_end_};
+    scan_triangle(corners, columns, [&](int x, int y, double z, bool leaves) {
+      crossings_.push_back(
+          {static_cast<std::uint32_t>(column_index(x, y)), clamped(std::ceil(z), lattice_.count[2]), leaves ? -1 : 1});
+    });
   }
 
   VoxelCounts count(Inside inside) {
@@ -285,7 +251,7 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, std::span<const Facet> fac
     StripCounter counter(lattice, window, row_begin, std::min(row_begin + height, lattice.count[1]));
     for (const std::uint32_t i : balls_of[strip]) counter.add_sphere(balls[i].center, balls[i].radius);
     for (const std::uint32_t f : facets_of[strip])
-      counter.add_facet(vertices[facets[f][0]], vertices[facets[f][1]], vertices[facets[f][2]]);
+      counter.add_facet({vertices[facets[f][0]], vertices[facets[f][1]], vertices[facets[f][2]]});
     partial[strip] = counter.count(inside);
   });
   VoxelCounts counts;

@@ -26,6 +26,12 @@ class BallSet {
   std::span<const double> to_samples(std::size_t i) const {
     return std::span(to_samples_).subspan(i * samples_.size(), samples_.size());
   }
+  /// Radius that ball i needs to contain these samples.
+  double reach(std::size_t i, const SampleSet& of) const {
+    double farthest = 0;
+    of.for_each([&](std::size_t k) { farthest = std::max(farthest, to_samples(i)[k]); });
+    return farthest;
+  }
   /// Bound of how far ball i sticks out when it reaches `radius`: (r + φ(c))⁺.
   double protrusion(std::size_t i, double radius) const { return std::max(0.0, radius + distances_[i]); }
 

@@ -43,8 +43,7 @@ class Bursting {
     std::vector<std::uint32_t> member_of(set.size(), none);
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (owned[i].empty()) continue;
-      double radius = 0;
-      owned[i].for_each([&](std::size_t k) { radius = std::max(radius, set.to_samples(i)[k]); });
+      const double radius = set.reach(i, owned[i]);
       member_of[i] = static_cast<std::uint32_t>(members_.size());
       members_.push_back({std::move(owned[i]),
                           {set.ball(i).center, radius},

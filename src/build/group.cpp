@@ -335,25 +335,34 @@ bool Group::split(std::size_t ball, std::size_t into, float taken, float most_co
   return true;
 }
 
+// What siblings would have to reach if a ball were gone and each of its points went to the one that grows least.
+template <class Give>
+std::vector<float> Group::reach_without(std::size_t ball, const Give& give) const {
+  std::vector<float> reach(most_);
+  for (std::size_t j = 0; j < most_; ++j) reach[j] = balls_[j].radius;
+  for (std::size_t i = 0; i < owner_.size(); ++i) {
+    if (owner_[i] != ball) continue;
+    float growth = infinity, needed = 0;
+    std::size_t to = ball;
+    for (std::size_t j = 0; j < most_; ++j) {
+      if (j == ball || !used(j)) continue;
+      const float d = distance_between(points_[i], balls_[j].center);
+      if (d - reach[j] < growth) growth = d - reach[j], to = j, needed = d;
+    }
+    if (to == ball) continue;
+    reach[to] = std::max(reach[to], needed);
+    give(i, to);
+  }
+  return reach;
+}
+
 // Removes the ball that is missed least and splits the one that costs most.
 void Group::teleport() {
   std::size_t gone = most_;
   float least = infinity;
-  std::vector<float> reach(most_);
   for (std::size_t b = 0; b < most_; ++b) {
     if (!used(b)) continue;
-    for (std::size_t j = 0; j < most_; ++j) reach[j] = balls_[j].radius;
-    for (std::size_t i = 0; i < owner_.size(); ++i) {
-      if (owner_[i] != b) continue;
-      float growth = infinity, needed = 0;
-      std::size_t to = b;
-      for (std::size_t j = 0; j < most_; ++j) {
-        if (j == b || !used(j)) continue;
-        const float d = distance_between(points_[i], balls_[j].center);
-        if (d - reach[j] < growth) growth = d - reach[j], to = j, needed = d;
-      }
-      if (to != b) reach[to] = std::max(reach[to], needed);
-    }
+    const std::vector<float> reach = reach_without(b, [](std::size_t, std::size_t) {});
     float grown = 0;
     for (std::size_t j = 0; j < most_; ++j)
       if (j != b && used(j)) grown += unit_ball_volume * (cube(reach[j]) - cube(balls_[j].radius));
@@ -368,21 +377,10 @@ void Group::teleport() {
     if (k > largest) largest = k, from = b;
   }
   if (gone == most_ || from == most_) return;
-  // Its points to whoever grows least.
   grid_.remove(sphere_of(balls_[gone]));
-  for (std::size_t j = 0; j < most_; ++j) reach[j] = balls_[j].radius;
-  for (std::size_t i = 0; i < owner_.size(); ++i) {
-    if (owner_[i] != gone) continue;
-    float growth = infinity, needed = 0;
-    std::size_t to = gone;
-    for (std::size_t j = 0; j < most_; ++j) {
-      if (j == gone || !used(j)) continue;
-      const float d = distance_between(points_[i], balls_[j].center);
-      if (d - reach[j] < growth) growth = d - reach[j], to = j, needed = d;
-    }
-    owner_[i] = static_cast<std::uint8_t>(to);
-    reach[to] = std::max(reach[to], needed);
-  }
+  std::vector<std::uint8_t> owner = owner_;
+  reach_without(gone, [&](std::size_t i, std::size_t to) { owner[i] = static_cast<std::uint8_t>(to); });
+  owner_ = std::move(owner);
   fits_[gone].before = balls_[gone];
   balls_[gone] = {};
   fits_[gone].changed = ++clock_;

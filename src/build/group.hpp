@@ -71,6 +71,8 @@ class Group {
   void fill(float taken);
   bool split(std::size_t ball, std::size_t into, float taken, float most_cost_factor);
   float key(std::size_t ball) const;
+  template <class Give>
+  std::vector<float> reach_without(std::size_t ball, const Give& give) const;
   void teleport();
   void nudge();
   double imbalance() const;

@@ -40,8 +40,7 @@ class Merging {
     std::vector<std::uint32_t> cluster_of(set.size(), none);
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (inside[i].empty()) continue;
-      double radius = 0;
-      inside[i].for_each([&](std::size_t k) { radius = std::max(radius, set.to_samples(i)[k]); });
+      const double radius = set.reach(i, inside[i]);
       cluster_of[i] = add(
           {std::move(inside[i]), {set.ball(i).center, radius}, set.distance(i), set.protrusion(i, radius), true, {}});
     }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/scan_triangle.hpp"
+
 namespace morula {
 namespace {
 
@@ -15,19 +17,8 @@ struct RawCrossing {
   std::uint32_t facet;
 };
 
-// Where a mesh edge passes a row, from its lower end whichever facet asks, so that both sides get the same bits.
-struct RowCrossing {
-  double u, w;
-};
-RowCrossing cross_row(const Vec3& a, const Vec3& b, double row, int axis_u, int axis_v, int axis_w) {
-  const bool a_lower = a[axis_v] < b[axis_v];
-  const Vec3& lower = a_lower ? a : b;
-  const Vec3& upper = a_lower ? b : a;
-  const double t = (row - lower[axis_v]) / (upper[axis_v] - lower[axis_v]);
-  return {lower[axis_u] + t * (upper[axis_u] - lower[axis_u]), lower[axis_w] + t * (upper[axis_w] - lower[axis_w])};
-}
-
-int first_line_at_or_above(double position, int count) {
+// First cell whose middle is at or above a position.
+int first_middle_at_or_above(double position, int count) {
   return static_cast<int>(std::clamp(std::ceil(position - 0.5), 0.0, static_cast<double>(count)));
 }
 
@@ -59,31 +50,14 @@ ObjectLines::Axis ObjectLines::trace(const Mesh& mesh, const std::vector<Vec3>& 
   const int axis_u = (axis + 1) % 3, axis_v = (axis + 2) % 3;
   const int nu = count_[static_cast<std::size_t>(axis_u)], nv = count_[static_cast<std::size_t>(axis_v)];
   std::vector<RawCrossing> raw;
+  const LineLattice lattice{axis_u, axis_v, axis, 0.5, nu, 0, nv};
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    const Vec3 &a = vertices[mesh.facets[f][0]], &b = vertices[mesh.facets[f][1]], &c = vertices[mesh.facets[f][2]];
-    const int row_begin = first_line_at_or_above(std::min({a[axis_v], b[axis_v], c[axis_v]}), nv);
-    const int row_end = first_line_at_or_above(std::max({a[axis_v], b[axis_v], c[axis_v]}), nv);
-    for (int v = row_begin; v < row_end; ++v) {
-      const double row = v + 0.5;
-      RowCrossing up{}, down{};
-      const auto visit = [&](const Vec3& from, const Vec3& to) {
-        const bool from_below = from[axis_v] <= row, to_below = to[axis_v] <= row;
-        if (from_below && !to_below) up = cross_row(from, to, row, axis_u, axis_v, axis);
-        if (!from_below && to_below) down = cross_row(from, to, row, axis_u, axis_v, axis);
-      };
-      visit(a, b);
-      visit(b, c);
-      visit(c, a);
-      const bool leaves = down.u < up.u;
-      const RowCrossing& left = leaves ? down : up;
-      const RowCrossing& right = leaves ? up : down;
-      const int u_begin = first_line_at_or_above(left.u, nu), u_end = first_line_at_or_above(right.u, nu);
-      for (int u = u_begin; u < u_end; ++u) {
-        const double w = left.w + (u + 0.5 - left.u) / (right.u - left.u) * (right.w - left.w);
-        raw.push_back({static_cast<std::uint32_t>(v * nu + u), static_cast<float>(w), leaves ? -1 : 1,
-                       static_cast<std::uint32_t>(f)});
-      }
-    }
+    const Facet& facet = mesh.facets[f];
+    scan_triangle({vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]}, lattice,
+                  [&](int u, int v, double w, bool leaves) {
+                    raw.push_back({static_cast<std::uint32_t>(v * nu + u), static_cast<float>(w), leaves ? -1 : 1,
+                                   static_cast<std::uint32_t>(f)});
+                  });
   }
   // By line, then by position: dealt to the lines first, because nearly all hold two or four.
   const std::size_t lines = static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv);
@@ -180,8 +154,8 @@ void ObjectLines::vote() {
       for (std::size_t u = 0; u < n[u_axis]; ++u) {
         const auto crossings = line(static_cast<int>(axis), static_cast<int>(u), static_cast<int>(v));
         for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-          const int end = first_line_at_or_above(crossings[i + 1].at, count_[axis]);
-          for (int w = first_line_at_or_above(crossings[i].at, count_[axis]); w < end; ++w)
+          const int end = first_middle_at_or_above(crossings[i + 1].at, count_[axis]);
+          for (int w = first_middle_at_or_above(crossings[i].at, count_[axis]); w < end; ++w)
             ++votes[u * step[u_axis] + v * step[v_axis] + static_cast<std::size_t>(w) * step[axis]];
         }
       }

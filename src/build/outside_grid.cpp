@@ -60,9 +60,10 @@ Vec3 OutsideGrid::from_grid(const Vec3f& p) const {
   return lines_.from_lattice(lower_ + Vec3{p.x, p.y, p.z} * static_cast<double>(stride_));
 }
 
-// Lines of an axis that pass within `radius` of `center`.
+// Rows of an axis's lines that pass within `radius` of `center`: row v has lines [begin, end), and in_row is the square
+// of the ball's half width there.
 template <class Visit>
-void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const {
+void OutsideGrid::each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const {
   const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
   const float cu = center[static_cast<int>(ua)], cv = center[static_cast<int>(va)];
   const Range rows = middles_within(cv, radius, count_[va]);
@@ -71,9 +72,16 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
     const float in_row = radius * radius - dv * dv;
     if (!(in_row > 0)) continue;
     const Range row = middles_within(cu, std::sqrt(in_row), count_[ua]);
-    std::size_t line = at(v) * at(count_[ua]) + at(row.begin);
-    for (int u = row.begin; u < row.end; ++u, ++line) visit(u, v, line);
+    visit(v, row.begin, row.end, in_row);
   }
+}
+
+template <class Visit>
+void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const {
+  const std::size_t row_length = at(count_[(axis + 1) % 3]);
+  each_row(axis, center, radius, [&](int v, int begin, int end, float) {
+    for (int u = begin; u < end; ++u) visit(u, v, at(v) * row_length + at(u));
+  });
 }
 
 void OutsideGrid::change(const Spheref& ball, int by) {
@@ -206,20 +214,15 @@ float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
   float sum = 0;
   for (std::size_t a = 0; a < 3 && sum <= enough; ++a) {
     Float4 total(0.0F);
-    const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
-    const float cu = center[static_cast<int>(ua)], cv = center[static_cast<int>(va)];
+    const std::size_t ua = (a + 1) % 3;
+    const float cu = center[static_cast<int>(ua)];
     const std::size_t line_length = at(count_[a]), row_length = at(count_[ua]) * line_length;
     const Float4 middle(center[static_cast<int>(a)]), none(0.0F), last_cell(static_cast<float>(count_[a] - 1));
-    const Range rows = middles_within(cv, radius, count_[va]);
-    for (int v = rows.begin; v < rows.end; ++v) {
-      const float dv = static_cast<float>(v) + 0.5F - cv;
-      const float in_row = radius * radius - dv * dv;
-      if (!(in_row > 0)) continue;
-      const Range row = middles_within(cu, std::sqrt(in_row), count_[ua]);
-      const Step* line = &axes_[a].steps[at(v) * row_length + at(row.begin) * line_length];
+    each_row(a, center, radius, [&](int v, int begin, int end, float in_row) {
+      const Step* line = &axes_[a].steps[at(v) * row_length + at(begin) * line_length];
       // Lanes past the end have no chord: both ends are the same place, and nothing is between them.
-      Float4 du = Float4(static_cast<float>(row.begin) + 0.5F - cu) + Float4::counting();
-      for (int u = row.begin; u < row.end; u += 4, line += 4 * line_length, du = du + Float4(4.0F)) {
+      Float4 du = Float4(static_cast<float>(begin) + 0.5F - cu) + Float4::counting();
+      for (int u = begin; u < end; u += 4, line += 4 * line_length, du = du + Float4(4.0F)) {
         const Float4 chord = sqrt(max(Float4(in_row) - du * du, none));
         const auto up_to = [&](const Float4& w) {
           std::array<int, 4> cell;
@@ -233,7 +236,7 @@ float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
         };
         total = total + (up_to(middle + chord) - up_to(middle - chord));
       }
-    }
+    });
     const std::array<float, 4> lanes = total.lanes();
     sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
   }

@@ -66,6 +66,8 @@ class OutsideGrid {
   void trace(std::size_t axis, int u, int v, std::size_t line);
   void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
   template <class Visit>
+  void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
+  template <class Visit>
   void each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
 
   const ObjectLines& lines_;

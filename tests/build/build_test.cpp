@@ -10,6 +10,8 @@
 #include <morula/geometry/sampling.hpp>
 #include <support/meshes.hpp>
 
+#include "same_bits.hpp"
+
 namespace morula {
 namespace {
 
@@ -70,18 +72,7 @@ TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
   std::vector<BuildOptions> runs;
   for (const Method method : all_methods()) runs.push_back({.method = method, .depth = 2, .quality = quick(method)});
   runs.push_back({.method = Method::morula, .depth = 2});
-  for (const BuildOptions& options : runs) {
-    const Method method = options.method;
-    const Built reference = build(mesh, options);
-    for (const unsigned threads : {1u, 2u, 3u, 8u}) {
-      Workers workers(threads);
-      const Built again = build(mesh, options, workers);
-      EXPECT_EQ(tree_hash(again.tree), tree_hash(reference.tree)) << name(method) << " with " << threads;
-      EXPECT_EQ(again.cover.corners, reference.cover.corners);
-      EXPECT_EQ(again.cover.cut_points, reference.cover.cut_points);
-      EXPECT_EQ(again.cover.patch_facet, reference.cover.patch_facet);
-    }
-  }
+  for (const BuildOptions& options : runs) test::expect_same_bits_for_any_number_of_workers(mesh, options);
 }
 
 TEST(Build, makes_the_golden_trees) {

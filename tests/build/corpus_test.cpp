@@ -11,8 +11,9 @@
 namespace morula {
 namespace {
 
-// quality: for method morula.
-void expect_proof_on_every_mesh(Method method, int depth, Quality quality = Quality::standard) {
+class Corpus : public testing::TestWithParam<BuildOptions> {};
+
+TEST_P(Corpus, gets_a_proof_of_cover_for_every_mesh_that_loads) {
   const auto paths = scenes::corpus_meshes();
   if (paths.empty()) GTEST_SKIP() << "the corpus is not there: run scripts/corpus, or set MORULA_CORPUS";
   Workers workers(0);
@@ -27,35 +28,22 @@ void expect_proof_on_every_mesh(Method method, int depth, Quality quality = Qual
       continue;
     }
     ++loaded;
-    const Built built = build(mesh, {.method = method, .depth = depth, .quality = quality}, workers);
+    const Built built = build(mesh, GetParam(), workers);
     const auto faults = validate(mesh, built);
-    EXPECT_TRUE(faults.empty()) << name(method) << " on " << path.filename() << ": " << faults.front();
+    EXPECT_TRUE(faults.empty()) << name(GetParam().method) << " on " << path.filename() << ": " << faults.front();
   }
   EXPECT_GT(loaded, 100u) << "of " << paths.size() << " files";
 }
 
-TEST(Corpus, octree_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::octree, 3);
-}
-TEST(Corpus, grid_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::grid, 3);
-}
-TEST(Corpus, hubbard_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::hubbard, 2);
-}
-TEST(Corpus, spawn_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::spawn, 2);
-}
-TEST(Corpus, medial_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::medial, 1);
-}
-TEST(Corpus, combined_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::combined, 1);
-}
-
-TEST(Corpus, morula_proves_its_cover_on_every_mesh_that_loads) {
-  expect_proof_on_every_mesh(Method::morula, 3, Quality::fast);
-}
+INSTANTIATE_TEST_SUITE_P(EveryMethod, Corpus,
+                         testing::Values(BuildOptions{.method = Method::octree, .depth = 3},
+                                         BuildOptions{.method = Method::grid, .depth = 3},
+                                         BuildOptions{.method = Method::hubbard, .depth = 2},
+                                         BuildOptions{.method = Method::spawn, .depth = 2},
+                                         BuildOptions{.method = Method::medial, .depth = 1},
+                                         BuildOptions{.method = Method::combined, .depth = 1},
+                                         BuildOptions{.method = Method::morula, .depth = 3, .quality = Quality::fast}),
+                         [](const auto& tested) { return std::string(name(tested.param.method)); });
 
 }  // namespace
 }  // namespace morula

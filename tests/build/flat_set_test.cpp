@@ -11,6 +11,8 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
 
+#include "same_bits.hpp"
+
 namespace morula {
 namespace {
 
@@ -84,18 +86,9 @@ TEST(FlatSet, works_with_every_method) {
 TEST(FlatSet, has_the_same_bits_for_any_number_of_workers) {
   const Mesh mesh = sample_body("limb", 16);
   for (const Method method : {Method::octree, Method::grid, Method::spawn})
-    for (const double protrusion : {0.0, 0.08}) {
-      const BuildOptions options{.method = method, .spheres = protrusion > 0 ? 0u : 60u, .max_protrusion = protrusion};
-      const Built reference = build(mesh, options);
-      for (const unsigned threads : {1u, 2u, 3u, 8u}) {
-        Workers workers(threads);
-        const Built again = build(mesh, options, workers);
-        EXPECT_EQ(tree_hash(again.tree), tree_hash(reference.tree)) << name(method) << " with " << threads;
-        EXPECT_EQ(again.cover.corners, reference.cover.corners);
-        EXPECT_EQ(again.cover.cut_points, reference.cover.cut_points);
-        EXPECT_EQ(again.report.notes, reference.report.notes);
-      }
-    }
+    for (const double protrusion : {0.0, 0.08})
+      test::expect_same_bits_for_any_number_of_workers(
+          mesh, {.method = method, .spheres = protrusion > 0 ? 0u : 60u, .max_protrusion = protrusion});
 }
 
 TEST(FlatSet, gets_tighter_with_more_spheres) {
