@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "update/farthest.hpp"
+#include "update/kernels.hpp"
+#include "update/outermost.hpp"
 
 namespace morula {
 namespace {
@@ -55,6 +57,7 @@ ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Owner
                           static_cast<std::uint32_t>(exact_levels_to(binding.rule_of_level, level) - 1)});
 
   std::vector<std::uint32_t> chain;
+  run_begin_.push_back(0);
   point_begin_.push_back(0);
   chain_begin_.push_back(0);
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
@@ -68,26 +71,53 @@ ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Owner
       const auto owned = ownership.of_leaf(k);
       owned_points_ += owned.size();
       tested_points_ += owned.size() * chain.size();
-      points_.insert(points_.end(), owned.begin(), owned.end());
-      while (points_.size() % points_per_group != 0) points_.push_back(owned.back());
+      add_points(owned);
     }
+    run_begin_.push_back(static_cast<std::uint32_t>(runs_.size()));
     point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
   squared_.resize(chain_.size());
 
-  // Candidates are independent, so they are looked for side by side; ties are stored in node order.
+  // Nodes are independent, so they are looked at side by side; ties are stored in node order.
+  core_.resize(core_size * nodes_.size());
+  core_radius_.resize(nodes_.size());
   std::vector<Anchors> chunks((nodes_.size() + nodes_per_chunk - 1) / nodes_per_chunk);
   parallel_for(binding.workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> facets, candidates;
     for (std::size_t k = begin; k < end; ++k) {
       const Node& n = nodes_[k];
       const std::uint32_t first = ownership.begin[n.leaf_begin], last = ownership.begin[n.leaf_end];
-      find_candidates(binding, n.node, std::span(ownership.points).subspan(first, last - first), facets, candidates);
+      const auto owned = std::span(ownership.points).subspan(first, last - first);
+      choose_core(k, binding, owned);
+      find_candidates(binding, n.node, owned, facets, candidates);
       const Spheref& rest = binding.rest_spheres[n.node];
       chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
+}
+
+// Ascending points of one leaf.
+void ExactRule::add_points(std::span<const std::uint32_t> owned) {
+  for (std::size_t i = 0; i < owned.size();) {
+    std::size_t end = i + 1;
+    while (end < owned.size() && owned[end] == owned[end - 1] + 1) ++end;
+    const std::size_t in_run = (end - i) / points_per_group * points_per_group;
+    if (in_run > 0) runs_.push_back({owned[i], owned[i] + static_cast<std::uint32_t>(in_run)});
+    points_.insert(points_.end(), owned.begin() + static_cast<std::ptrdiff_t>(i + in_run),
+                   owned.begin() + static_cast<std::ptrdiff_t>(end));
+    i = end;
+  }
+  while (points_.size() % points_per_group != 0) points_.push_back(owned.back());
+}
+
+void ExactRule::choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned) {
+  const std::span<std::uint32_t> core = std::span(core_).subspan(core_size * k, core_size);
+  const Vec3f& center = binding.rest_spheres[nodes_[k].node].center;
+  outermost(binding.local.points(), owned, center, core);
+  float squared = 0;
+  kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
+  core_radius_[k] = std::sqrt(squared);
 }
 
 void ExactRule::update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
@@ -99,22 +129,28 @@ void ExactRule::update(std::span<const LocalPoint> points, const Rounding& round
 
 void ExactRule::move_centers(std::span<const LocalPoint> points, std::span<Spheref> spheres,
                              Workers& workers) noexcept {
+  // Centres of spheres that stay as they were at rest, or nearly, are good: only grown ones are worth a pull.
+  constexpr float most_growth = 1.01f;
   parallel_for(workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) spheres[nodes_[k].node].center = anchors_.center(k, points);
+    for (std::size_t k = begin; k < end; ++k) {
+      const float enough = most_growth * core_radius_[k];
+      spheres[nodes_[k].node].center = kernels().pull(
+          points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]}, anchors_.center(k, points));
+    }
   });
 }
 
 void ExactRule::measure_leaves(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                Workers& workers) noexcept {
   parallel_for(workers, chain_begin_.size() - 1, leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
-    const FarthestKernel farthest_of = farthest_kernels().back();
     std::array<Vec3f, most_centers> centers;
     for (std::size_t k = begin; k < end; ++k) {
-      const auto points_of_leaf = std::span(points_).subspan(point_begin_[k], point_begin_[k + 1] - point_begin_[k]);
+      const auto runs = std::span(runs_).subspan(run_begin_[k], run_begin_[k + 1] - run_begin_[k]);
+      const auto index = std::span(points_).subspan(point_begin_[k], point_begin_[k + 1] - point_begin_[k]);
       for (std::uint32_t from = chain_begin_[k]; from < chain_begin_[k + 1]; from += most_centers) {
         const std::size_t count = std::min<std::size_t>(most_centers, chain_begin_[k + 1] - from);
         for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[chain_[from + i]].center;
-        farthest_of(points.data(), points_of_leaf, std::span(centers).first(count), &squared_[from]);
+        kernels().farthest(points.data(), runs, index, std::span(centers).first(count), &squared_[from]);
       }
     }
   });

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "update/anchors.hpp"
+#include "update/kernels.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
 
@@ -47,6 +48,8 @@ class ExactRule {
   std::size_t tested_points() const { return tested_points_; }
 
  private:
+  void add_points(std::span<const std::uint32_t> owned);
+  void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
   void move_centers(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) noexcept;
   void measure_leaves(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
   void set_radii(const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept;
@@ -58,9 +61,14 @@ class ExactRule {
   };
   std::vector<Node> nodes_;
   Anchors anchors_;  // one tie per node of nodes_
-  // Leaf k: its points, padded to whole groups, and its chain: the nodes above it and itself that follow the rule, the
-  // root's side first. A node of level l has the same slot in every chain that it is part of.
-  std::vector<std::uint32_t> point_begin_, points_;
+  // core_size points of each node, its outermost, and how far they are from its centre at rest.
+  std::vector<std::uint32_t> core_;
+  std::vector<float> core_radius_;
+  // Leaf k: its points, in runs where they lie one after the other, else by index, padded to whole groups; and its
+  // chain: the nodes above it and itself that follow the rule, the root's side first. A node of level l has the same
+  // slot in every chain that it is part of.
+  std::vector<std::uint32_t> run_begin_, point_begin_, points_;
+  std::vector<PointRun> runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
   std::vector<float> squared_;  // parallel to chain_: largest squared distance of the leaf's points
   std::size_t owned_points_ = 0, tested_points_ = 0;

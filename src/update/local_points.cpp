@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "update/kernels.hpp"
 #include "update/narrow.hpp"
 
 namespace morula {
@@ -12,6 +13,13 @@ namespace {
 
 constexpr std::size_t vertices_per_chunk = 4096;
 constexpr std::size_t cut_points_per_chunk = 4096;
+
+// The nearest place whose coordinates are floats, unless that is far away beside the body: differences of floats can
+// then be taken in float, with the very result that double precision would round to.
+Vec3 on_floats(const Vec3& p, double size) {
+  const Vec3 near = nearest_floats(p);
+  return distance(near, p) <= 1e-3 * size ? near : p;
+}
 
 }  // namespace
 
@@ -36,17 +44,23 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   points_.resize(vertices_.size() + cut_point_count());
   chunk_largest_.resize((vertices_.size() + vertices_per_chunk - 1) / vertices_per_chunk);
-  rest_origin_ = bounding_box(rest).center();
+  const Box box = bounding_box(rest);
+  rest_origin_ = box.center();
+  size_ = largest_component(box.extent());
+  mesh_order_ = true;
+  for (std::uint32_t i = 0; i < vertices_.size(); ++i) mesh_order_ = mesh_order_ && vertices_[i] == i;
   guide_ = *std::min_element(vertices_.begin(), vertices_.end());
   guide_rest_ = rest.positions[guide_];
 }
 
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
   Frame frame;
-  frame.origin = rest_origin_ + (positions[guide_] - guide_rest_);
+  frame.origin = on_floats(rest_origin_ + (positions[guide_] - guide_rest_), size_);
   parallel_for(workers, vertices_.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
+    const auto vertices = std::span(vertices_).subspan(begin, end - begin);
     chunk_largest_[begin / vertices_per_chunk] =
-        narrow(positions, std::span(vertices_).subspan(begin, end - begin), frame.origin, &points_[begin]);
+        mesh_order_ ? narrow_run(positions, vertices.front(), vertices.size(), frame.origin, &points_[begin])
+                    : narrow(positions, vertices, frame.origin, &points_[begin]);
   });
   const float largest = *std::max_element(chunk_largest_.begin(), chunk_largest_.end());
   if (!(largest <= largest_local_coordinate)) {

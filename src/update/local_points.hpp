@@ -31,8 +31,6 @@ class LocalPoints {
   std::span<const LocalPoint> points() const { return points_; }
   std::size_t vertex_count() const { return vertices_.size(); }
   std::size_t cut_point_count() const { return edge_cuts_.size() + inner_cuts_.size(); }
-  /// At rest: the centre of the mesh's box.
-  const Vec3& rest_origin() const { return rest_origin_; }
   /// Point of a mesh vertex that facets use.
   std::uint32_t point_of(std::uint32_t vertex) const { return point_of_[vertex]; }
 
@@ -55,10 +53,12 @@ class LocalPoints {
   std::vector<InnerCut> inner_cuts_;  // … and after those
   std::vector<LocalPoint> points_;
   std::vector<float> chunk_largest_;  // per chunk of vertices; infinity when something in it is not finite
-  Vec3 rest_origin_;
+  Vec3 rest_origin_;  // the centre of the rest box
   Vec3 guide_rest_;  // the vertex that the origin moves with
   std::uint32_t guide_ = 0;
   double weight_slack_ = 0;
+  double size_ = 0;           // of the rest box, its largest side
+  bool mesh_order_ = false;   // point i is mesh vertex i
 };
 
 }  // namespace morula

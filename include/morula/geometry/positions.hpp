@@ -33,6 +33,8 @@ class PositionView {
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
+  /// Floats, nothing between one vertex and the next.
+  bool is_packed_float() const { return !is_double_ && stride_bytes_ == sizeof(Vec3f); }
   /// Where the x of vertex i is, a float or a double; y and z follow it.
   const std::byte* address(std::size_t i) const { return first_ + i * stride_bytes_; }
 
