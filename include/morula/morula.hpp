@@ -15,5 +15,6 @@
 #include <morula/io/tree_file.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/version.hpp>

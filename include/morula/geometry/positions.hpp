@@ -4,12 +4,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <morula/geometry/vector.hpp>
 #include <span>
 #include <vector>
 
 namespace morula {
+
+/// Mesh vertices [begin, end).
+struct VertexRange {
+  std::uint32_t begin, end;
+};
 
 class PositionView {
  public:
