@@ -185,8 +185,8 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
   UpdateStatus status = s.work;
   status.vertices_read = s.local.changed_vertices();
   status.cut_points_moved = s.local.changed_cut_points();
-  status.points_tested = s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres,
-                                                 workers);
+  status.points_tested =
+      s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
   return status;
 }
 

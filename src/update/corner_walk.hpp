@@ -24,22 +24,18 @@ class CornerWalk {
   /// Takes the largest squared distance from the centre of each node to a point that it owns.
   void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
 
-  /// The same after a change: of the leaves that are flagged, for all nodes, and of other leaves for nodes that are
-  /// flagged. Leaves by their order, nodes by their number in nodes(). Returns how many points were tested, once for
-  /// each centre.
+  /// The same after a change, where every level is measured. leaf_changed: leaves, by their order, that own points
+  /// which moved. node_moved: nodes, by their number in nodes(), whose centres moved; flags all whose reach may differ
+  /// on return. Leaves that cannot decide the reach of a node above are not walked for it. Returns how many points were
+  /// tested.
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                     std::span<const std::uint8_t> leaf_changed, std::span<const std::uint8_t> node_moved,
-                     Workers& workers) noexcept;
+                            std::span<const std::uint8_t> leaf_changed, std::span<std::uint8_t> node_moved) noexcept;
 
   /// The nodes that are measured, ascending.
   std::span<const std::uint32_t> nodes() const { return nodes_; }
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
   /// Of nodes()[k], as measured last.
   float squared_reach(std::size_t k) const noexcept;
-  /// The nodes that a leaf is walked for, by their number in nodes(), the root's side first.
-  std::span<const std::uint32_t> chain(std::size_t leaf) const {
-    return std::span(chain_).subspan(chain_begin_[leaf], chain_begin_[leaf + 1] - chain_begin_[leaf]);
-  }
 
   std::size_t owned_points() const { return owned_points_; }
   std::size_t tested_points() const { return tested_points_; }
@@ -50,18 +46,20 @@ class CornerWalk {
     std::uint32_t leaf_begin, leaf_end, slot;
   };
   void add_points(std::span<const std::uint32_t> owned);
-  // For some entries of the chain of a leaf, given by their place in chain_.
-  void walk(std::size_t leaf, std::span<const std::uint32_t> entries, std::span<const LocalPoint> points,
-            std::span<const Spheref> spheres) noexcept;
+  // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
+  std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+                   std::span<const Spheref> spheres) noexcept;
+  std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   std::vector<std::uint32_t> nodes_;
   std::vector<Below> below_;
-  // Leaf k: its points, in runs where they lie one after the other, else by index, padded to whole groups.
-  std::vector<std::uint32_t> run_begin_, point_begin_, points_;
+  // Leaf k: how many points it owns, and which, in runs where they lie one after the other, else by index, padded to whole groups.
+  std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
-  std::vector<float> squared_;            // parallel to chain_: of the leaf's points
-  std::vector<std::uint32_t> points_of_leaf_, leaf_tests_;  // owned; tested by the last measure_again
+  // Of the leaf's points, parallel to chain_; unknown where the leaf cannot be the one that reaches farthest. Of the
+  // leaf's own node always known.
+  std::vector<float> squared_;
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 

@@ -97,12 +97,16 @@ void ExactRule::update(std::span<const LocalPoint> points, const Rounding& round
     for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, points);
   });
   walk_.measure(points, spheres, workers);
-  set_radii(rounding, spheres, workers);
+  rounding_ = rounding;
+  parallel_for(workers, walk_.nodes().size(), 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding, spheres);
+  });
 }
 
 std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
-                                      const Rounding& rounding, std::span<Spheref> spheres,
-                                      Workers& workers) noexcept {
+                                      const Rounding& rounding, std::span<Spheref> spheres) noexcept {
+  const bool rounding_changed = rounding != rounding_;
+  rounding_ = rounding;
   std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
   std::fill(node_moved_.begin(), node_moved_.end(), std::uint8_t{0});
   for (const std::uint32_t block : changed_blocks) {
@@ -116,8 +120,9 @@ std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::s
     node_moved_[k] = now == kept ? 0 : 1;
     kept = now;
   }
-  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, node_moved_, workers);
-  set_radii(rounding, spheres, workers);
+  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, node_moved_);
+  for (std::size_t k = 0; k < node_moved_.size(); ++k)
+    if (node_moved_[k] != 0 || rounding_changed) set_radius(k, rounding, spheres);
   return tested;
 }
 
@@ -130,13 +135,9 @@ Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const
                         anchors_.center(k, points));
 }
 
-void ExactRule::set_radii(const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept {
-  parallel_for(workers, walk_.nodes().size(), 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      Spheref& sphere = spheres[walk_.nodes()[k]];
-      sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
-    }
-  });
+void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept {
+  Spheref& sphere = spheres[walk_.nodes()[k]];
+  sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
 }
 
 }  // namespace morula

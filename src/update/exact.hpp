@@ -39,9 +39,9 @@ class ExactRule {
   void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
               Workers& workers) noexcept;
 
-  /// The same spheres, where only these blocks of vertices differ from the update before. Returns the points tested.
+  /// The same spheres, where every level follows the rule and only these blocks of vertices differ from the update before. Returns the points tested.
   std::size_t update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
-                             const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept;
+                             const Rounding& rounding, std::span<Spheref> spheres) noexcept;
 
   const Anchors& anchors() const { return anchors_; }
   const CornerWalk& walk() const { return walk_; }
@@ -50,7 +50,7 @@ class ExactRule {
   void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
   void find_dependents(const Binding& binding, const Ownership& ownership);
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
-  void set_radii(const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept;
+  void set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept;
 
   CornerWalk walk_;
   Anchors anchors_;  // one tie per node of the walk
@@ -60,6 +60,7 @@ class ExactRule {
   BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
   BlockLists nodes_of_block_;   // nodes whose centres look at it
   std::vector<std::uint8_t> leaf_changed_, node_moved_;
+  Rounding rounding_;  // of the last update
 };
 
 }  // namespace morula
