@@ -41,17 +41,18 @@ Sphere circumsphere(const Support& support, int& independent) {
   return {center, std::sqrt(squared_radius)};
 }
 
-// Smallest enclosing sphere of at most five points: the smallest circumsphere of a subset that contains them all.
-// Exhaustive, so nothing about the order of points can go wrong. Returns the support. Computed relative to the first
-// point: far from the origin, coordinates differ exactly although their squares do not.
+// Smallest enclosing sphere of at most five points, the last of which is outside that of the others: the smallest
+// circumsphere of a subset that has the last point and contains them all. Exhaustive, so nothing about the order of
+// points can go wrong. Returns the support. Computed relative to the first point: far from the origin, coordinates
+// differ exactly although their squares do not.
 Sphere smallest_of_few(std::span<const Vec3> absolute, Support& best_support) {
   std::array<Vec3, 5> relative;
   for (std::size_t i = 0; i < absolute.size(); ++i) relative[i] = absolute[i] - absolute[0];
   const std::span<const Vec3> points(relative.data(), absolute.size());
   Sphere best{{}, -1};
   unsigned best_subset = 0;
-  const unsigned subsets = 1u << points.size();
-  for (unsigned subset = 1; subset < subsets; ++subset) {
+  const unsigned last = 1u << (points.size() - 1);
+  for (unsigned subset = last; subset < 2 * last; ++subset) {
     Support support;
     bool too_many = false;
     for (std::size_t i = 0; i < points.size(); ++i)

@@ -21,14 +21,6 @@ constexpr double smallest_ball = 1e-9;  // of the diagonal: smaller ones are on 
 constexpr int most_steps = 50;
 constexpr std::size_t neighbor_count = 8;
 
-Box box_of(const TriangleBvh& bvh) {
-  Box box;
-  for (std::uint32_t facet = 0; facet < bvh.facet_count(); ++facet) {
-    for (const Vec3& corner : bvh.triangle(facet)) box.add(corner);
-  }
-  return box;
-}
-
 /// Away from the nearest surface, as long as the ball grows: half of what p is farther than that.
 Sphere made_room(const SignedDistance& shape, const Vec3& p, Vec3 center, SignedDistance::Result at) {
   for (int step = 0; step < most_rooms; ++step) {
@@ -73,7 +65,7 @@ std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const V
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             Workers& workers) {
   assert(points.size() == normals.size());
-  const double diagonal = box_of(shape.bvh()).diagonal();
+  const double diagonal = shape.bvh().bounding_box().diagonal();
   std::vector<std::optional<Sphere>> found(points.size());
   parallel_for(workers, points.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) found[i] = shrink(shape, points[i], normals[i], diagonal);

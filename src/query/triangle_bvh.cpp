@@ -62,6 +62,10 @@ std::size_t TriangleBvh::facet_count() const {
   return data_->tree.facets.size();
 }
 
+const Box& TriangleBvh::bounding_box() const {
+  return data_->tree.box;
+}
+
 const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
   return data_->tree.triangles[data_->tree.slots[facet]];
 }
@@ -84,6 +88,7 @@ std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, doubl
     if (next.count == 0) {
       double distances[wide::width];
       wide::squared_distances(tree.nodes[next.first], p, distances);
+      wide::raise_to_slabs(tree.slabs[next.first], p, distances);
       push_by_distance(tree.nodes[next.first], distances, limit, stack, top);
       continue;
     }

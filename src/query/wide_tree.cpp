@@ -9,6 +9,7 @@
 #include <cassert>
 #include <limits>
 #include <morula/geometry/box.hpp>
+#include <span>
 #include <utility>
 
 namespace morula::wide {
@@ -115,6 +116,27 @@ void set_child(Node& node, Clusters& clusters, int k, const Summary& s) {
   clusters.radius[k] = s.radius;
 }
 
+// Only clusters of a few facets are flat.
+constexpr std::uint32_t largest_slab = 128;
+
+void set_slab(Slabs& slabs, int k, const Summary& s, std::span<const Triangle> triangles) {
+  const double size = length(s.area_vector);
+  constexpr double least_size = 1e-140;  // below, squares lose digits and the normal is not a unit
+  if (triangles.size() > largest_slab || !(size > least_size)) return;
+  const Vec3 normal = s.area_vector / size;
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  for (const Triangle& t : triangles)
+    for (const Vec3& corner : t) {
+      const double height = dot(corner, normal);
+      lower = std::min(lower, height);
+      upper = std::max(upper, height);
+    }
+  const double pad = 0x1p-44 * std::max(largest_component(s.box.lower), largest_component(s.box.upper));
+  for (int axis = 0; axis < 3; ++axis) slabs.normal[axis][k] = normal[axis];
+  slabs.lower[k] = lower - pad;
+  slabs.upper[k] = upper + pad;
+}
+
 class Builder {
  public:
   Builder(const Mesh& mesh, Workers& workers) : mesh_(mesh), workers_(workers) {}
@@ -141,6 +163,7 @@ class Builder {
  private:
   struct Subtree {
     std::vector<Node> nodes;
+    std::vector<Slabs> slabs;
     std::vector<Clusters> clusters;
     Summary summary;
   };
@@ -161,7 +184,7 @@ class Builder {
       for (std::size_t f = begin; f < end; ++f)
         for (const Vec3& corner : mesh_.corners(f)) box.add(corner);
     });
-    Box whole;
+    Box& whole = tree_.box;
     for (const Box& box : boxes) whole.add(box);
     const Vec3 center = whole.center();
     const double size = largest_component(whole.extent());
@@ -208,11 +231,13 @@ class Builder {
   // Joins the subtrees behind the top nodes and closes the top from its last node up to the root.
   void append(const std::vector<Subtree>& subtrees) {
     const std::size_t top_count = tree_.nodes.size();
+    tree_.slabs.resize(top_count);
     tree_.clusters.resize(top_count);
     std::vector<std::array<Summary, width>> summaries(top_count);
     std::size_t node_count = top_count;
     for (const Subtree& subtree : subtrees) node_count += subtree.nodes.size();
     tree_.nodes.reserve(node_count);
+    tree_.slabs.reserve(node_count);
     tree_.clusters.reserve(node_count);
     for (std::size_t i = 0; i < subtrees.size(); ++i) {
       const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -221,6 +246,7 @@ class Builder {
           if (node.count[k] == 0) node.first[k] += offset;
         tree_.nodes.push_back(node);
       }
+      tree_.slabs.insert(tree_.slabs.end(), subtrees[i].slabs.begin(), subtrees[i].slabs.end());
       tree_.clusters.insert(tree_.clusters.end(), subtrees[i].clusters.begin(), subtrees[i].clusters.end());
       if (pending_[i].parent == no_parent) continue;
       tree_.nodes[pending_[i].parent].first[pending_[i].child] = offset;
@@ -241,6 +267,7 @@ class Builder {
     assert(depth < largest_depth);
     const std::size_t index = subtree.nodes.size();
     subtree.nodes.emplace_back();
+    subtree.slabs.emplace_back();
     subtree.clusters.emplace_back();
     Range ranges[width];
     const int count = split_node(range, depth, ranges);
@@ -253,6 +280,8 @@ class Builder {
       subtree.nodes[index].first[k] = is_leaf ? ranges[k].begin : next;
       subtree.nodes[index].count[k] = is_leaf ? ranges[k].count() : 0;
       set_child(subtree.nodes[index], subtree.clusters[index], k, summaries[k]);
+      set_slab(subtree.slabs[index], k, summaries[k],
+               std::span(tree_.triangles).subspan(ranges[k].begin, ranges[k].count()));
     }
     return joined(summaries, count);
   }

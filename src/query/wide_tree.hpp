@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/parallel/workers.hpp>
@@ -40,8 +41,19 @@ struct alignas(64) Clusters {
   double radius[width];     // no facet reaches farther from the centroid
 };
 
+/// Slabs across small clusters: parallel planes, at right angles to the mean normal, with all facets between them.
+/// Where the surface is smooth they are far thinner than boxes, and most facets that are nearly nearest are never
+/// looked at.
+struct alignas(64) Slabs {
+  double normal[3][width];  // unit or zero
+  double lower[width];
+  double upper[width];
+};
+
 struct Tree {
+  Box box;                            // of all corners
   std::vector<Node> nodes;            // root first, children after their parents
+  std::vector<Slabs> slabs;           // one for each node
   std::vector<Clusters> clusters;     // one for each node
   std::vector<std::uint32_t> facets;  // by slot: the facet's index in the mesh
   std::vector<Triangle> triangles;    // by slot
@@ -61,6 +73,21 @@ inline void squared_distances(const Node& node, const Vec3& p, double* result) {
     const Double2 dy = max(max(load(node.lower[1] + k) - y, y - load(node.upper[1] + k)), zero);
     const Double2 dz = max(max(load(node.lower[2] + k) - z, z - load(node.upper[2] + k)), zero);
     store(dx * dx + dy * dy + dz * dz, result + k);
+  }
+}
+
+/// The same for slabs; raises `result` where the slab is farther. Never more than the computed squared distance to a
+/// facet, like squared_distances().
+inline void raise_to_slabs(const Slabs& slabs, const Vec3& p, double* result) {
+  using namespace lanes;
+  // Heights and normals are rounded by a few ulps of the point's coordinates: of the surface's, which the slabs are
+  // padded by, and of the distance.
+  const Double2 sure = both(1 - 0x1p-44), zero = both(0), x = both(p.x), y = both(p.y), z = both(p.z);
+  for (int k = 0; k < width; k += 2) {
+    const Double2 height =
+        x * load(slabs.normal[0] + k) + y * load(slabs.normal[1] + k) + z * load(slabs.normal[2] + k);
+    const Double2 gap = max(max(load(slabs.lower + k) - height, height - load(slabs.upper + k)), zero) * sure;
+    store(max(gap * gap, load(result + k)), result + k);
   }
 }
 

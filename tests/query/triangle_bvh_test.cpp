@@ -115,6 +115,8 @@ TEST(TriangleBvh, keeps_the_facets_as_they_were_given) {
   const Mesh mesh = sample_body("blob", 40);
   TriangleBvh first(mesh);
   const TriangleBvh bvh(std::move(first));
+  EXPECT_EQ(bvh.bounding_box().lower, bounding_box(mesh).lower);
+  EXPECT_EQ(bvh.bounding_box().upper, bounding_box(mesh).upper);
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) EXPECT_EQ(bvh.triangle(f), mesh.corners(f));
 }
 

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <memory>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
@@ -30,6 +31,8 @@ class TriangleBvh {
   TriangleBvh& operator=(TriangleBvh&&) noexcept;
 
   std::size_t facet_count() const;
+  /// Of the corners of all facets.
+  const Box& bounding_box() const;
   /// The corners of a facet, by its index in the mesh.
   const Triangle& triangle(std::uint32_t facet) const;
 
