@@ -27,12 +27,12 @@ void append(Proposals& all, Proposals more) {
 // surface keeps one child from owning most of it.
 constexpr ReduceSettings quick{
     .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2},
-    .changes = {40, 12, 4},
+    .changes = {24, 8, 3},
     .balance = {0.3F, 0.5F},
     .first_tree = false};
 constexpr ReduceSettings thorough{
     .fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
-    .changes = {60, 12, 12},
+    .changes = {40, 12, 8},
     .balance = {2.5F, 2.0F},
     .first_tree = true};
 

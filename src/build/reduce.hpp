@@ -43,9 +43,9 @@ using Reducer = std::function<Proposals(const ReducerInput&)>;
 /// How thoroughly proposals are fitted.
 struct ReduceSettings {
   NodeFit::Settings fit;
-  std::array<int, 3> changes;    ///< tried on what is settled, by level of the children: 1, 2, deeper
-  std::array<float, 2> balance;  ///< on levels 1 and 2
-  bool first_tree;               ///< whether a fast tree tells the demand; else it is even over the surface
+  std::array<int, 3> changes;          ///< tried on what is settled, by level of the children: 1, 2, deeper
+  std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2
+  bool first_tree = false;             ///< whether a fast tree tells the demand; else it is even over the surface
 };
 /// The divider made of a reducer (ALGORITHMS B.2, C.8): proposals are judged by the empty space they take in after a
 /// sweep; the best is settled and made exact, on the root all are. input: borrowed.
