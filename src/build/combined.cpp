@@ -23,18 +23,17 @@ void append(Proposals& all, Proposals more) {
 }
 
 // Quick fits for the methods that are quick themselves; thorough ones, after a first tree has told where small spheres
-// will be needed, for those that take their time anyway. Without that tree a little weight on even shares of the
-// surface keeps one child from owning most of it.
+// will be needed, for those that take their time anyway.
 constexpr ReduceSettings quick{
     .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2},
-    .changes = {24, 8, 3},
-    .balance = {0.3F, 0.5F},
-    .first_tree = false};
+    .changes = {4, 4, 4},
+    .move_every = 5};
 constexpr ReduceSettings thorough{
     .fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
     .changes = {40, 12, 8},
-    .balance = {2.5F, 2.0F},
-    .first_tree = true};
+    .move_every = 2,
+    .all_on_root = true,
+    .balance = {2.5F, 2.0F}};
 
 Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                     const ReduceSettings& settings) {
@@ -47,11 +46,9 @@ Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std
   };
   Reducer reducer = combined_reducer(std::move(reductions), run);
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
-  if (!settings.first_tree || run.depth < 2 || flat) {
-    const Demand even = [](const Vec3&) { return 1.0F; };
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings, flat ? Demand{} : even), workers,
-                    &shape, exchange_parts);
-  }
+  if (settings.balance[0] == 0 || run.depth < 2 || flat)
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape,
+                    exchange_parts);
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);

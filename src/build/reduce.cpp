@@ -92,7 +92,7 @@ class ReducerDivider {
     std::string_view winner;
     // What the root's children lose, all levels lose, and it is one node among many: there every start goes all the
     // way.
-    const std::size_t tries = node.level == 0 ? starts.size() : 1;
+    const std::size_t tries = settings_.all_on_root && node.level == 0 ? starts.size() : 1;
     for (std::size_t k = 0; k < tries; ++k) {
       settle(group, starts[k], node.level);
       NodeFit::Exact now = fit.exact();
@@ -133,8 +133,7 @@ class ReducerDivider {
     group.take(start.spheres, start.proposal->fill_places);
     for (int i = 0; i < sweeps_for_winner; ++i) group.sweep(taken, true);
     group.try_inscribed(inscribed_sweeps, sweeps_after);
-    constexpr int move_every = 2;
-    group.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], move_every);
+    group.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], settings_.move_every);
   }
 
   NodeFit::Settings fit_settings(int level) const {

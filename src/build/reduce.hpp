@@ -44,11 +44,12 @@ using Reducer = std::function<Proposals(const ReducerInput&)>;
 struct ReduceSettings {
   NodeFit::Settings fit;
   std::array<int, 3> changes;          ///< tried on what is settled, by level of the children: 1, 2, deeper
-  std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2
-  bool first_tree = false;             ///< whether a fast tree tells the demand; else it is even over the surface
+  int move_every;                      ///< one of so many changes moves a ball elsewhere
+  bool all_on_root = false;            ///< whether every proposal is settled there, not just the best
+  std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2, when there is a demand
 };
 /// The divider made of a reducer (ALGORITHMS B.2, C.8): proposals are judged by the empty space they take in after a
-/// sweep; the best is settled and made exact, on the root all are. input: borrowed.
+/// sweep; the best is settled and made exact. input: borrowed.
 Divider divide_by(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
                   Demand demand = {});
 

@@ -82,9 +82,9 @@ TEST(Build, makes_the_golden_trees) {
     return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
   };
   EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
-  EXPECT_EQ(hash(Method::grid), 0x02a5421c16e8b815u);
-  EXPECT_EQ(hash(Method::hubbard), 0x8c53a37068841924u);
-  EXPECT_EQ(hash(Method::spawn), 0xd44dec7c09a1c2c8u);
+  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
+  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
+  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
   EXPECT_EQ(hash(Method::medial), 0xa00f07a7c6b99dbcu);
   EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
   EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
