@@ -25,10 +25,14 @@ void append(Proposals& all, Proposals more) {
 // Quick fits for the methods that are quick themselves; thorough ones, after a first tree has told where small spheres
 // will be needed, for those that take their time anyway.
 constexpr ReduceSettings quick{
-    .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2}, .changes = 4};
+    .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2},
+    .changes = {4, 4, 4},
+    .move_every = 5};
 constexpr ReduceSettings thorough{
     .fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
-    .changes = 12,
+    .changes = {40, 12, 8},
+    .move_every = 2,
+    .all_on_root = true,
     .balance = {2.5F, 2.0F}};
 
 Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,

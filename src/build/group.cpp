@@ -410,12 +410,11 @@ void Group::nudge() {
   for (std::size_t b = 0; b < most_; ++b) refit(b, settings_.taken, 0.06F);
 }
 
-void Group::try_changes(int count) {
-  constexpr int nudge_every = 5;
+void Group::try_changes(int count, int move_every) {
   State best = snapshot();
   double least = objective();
   for (int trial = 0; trial < count; ++trial) {
-    if (trial % nudge_every != 0) {
+    if (trial % move_every != 0) {
       nudge();
     } else {
       teleport();

@@ -34,8 +34,8 @@ class Group {
   void sweep(float taken, bool exclusive);
   /// Points to the inscribed ball of least power: for balls that have settled where they are but not where they should.
   void sweep_inscribed(float taken);
-  /// Random changes, kept when they help.
-  void try_changes(int count);
+  /// Random changes, kept when they help: every move_every-th moves a ball elsewhere, the others nudge walls.
+  void try_changes(int count, int move_every);
   /// Settles on whichever is better: as it is, or after sweeps by inscribed power.
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);

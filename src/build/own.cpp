@@ -143,7 +143,8 @@ class OwnDivider {
       group.try_inscribed(2 * inscribed_sweeps, sweeps);
     }
     run_.throw_if_stopped();
-    group.try_changes(effort_.changes[level]);
+    constexpr int move_every = 5;
+    group.try_changes(effort_.changes[level], move_every);
     NodeFit::Exact exact = fit.exact();
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));

@@ -87,34 +87,54 @@ class ReducerDivider {
                 demand_);
     Group& group = fit.group();
 
-    // All proposals are judged after a sweep; the best gets more.
-    const Proposal* winner = nullptr;
-    std::vector<Sphere> spheres;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Proposal& proposal : proposals) {
-      group.take(proposal.spheres, proposal.fill_places);
-      group.sweep(taken, true);
-      if (const double cost = group.objective(); cost < least || winner == nullptr) {
-        least = cost;
-        winner = &proposal;
-        spheres = group.spheres();
-      }
+    std::vector<Start> starts = judged(group, proposals);
+    NodeFit::Exact exact;
+    std::string_view winner;
+    // What the root's children lose, all levels lose, and it is one node among many: there every start goes all the
+    // way.
+    const std::size_t tries = settings_.all_on_root && node.level == 0 ? starts.size() : 1;
+    for (std::size_t k = 0; k < tries; ++k) {
+      settle(group, starts[k], node.level);
+      NodeFit::Exact now = fit.exact();
+      // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+      if (now.spheres.size() < 2) now = fit.divided_anyway(starts[k].proposal->spheres);
+      if (k > 0 && !(now.cost < exact.cost)) continue;
+      exact = std::move(now);
+      winner = starts[k].proposal->reducer;
     }
-    group.take(spheres, winner->fill_places);
-    for (int i = 0; i < sweeps_for_winner; ++i) group.sweep(taken, true);
-    group.try_inscribed(inscribed_sweeps, sweeps_after);
-    group.try_changes(settings_.changes);
-    NodeFit::Exact exact = fit.exact();
-    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
-    if (exact.spheres.size() < 2) exact = fit.divided_anyway(winner->spheres);
     Division division = division_of(std::move(exact));
-    division.reducer = winner->reducer;
+    division.reducer = winner;
     return division;
   }
 
  private:
   static constexpr float taken = 0.15F;
   static constexpr int sweeps_for_winner = 2, inscribed_sweeps = 4, sweeps_after = 4;
+
+  // A proposal and what a sweep made of it.
+  struct Start {
+    const Proposal* proposal;
+    std::vector<Sphere> spheres;
+    double cost;
+  };
+  static std::vector<Start> judged(Group& group, const Proposals& proposals) {
+    std::vector<Start> starts;
+    for (const Proposal& proposal : proposals) {
+      group.take(proposal.spheres, proposal.fill_places);
+      group.sweep(taken, true);
+      const double cost = group.objective();
+      starts.push_back({&proposal, group.spheres(), cost});
+    }
+    std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+    return starts;
+  }
+
+  void settle(Group& group, const Start& start, int level) const {
+    group.take(start.spheres, start.proposal->fill_places);
+    for (int i = 0; i < sweeps_for_winner; ++i) group.sweep(taken, true);
+    group.try_inscribed(inscribed_sweeps, sweeps_after);
+    group.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], settings_.move_every);
+  }
 
   NodeFit::Settings fit_settings(int level) const {
     NodeFit::Settings settings = settings_.fit;

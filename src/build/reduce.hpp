@@ -43,7 +43,9 @@ using Reducer = std::function<Proposals(const ReducerInput&)>;
 /// How thoroughly proposals are fitted.
 struct ReduceSettings {
   NodeFit::Settings fit;
-  int changes;                         ///< tried on the winner, on every node
+  std::array<int, 3> changes;          ///< tried on what is settled, by level of the children: 1, 2, deeper
+  int move_every;                      ///< one of so many changes moves a ball elsewhere
+  bool all_on_root = false;            ///< whether every proposal is settled there, not just the best
   std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2, when there is a demand
 };
 /// The divider made of a reducer (ALGORITHMS B.2, C.8): proposals are judged by the empty space they take in after a

@@ -85,7 +85,7 @@ TEST(Build, makes_the_golden_trees) {
   EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
   EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
   EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
-  EXPECT_EQ(hash(Method::medial), 0xb2c586c89973e216u);
+  EXPECT_EQ(hash(Method::medial), 0xa00f07a7c6b99dbcu);
   EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
   EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
 }

@@ -25,7 +25,9 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
   const FitInput input = fit_input(mesh, shape, lines);
   const BuildRun run({.method = Method::grid, .depth = 2});
   const ReduceSettings settings{
-      .fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1}, .changes = 0};
+      .fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
+      .changes = {0, 0, 0},
+      .move_every = 5};
   Made made;
   made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, &shape,
                         [&](std::vector<BuildNode>& nodes) {

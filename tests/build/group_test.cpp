@@ -96,7 +96,7 @@ TEST(Group, keeps_all_points_inside_through_every_operation) {
       }
     group.sweep_inscribed(0.15F);
     expect_all_contained(whole, group, "an inscribed sweep");
-    group.try_changes(12);
+    group.try_changes(12, 5);
     expect_all_contained(whole, group, "changes");
     group.try_inscribed(2, 2);
     expect_all_contained(whole, group, "inscribed sweeps");
@@ -128,7 +128,7 @@ TEST(Group, tries_never_make_it_worse) {
         EXPECT_LE(now, before * (1 + 1e-6)) << what << " on " << body;
         before = now;
       };
-      group.try_changes(15);
+      group.try_changes(15, 5);
       expect_no_worse("changes");
       group.try_inscribed(2, 2);
       expect_no_worse("inscribed");
@@ -143,7 +143,7 @@ TEST(Group, repeats_itself_to_the_bit) {
     WholeFit whole(sample_body("limb", 16));
     Group& group = whole.fit.group();
     group.split_from_one();
-    group.try_changes(10);
+    group.try_changes(10, 5);
     results.push_back(group.spheres());
   }
   EXPECT_EQ(results[0], results[1]);
