@@ -19,7 +19,7 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   const Mesh mesh = read_mesh(bench / "limb.obj");
   const Built built = read_built(bench / "limb.morula", mesh);
   const Motion motion(bench / "motion", mesh);
-  for (const Rule rule : all_rules()) {
+  for (const Rule rule : position_rules()) {
     const std::string rule_name(name(rule));
     bench.require("update limb.obj limb.morula motion -o " + rule_name + " --rule " + rule_name);
     Body body(mesh, built, {.rules = {rule}, .details = {}});
