@@ -35,6 +35,28 @@ std::array<Vec3, 3> inverse(const std::array<Vec3, 3>& m) {
   return {a / determinant, b / determinant, c / determinant};
 }
 
+using Matrix = std::array<Vec3, 3>;  // its columns
+
+// The inverse of m with `ridge` added to its diagonal.
+Matrix ridged_inverse(Matrix m, double ridge) {
+  for (int k = 0; k < 3; ++k) m[k][k] += ridge;
+  return inverse(m);
+}
+
+Matrix product_of(const Matrix& a, const Matrix& b) {
+  return {times(a, b[0]), times(a, b[1]), times(a, b[2])};
+}
+
+Matrix minus_transposed(const Matrix& m) {
+  return {-Vec3{m[0].x, m[1].x, m[2].x}, -Vec3{m[0].y, m[1].y, m[2].y}, -Vec3{m[0].z, m[1].z, m[2].z}};
+}
+
+Vec3 mean_of(std::span<const Vec3> points) {
+  Vec3 mean;
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  return mean;
+}
+
 }  // namespace
 
 double safe_length(const Vec3& v) {
@@ -48,33 +70,50 @@ ModeRow mode_row(std::span<const Vec3> displacements) {
 }
 
 LinearFit::LinearFit(std::vector<Vec3> places, double extent)
-    : places_(std::move(places)), extent_(extent), largest_(largest_of(places_)) {
-  if (largest_ == 0) return;  // a single corner at the centre: the inverse stays zero, and so do gradients
+    : places_(std::move(places)), extent_(extent), scale_(largest_of(places_)) {
+  if (scale_ == 0) return;  // all corners at the centre: no gradient
+  const Vec3 mean = mean_of(places_);
+  for (const Vec3& y : places_) scaled_.push_back((y - mean) / scale_);
   const double share = 1 / static_cast<double>(places_.size());
-  for (const Vec3& y : places_) mean_ += y * share;
-  std::array<Vec3, 3> covariance{};
-  for (const Vec3& y : places_) {
-    const Vec3 z = (y - mean_) / largest_;
-    for (int k = 0; k < 3; ++k) covariance[k] += z * (z[k] * share);
-  }
-  // Flat and thin sets say nothing about the direction across: a little is added, so that there the answer is zero.
-  constexpr double ridge = 1e-9;
-  for (int k = 0; k < 3; ++k) covariance[k][k] += ridge;
-  covariance_inverse_ = inverse(covariance);
+  for (const Vec3& z : scaled_)
+    for (int k = 0; k < 3; ++k) covariance_[k] += z * (z[k] * share);
 }
 
-std::array<Vec3, 3> LinearFit::gradient(std::span<const Vec3> displacements) const {
-  if (largest_ == 0) return {};
-  const double share = 1 / static_cast<double>(places_.size());
-  std::array<Vec3, 3> product{};  // displacement times place, summed; its columns
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Vec3 z = (places_[i] - mean_) / largest_;
-    for (int k = 0; k < 3; ++k) product[k] += displacements[i] * (z[k] * share);
+// How little to believe of what corners tell about directions in which they hardly spread. Of a field that is linear on
+// the corners everything is true, but for rounding; of another one what hangs on a patch's slight thickness is not.
+double LinearFit::ridge(const Matrix& product, std::span<const Vec3> displacements, const Vec3& mean) const {
+  constexpr double rounding = 1e-9, largest = 1e-2, distrust = 1e3;
+  const Matrix plain = product_of(product, ridged_inverse(covariance_, rounding));
+  double misfit = 0, variance = 0;
+  for (std::size_t i = 0; i < scaled_.size(); ++i) {
+    const Vec3 u = displacements[i] - mean;
+    misfit += squared_length(u - times(plain, scaled_[i]));
+    variance += squared_length(u);
   }
-  std::array<Vec3, 3> columns;
-  for (int k = 0; k < 3; ++k) columns[k] = times(product, covariance_inverse_[k]) / largest_;
-  const bool finite = is_finite(columns[0]) && is_finite(columns[1]) && is_finite(columns[2]);
-  return finite ? columns : std::array<Vec3, 3>{};
+  const double spread = covariance_[0].x + covariance_[1].y + covariance_[2].z;
+  return variance > 0 ? std::min(rounding + distrust * spread * (misfit / variance), largest) : rounding;
+}
+
+Matrix LinearFit::gradient(std::span<const Vec3> displacements) const {
+  if (scaled_.empty()) return {};
+  const double share = 1 / static_cast<double>(scaled_.size());
+  const Vec3 mean = mean_of(displacements);
+  Matrix product{};
+  for (std::size_t i = 0; i < scaled_.size(); ++i)
+    for (int k = 0; k < 3; ++k) product[k] += (displacements[i] - mean) * (scaled_[i][k] * share);
+
+  // What the ridge draws the field to is not zero but its own turn, -G^T: turns then are found whole, step by step.
+  constexpr int steps = 8;
+  const double weight = ridge(product, displacements, mean);
+  const Matrix solve = ridged_inverse(covariance_, weight);
+  const Matrix drawn_to_zero = product_of(product, solve);
+  Matrix columns = drawn_to_zero;
+  for (int step = 0; step < steps; ++step) {
+    const Matrix turn = product_of(minus_transposed(columns), solve);
+    for (int k = 0; k < 3; ++k) columns[k] = drawn_to_zero[k] + weight * turn[k];
+  }
+  for (Vec3& column : columns) column = column / scale_;
+  return is_finite(columns[0]) && is_finite(columns[1]) && is_finite(columns[2]) ? columns : Matrix{};
 }
 
 LinearModeRow LinearFit::row(std::span<Vec3> displacements) const {

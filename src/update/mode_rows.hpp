@@ -31,23 +31,25 @@ double safe_length(const Vec3& v);
 /// them, which makes the stray least; [james2004] takes a weighted mean.
 ModeRow mode_row(std::span<const Vec3> displacements);
 
-/// Finds the linear field nearest to the displacements of a node's corners, in least squares.
+/// Finds linear fields near the displacements of a node's corners: in least squares, and where the corners hardly tell,
+/// as across a patch that is nearly flat, such that what they tell is completed to a turn.
 class LinearFit {
  public:
   /// places: of the owned corners about the node's centre at rest. extent: the largest |component| of what they are
   /// differences of.
   LinearFit(std::vector<Vec3> places, double extent);
-  /// `displacements` are used up. Where the corners do not span space, the gradient is zero across what they span.
+  /// The displacements are used up.
   LinearModeRow row(std::span<Vec3> displacements) const;
 
  private:
   std::array<Vec3, 3> gradient(std::span<const Vec3> displacements) const;
+  double ridge(const std::array<Vec3, 3>& product, std::span<const Vec3> displacements, const Vec3& mean) const;
 
   std::vector<Vec3> places_;
-  Vec3 mean_;
   double extent_;
-  double largest_ = 0;                        // |component| of a place
-  std::array<Vec3, 3> covariance_inverse_{};  // of the places over largest_
+  std::vector<Vec3> scaled_;  // places about their mean, over the largest |component|; empty when all places are zero
+  double scale_ = 0;          // that component
+  std::array<Vec3, 3> covariance_{};  // of the scaled places
 };
 
 /// The image of v under the matrix with these columns.
