@@ -113,7 +113,7 @@ std::vector<Result> run_update(const Input& input, const Settings& settings) {
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   std::vector<Result> results{floor_of_update(input, frames, settings)};
   const double floor = results.front().figures.front().value;
-  for (const Rule rule : all_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
+  for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
   return results;
 }
 

@@ -8,11 +8,12 @@
 
 namespace morula::cli {
 
-/// True when the rule `exact` serves some level.
-bool any_exact(const Body& body);
+/// True of the rules that cover by construction. The others promise nothing: morula measure says what they leave bare.
+bool promises_cover(Rule rule);
+/// True when such a rule serves some level.
+bool any_promises_cover(const Body& body);
 
-/// certify() of the body's current spheres at these positions, over the levels that the rule `exact` serves. The others
-/// promise nothing: morula measure says what they leave bare.
-Certificate certify_exact_levels(const Body& body, const std::vector<Vec3>& positions, Workers& workers);
+/// certify() of the body's current spheres at these positions, over the levels whose rules promise cover.
+Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& positions, Workers& workers);
 
 }  // namespace morula::cli

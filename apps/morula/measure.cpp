@@ -12,10 +12,10 @@
 #include "command.hpp"
 #include "figures.hpp"
 #include "files.hpp"
+#include "measure_table.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "report.hpp"
-#include "table.hpp"
 
 namespace morula::cli {
 namespace {
@@ -34,12 +34,6 @@ struct Options {
   bool json = false;
 };
 
-struct Frame {
-  std::string name;  // of the positions
-  std::string tree;
-  std::vector<LevelMeasure> levels;
-};
-
 MeasureOptions measure_options(const Options& o, const Mesh& rest) {
   check_name("grid", o.grid, {"level", "fixed"});
   if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
@@ -53,7 +47,8 @@ MeasureOptions measure_options(const Options& o, const Mesh& rest) {
   return options;
 }
 
-std::vector<Frame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options, Workers& workers) {
+std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options,
+                                          Workers& workers) {
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
   const bool several = file_kind(o.trees) == FileKind::folder;
   const std::vector<std::filesystem::path> trees =
@@ -70,7 +65,7 @@ std::vector<Frame> measure_frames(const Options& o, const Mesh& rest, const Meas
                                  o.trees));
   }
   Progress progress("measuring");
-  std::vector<Frame> frames;
+  std::vector<MeasuredFrame> frames;
   Mesh mesh = rest;
   for (std::size_t i = 0; i < trees.size(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(trees.size()));
@@ -85,90 +80,10 @@ std::vector<Frame> measure_frames(const Options& o, const Mesh& rest, const Meas
   return frames;
 }
 
-/// The worst of each figure over the frames, per level. Frames may have trees of different depth.
-std::vector<LevelMeasure> worst_of(const std::vector<Frame>& frames) {
-  std::vector<LevelMeasure> worst;
-  const auto raise = [](std::optional<double>& to, const std::optional<double>& by) {
-    if (by) to = std::max(to.value_or(*by), *by);
-  };
-  for (const Frame& frame : frames) {
-    for (const LevelMeasure& level : frame.levels) {
-      if (level.level >= worst.size()) {
-        worst.push_back(level);
-        continue;
-      }
-      LevelMeasure& w = worst[level.level];
-      w.spheres = std::max(w.spheres, level.spheres);
-      raise(w.looseness.looseness, level.looseness.looseness);
-      raise(w.looseness.missed_volume, level.looseness.missed_volume);
-      w.coverage.covered = w.coverage.covered && level.coverage.covered;
-      w.coverage.bare_area = std::max(w.coverage.bare_area, level.coverage.bare_area);
-      w.coverage.gap = std::max(w.coverage.gap, level.coverage.gap);
-      if (!level.protrusion) continue;
-      if (!w.protrusion) w.protrusion = level.protrusion;
-      w.protrusion->worst = std::max(w.protrusion->worst, level.protrusion->worst);
-      w.protrusion->mean = std::max(w.protrusion->mean, level.protrusion->mean);
-    }
-  }
-  return worst;
-}
-
-/// The columns that not every table has.
-struct Columns {
-  bool frame;
-  bool protrusion;
-};
-
-void add_level(Table& table, const Columns& columns, const std::string& frame, const LevelMeasure& level) {
-  std::vector<std::string> cells;
-  if (columns.frame) cells.push_back(level.level == 0 ? frame : std::string());
-  for (std::string cell :
-       {std::to_string(level.level), std::to_string(level.spheres), figure_or_na(level.looseness.looseness),
-        percent_or_na(level.looseness.missed_volume), percent(level.coverage.bare_area), figure(level.coverage.gap),
-        std::string(level.coverage.covered ? "yes" : "no")}) {
-    cells.push_back(std::move(cell));
-  }
-  if (columns.protrusion) {
-    cells.push_back(level.protrusion ? figure(level.protrusion->worst) : "n/a");
-    cells.push_back(level.protrusion ? figure(level.protrusion->mean) : "n/a");
-  }
-  table.add(std::move(cells));
-}
-
-std::string measure_table(const Options& o, const std::vector<Frame>& frames, const std::vector<LevelMeasure>& worst) {
-  const Columns columns{.frame = frames.size() > 1, .protrusion = !o.no_protrusion};
-  std::vector<std::string> header{"level", "spheres", "looseness", "missed", "bare area", "gap", "covered"};
-  if (columns.frame) header.insert(header.begin(), "frame");
-  if (columns.protrusion) header.insert(header.end(), {"protrusion", "mean"});
-  Table table(header, columns.frame ? 1 : 0);
-  for (const Frame& frame : frames) {
-    for (const LevelMeasure& level : frame.levels) add_level(table, columns, frame.name, level);
-  }
-  if (columns.frame) {
-    table.add_rule();
-    for (const LevelMeasure& level : worst) add_level(table, columns, "worst", level);
-  }
-  return table.text();
-}
-
-void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& frames) {
+void print_text(const Options& o, const Mesh& rest, const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
-  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(o, frames, worst));
-  const bool covered =
-      std::all_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return level.coverage.covered; });
-  if (covered) {
-    fmt::print("Covers: no surface is bare at any level.\n");
-  } else {
-    fmt::print("Does not cover:");
-    const char* separator = " ";
-    for (const LevelMeasure& level : worst) {
-      if (level.coverage.covered) continue;
-      fmt::print("{}level {} leaves {} bare, up to {} away", separator, level.level, percent(level.coverage.bare_area),
-                 figure(level.coverage.gap));
-      separator = "; ";
-    }
-    fmt::print(".\n");
-  }
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(frames, worst, !o.no_protrusion));
+  fmt::print("{}\n", cover_sentence(worst));
   const MeshReport report = inspect(rest);
   const bool no_looseness =
       std::any_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return !level.looseness.looseness; });
@@ -184,12 +99,12 @@ void print_text(const Options& o, const Mesh& rest, const std::vector<Frame>& fr
       o.no_protrusion ? "gap is" : "gap and protrusion (worst, mean) are", figure(report.box.diagonal()));
 }
 
-std::string csv_text(const std::vector<Frame>& frames) {
+std::string csv_text(const std::vector<MeasuredFrame>& frames) {
   std::string text =
       "frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,gap_upper,covered,protrusion_worst,"
       "protrusion_mean,voxel_edge\n";
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
-  for (const Frame& frame : frames) {
+  for (const MeasuredFrame& frame : frames) {
     for (const LevelMeasure& l : frame.levels) {
       text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(frame.name), csv_cell(frame.tree),
                           l.level, l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
@@ -202,26 +117,16 @@ std::string csv_text(const std::vector<Frame>& frames) {
   return text;
 }
 
-Json levels_json(const std::vector<LevelMeasure>& levels) {
-  Json json = Json::array();
-  for (const LevelMeasure& level : levels) json.push_back(level_measure_json(level));
-  return json;
-}
-
 int measure_command(const Options& o) {
   if (!o.csv.empty()) require_output_place(o.csv);
   Workers workers(o.threads);
   const Mesh rest = read_mesh(o.mesh);
   const MeasureOptions options = measure_options(o, rest);
-  const std::vector<Frame> frames = measure_frames(o, rest, options, workers);
+  const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
   if (!o.csv.empty()) write_text_file(o.csv, csv_text(frames));
   if (!o.json) {
     print_text(o, rest, frames);
     return exit_done;
-  }
-  Json frames_json = Json::array();
-  for (const Frame& frame : frames) {
-    frames_json.push_back({{"frame", frame.name}, {"tree", frame.tree}, {"levels", levels_json(frame.levels)}});
   }
   Json grid{{"kind", o.grid}};
   if (o.grid == "fixed") {
@@ -229,7 +134,7 @@ int measure_command(const Options& o) {
   } else {
     grid["resolution"] = options.grid.resolution;
   }
-  print_json({{"mesh", o.mesh}, {"grid", grid}, {"frames", frames_json}});
+  print_json({{"mesh", o.mesh}, {"grid", grid}, {"frames", frames_json(frames)}});
   return exit_done;
 }
 

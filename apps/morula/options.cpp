@@ -105,6 +105,11 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  command
+      .add_option("--modal-bound", names.modal_bound,
+                  "Of modal: gradient (follows strain and turning) or shift (as in the paper)")
+      ->type_name("NAME")
+      ->capture_default_str();
 }
 
 std::string nearest_name(std::string_view given, const std::vector<std::string>& known) {
@@ -214,6 +219,9 @@ RuleOptions parse_rule_details(const RuleDetailNames& names) {
                                       ? RuleOptions::InnerBoxes::child_spheres
                                       : RuleOptions::InnerBoxes::child_centers;
   details.distance_floor = names.distance_floor;
+  check_name("--modal-bound", names.modal_bound, {"gradient", "shift"});
+  details.modal_bound =
+      names.modal_bound == "shift" ? RuleOptions::ModalBound::shift : RuleOptions::ModalBound::gradient;
   return details;
 }
 

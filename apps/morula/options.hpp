@@ -25,6 +25,7 @@ struct RuleDetailNames {
   std::string approach1_inner_center = "children";
   std::string approach2_inner_boxes = "child-spheres";
   double distance_floor = 0.0;
+  std::string modal_bound = "gradient";
 };
 void add_rule_details(CLI::App& command, RuleDetailNames& names);
 

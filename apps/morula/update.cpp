@@ -6,17 +6,20 @@
 
 #include <algorithm>
 #include <memory>
-#include <morula/io/motion_file.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
+#include <optional>
 
 #include "command.hpp"
 #include "exact_check.hpp"
 #include "figures.hpp"
-#include "files.hpp"
+#include "frames.hpp"
+#include "measure_table.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "report.hpp"
+#include "sphere_output.hpp"
 
 namespace morula::cli {
 namespace {
@@ -24,13 +27,14 @@ namespace {
 struct Options {
   std::string mesh;
   std::string tree;
-  std::string motion;
+  FrameFiles files;
   std::string output;
-  std::string rule{name(Rule::exact)};
+  std::optional<std::string> rule;
   RuleDetailNames details;
   std::string sph_origin = "none";
-  std::string format = "sph";
+  std::string format;
   bool check = true;
+  bool measure = false;
   unsigned threads = 0;
   bool json = false;
 };
@@ -43,6 +47,7 @@ struct Outcome {
   std::size_t frames_not_covered = 0;
   double worst_excess = 0;
   std::string worst_frame;
+  std::vector<MeasuredFrame> measured;  // with --measure
 };
 
 std::string why_refused(const UpdateStatus& status) {
@@ -51,37 +56,58 @@ std::string why_refused(const UpdateStatus& status) {
       return "its vertex count is not the mesh's";
     case UpdateStatus::Code::non_finite_position:
       return fmt::format("vertex {} is not finite, or too far away for single precision", status.first_bad_vertex);
+    case UpdateStatus::Code::bad_coordinate:
+      return fmt::format("coordinate {} is not finite, or moves the body too far for single precision",
+                         status.first_bad_coordinate);
     case UpdateStatus::Code::bad_range:
+    case UpdateStatus::Code::needs_coordinates:
+    case UpdateStatus::Code::no_modes:
+    case UpdateStatus::Code::wrong_coordinate_count:
     case UpdateStatus::Code::ok:
       break;
   }
   return "unknown reason";
 }
 
-Outcome update_frames(const Options& o, const Motion& motion, Body& body, const std::filesystem::path& folder,
+/// One lattice for all frames and levels, so that their figures compare.
+MeasureOptions measure_options(const Mesh& rest) {
+  MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
+  options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;
+  return options;
+}
+
+void check_frame(Outcome& outcome, const Body& body, const std::vector<Vec3>& positions, const std::string& frame,
+                 Workers& workers) {
+  const Certificate certificate = certify_promised_levels(body, positions, workers);
+  if (!certificate.covered) ++outcome.frames_not_covered;
+  if (outcome.worst_frame.empty() || certificate.worst_excess > outcome.worst_excess) {
+    outcome.worst_excess = certificate.worst_excess;
+    outcome.worst_frame = frame;
+  }
+}
+
+Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& body, SphereOutput& output,
                       Workers& workers) {
   Outcome outcome;
-  outcome.checked = o.check && any_exact(body);
-  Progress progress("updating");
-  for (std::size_t i = 0; i < motion.frame_count(); ++i) {
-    progress.update(static_cast<double>(i) / static_cast<double>(motion.frame_count()));
-    const std::vector<Vec3> positions = motion.frame(i);
+  outcome.checked = o.check && any_promises_cover(body);
+  Mesh mesh = rest;
+  Progress progress(o.measure ? "updating and measuring" : "updating");
+  for (std::size_t i = 0; i < frames.count(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
+    const std::vector<Vec3>& positions = frames.load(i, body, workers);
     Stopwatch watch;
-    outcome.last = body.update(positions, workers);
+    outcome.last = frames.update(body, workers);
     outcome.microseconds.push_back(1e6 * watch.lap());
     if (!outcome.last) {
-      throw UsageError(fmt::format("frame {} of {}: {}; mend it, nothing was written", motion.frame_name(i), o.motion,
-                                   why_refused(outcome.last)));
+      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), why_refused(outcome.last)));
     }
-    if (outcome.checked) {
-      const Certificate certificate = certify_exact_levels(body, positions, workers);
-      if (!certificate.covered) ++outcome.frames_not_covered;
-      if (outcome.worst_frame.empty() || certificate.worst_excess > outcome.worst_excess) {
-        outcome.worst_excess = certificate.worst_excess;
-        outcome.worst_frame = motion.frame_name(i);
-      }
+    if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
+    if (o.measure) {
+      mesh.positions = positions;
+      outcome.measured.push_back(
+          {frames.name(i), o.tree, measure(mesh, body.current_tree(), measure_options(rest), workers)});
     }
-    write_tree(folder / frame_file_name(i, "." + o.format), body.current_tree());
+    output.write(body);
   }
   return outcome;
 }
@@ -91,7 +117,7 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
   const BindReport& bind = body.bind_report();
   Json json{{"mesh", o.mesh},
             {"tree", o.tree},
-            {"motion", o.motion},
+            {"motion", o.files.are_modal() ? o.files.coordinates : o.files.motion},
             {"output", o.output},
             {"rule", describe_rules(body.options().rules, body.rest_tree().level_count())},
             {"frames", outcome.microseconds.size()},
@@ -112,11 +138,21 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
                            {"worst_excess", outcome.worst_excess},
                            {"worst_frame", outcome.worst_frame}};
   }
+  if (o.files.are_modal()) {
+    json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
+  }
+  if (o.measure) json["measured"] = frames_json(outcome.measured);
   if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
   return json;
 }
 
-void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome, unsigned threads) {
+void print_measured(const std::vector<MeasuredFrame>& frames) {
+  const std::vector<LevelMeasure> worst = worst_of(frames);
+  fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
+}
+
+void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome,
+                const SphereOutput& output, unsigned threads) {
   const std::vector<Rule>& rules = body.options().rules;
   const std::size_t levels = body.rest_tree().level_count();
   const double typical = median(outcome.microseconds);
@@ -138,37 +174,51 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   if (outcome.checked && outcome.frames_not_covered == 0) {
     fmt::print("certificate  holds in every frame: closest to failing is {}, {} inside\n", outcome.worst_frame,
                figure(-outcome.worst_excess));
-  } else if (any_exact(body)) {
+  } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
-  if (std::any_of(rules.begin(), rules.end(), [](Rule rule) { return rule != Rule::exact; })) {
-    fmt::print("note         rules other than exact may leave surface bare: morula measure says how much\n");
+  if (!std::all_of(rules.begin(), rules.end(), promises_cover)) {
+    fmt::print("note         rules other than exact and modal may leave surface bare: {} says how much\n",
+               o.measure ? "the table" : "--measure");
   }
-  fmt::print("written      {}\n",
-             (std::filesystem::path(o.output) / frame_file_name(0, "." + o.format)).string() + " ...");
+  fmt::print("written      {}\n", output.name());
+  if (o.measure) print_measured(outcome.measured);
+}
+
+UpdateOptions update_options(const Options& o) {
+  // Who gives a modal model wants it used; with positions `exact` is best.
+  const Rule usual = o.files.are_modal() ? Rule::modal : Rule::exact;
+  UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
+                        .details = parse_rule_details(o.details)};
+  if (!o.files.are_modal() && std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0) {
+    throw UsageError("--rule modal needs a modal model: give --modes and --coords instead of MOTION");
+  }
+  return options;
 }
 
 int update_command(const Options& o) {
-  UpdateOptions options{.rules = parse_rules(o.rule), .details = parse_rule_details(o.details)};
-  check_name("format", o.format, {"sph", "json"});
+  require_frames(o.files);
+  UpdateOptions options = update_options(o);
+  const std::string format = sphere_format(o.format, o.output);
   Workers workers(o.threads);
   const Mesh mesh = read_mesh(o.mesh);
-  const Motion motion(o.motion, mesh);
-  require_no_strangers(o.output, motion.frame_count(), "." + o.format, {".sph", ".json", ".morula"});
+  Frames frames(o.files, mesh);
+  options.modes = frames.take_modes();
+  require_sphere_output(o.output, format, frames.count());
   const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   if (options.rules.size() > built.tree.level_count()) {
-    throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rule,
+    throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
                                  options.rules.size() - 1, o.tree, built.tree.level_count() - 1));
   }
-  Body body(mesh, built, options, workers);
+  Body body(mesh, built, std::move(options), workers);
 
-  StagedFolder stage(o.output);
-  const Outcome outcome = update_frames(o, motion, body, stage.path(), workers);
-  stage.commit();
+  SphereOutput output(o.output, format, built.tree, frames.count());
+  const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
+  output.commit();
   if (o.json) {
     print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
   } else {
-    print_text(o, built, body, outcome, workers.thread_count());
+    print_text(o, built, body, outcome, output, workers.thread_count());
   }
   if (outcome.frames_not_covered == 0) return exit_done;
   fmt::print(stderr, "morula: error: the certificate fails in {}, worst in frame {} by {}: please report it\n",
@@ -185,23 +235,34 @@ void add_update(CLI::App& app, Run& run) {
   command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
       ->required()
       ->type_name("");
-  command->add_option("MOTION", o->motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
-      ->required()
+  command
+      ->add_option("MOTION", o->files.motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
       ->type_name("");
-  command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...")->type_name("FOLDER")->required();
+  command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
+      ->type_name("PATH")
+      ->required();
+  command->add_option("--modes", o->files.modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
+      ->type_name("FILE");
+  command->add_option("--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
+      ->type_name("FILE");
   command
       ->add_option("--rule", o->rule,
-                   fmt::format("{}; or by level, such as 0:exact,2:approach2", fmt::join(rule_names(), ", ")))
-      ->type_name("RULE")
-      ->capture_default_str();
+                   fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",
+                               fmt::join(rule_names(), ", ")))
+      ->type_name("RULE");
   add_rule_details(*command, o->details);
   add_sph_origin(*command, o->sph_origin);
-  command->add_option("--format", o->format, "Of the spheres: sph or json")->type_name("NAME")->capture_default_str();
+  command->add_option("--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
+      ->type_name("NAME");
   command->add_flag("--check,!--no-check", o->check,
-                    "Check the certificate of exact levels in every frame (default: on)");
+                    "Check the certificate of exact and modal levels in every frame (default: on)");
+  command->add_flag("--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer("Example:\n  morula update liver.obj liver.morula motion/ -o spheres/ --rule exact");
+  command->footer(
+      "Example:\n"
+      "  morula update liver.obj liver.morula motion/ -o spheres/ --rule exact\n"
+      "  morula update liver.obj liver.morula --modes modes.npy --coords coords.npy -o spheres.npz --measure");
   command->callback([o, &run] { run = [o] { return update_command(*o); }; });
 }
 

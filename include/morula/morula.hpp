@@ -11,7 +11,9 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
 #include <morula/io/motion_file.hpp>
 
-#include "io/byte_reader.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/npy.hpp"
 #include "io/whole_file.hpp"
@@ -127,14 +127,14 @@ Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vert
   frame_count_ = files_.size();
   if (!is_npy_) return;
 
-  const NpyArray array = read_npy_header(path);
-  if (array.frame_count == 0) throw FileError(path.string() + ": the array has no frames");
-  if (array.vertex_count != vertex_count_)
-    throw FileError(path.string() + ": the array has " + std::to_string(array.vertex_count) +
+  const NpyArray array = read_npy_header(path, {3, 3, "(frames, vertices, 3)"});
+  if (array.shape[0] == 0) throw FileError(path.string() + ": the array has no frames");
+  if (array.shape[1] != vertex_count_)
+    throw FileError(path.string() + ": the array has " + std::to_string(array.shape[1]) +
                     " vertices a frame, but the mesh has " + std::to_string(vertex_count_));
   npy_is_double_ = array.is_double;
   npy_data_offset_ = array.data_offset;
-  frame_count_ = array.frame_count;
+  frame_count_ = array.shape[0];
 }
 
 std::vector<Vec3> Motion::frame(std::size_t i) const {
@@ -160,15 +160,12 @@ std::vector<Vec3> Motion::frame(std::size_t i) const {
     return std::move(mesh.positions);
   }
 
-  const std::size_t scalar = npy_is_double_ ? 8 : 4;
-  const std::size_t frame_bytes = vertex_count_ * 3 * scalar;
-  const std::string bytes = read_part(files_[0], npy_data_offset_ + i * frame_bytes, frame_bytes);
+  const NpyArray array{.is_double = npy_is_double_, .data_offset = npy_data_offset_};
+  const std::size_t numbers = 3 * vertex_count_;
+  const std::vector<double> values = read_npy_values(files_[0], array, i * numbers, numbers);
   std::vector<Vec3> positions(vertex_count_);
   for (std::size_t v = 0; v < vertex_count_; ++v) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const char* at = bytes.data() + (v * 3 + static_cast<std::size_t>(axis)) * scalar;
-      positions[v][axis] = npy_is_double_ ? load<double>(at) : load<float>(at);
-    }
+    positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
     if (!is_finite(positions[v]))
       throw FileError(files_[0].string() + ": frame " + std::to_string(i) + ": vertex " + std::to_string(v) +
                       " has a coordinate that is not finite; repair it where the array was made");
@@ -230,7 +227,8 @@ void MotionWriter::finish() {
   if (written_ < frame_count_)
     throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the motion is incomplete");
-  if (lower_extension(path_) == ".npy") write_whole(path_, npy_bytes(npy_, frame_count_, mesh_.vertex_count()));
+  if (lower_extension(path_) == ".npy")
+    write_whole(path_, npy_bytes(npy_, std::array{frame_count_, mesh_.vertex_count(), std::size_t{3}}));
 }
 
 }  // namespace morula

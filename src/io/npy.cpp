@@ -108,9 +108,27 @@ std::vector<std::uint64_t> tuple(std::string_view text) {
   }
 }
 
+// Whether the product of the shape is `count`. Divided, not multiplied: no number overflows.
+bool holds(const std::vector<std::uint64_t>& shape, std::uint64_t count) {
+  if (std::count(shape.begin(), shape.end(), std::uint64_t{0}) > 0) return count == 0;
+  for (const std::uint64_t size : shape) {
+    if (count % size != 0) return false;
+    count /= size;
+  }
+  return count == 1;
+}
+
+template <class Value>
+std::string array_bytes(std::string_view descr, std::span<const Value> values, std::span<const std::size_t> shape) {
+  std::string bytes = npy_start(descr, shape);
+  bytes.reserve(bytes.size() + values.size_bytes());
+  for (const Value value : values) store(bytes, value);
+  return bytes;
+}
+
 }  // namespace
 
-NpyArray read_npy_header(const std::filesystem::path& path) {
+NpyArray read_npy_header(const std::filesystem::path& path, const NpyShape& needed) {
   const std::string file = path.string();
   const std::uintmax_t size = size_of_file(path);
   constexpr std::size_t longest_start =
@@ -137,30 +155,36 @@ NpyArray read_npy_header(const std::filesystem::path& path) {
                     ", but '<f4' or '<f8' is needed; save array.astype('<f8')");
   if (dictionary.fortran_order != "False")
     throw FileError(file + ": the array is in Fortran order; save numpy.ascontiguousarray(array)");
-  const std::vector<std::uint64_t> shape = tuple(dictionary.shape);
-  if (shape.size() != 3 || shape[2] != 3)
-    throw FileError(file + ": the array's shape is " + in_quotes(dictionary.shape) +
-                    ", but (frames, vertices, 3) is needed; reshape it");
-  array.frame_count = shape[0];
-  array.vertex_count = shape[1];
+  array.shape = tuple(dictionary.shape);
+  array.shape_text = in_quotes(dictionary.shape);
+  if (array.shape.size() != needed.dimensions || (needed.last != 0 && array.shape.back() != needed.last))
+    throw FileError(file + ": the array's shape is " + array.shape_text + ", but " + std::string(needed.words) +
+                    " is needed; reshape it");
   array.data_offset = begin + length;
 
-  const std::uint64_t frame_row = array.is_double ? 24 : 12;
   const std::uint64_t data = size - array.data_offset;
-  const bool fits = array.vertex_count == 0 || array.frame_count == 0
-                        ? data == 0
-                        : array.vertex_count <= data / frame_row &&
-                              array.frame_count == data / (array.vertex_count * frame_row) &&
-                              data % (array.vertex_count * frame_row) == 0;
-  if (!fits)
+  if (data % array.scalar_size() != 0 || !holds(array.shape, data / array.scalar_size()))
     throw FileError(file + ": " + std::to_string(data) + " bytes follow the header, which is not what shape " +
-                    in_quotes(dictionary.shape) + " takes; the file was cut short, or holds more than one array");
+                    array.shape_text + " takes; the file was cut short, or holds more than one array");
   return array;
 }
 
-std::string npy_bytes(std::span<const double> values, std::size_t frame_count, std::size_t vertex_count) {
-  std::string dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(frame_count) + ", " +
-                           std::to_string(vertex_count) + ", 3), }";
+std::vector<double> read_npy_values(const std::filesystem::path& path, const NpyArray& array, std::uint64_t first,
+                                    std::size_t count) {
+  const std::size_t scalar = array.scalar_size();
+  const std::string bytes = read_part(path, array.data_offset + first * scalar, count * scalar);
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const char* const at = bytes.data() + i * scalar;
+    values[i] = array.is_double ? load<double>(at) : static_cast<double>(load<float>(at));
+  }
+  return values;
+}
+
+std::string npy_start(std::string_view descr, std::span<const std::size_t> shape) {
+  std::string dictionary = "{'descr': '" + std::string(descr) + "', 'fortran_order': False, 'shape': (";
+  for (std::size_t i = 0; i < shape.size(); ++i) dictionary += (i > 0 ? ", " : "") + std::to_string(shape[i]);
+  dictionary += shape.size() == 1 ? ",), }" : "), }";
   // Blanks and a newline at the end bring the data to a multiple of 64 bytes, as the format asks.
   constexpr std::size_t before = 10;
   while ((before + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
@@ -168,11 +192,16 @@ std::string npy_bytes(std::span<const double> values, std::size_t frame_count, s
   std::string bytes(magic);
   bytes += '\x01';
   bytes += '\x00';
-  bytes.reserve(before + dictionary.size() + values.size() * 8);
   store(bytes, static_cast<std::uint16_t>(dictionary.size()));
-  bytes += dictionary;
-  for (const double value : values) store(bytes, value);
-  return bytes;
+  return bytes + dictionary;
+}
+
+std::string npy_bytes(std::span<const double> values, std::span<const std::size_t> shape) {
+  return array_bytes("<f8", values, shape);
+}
+
+std::string npy_bytes(std::span<const std::int32_t> values, std::span<const std::size_t> shape) {
+  return array_bytes("<i4", values, shape);
 }
 
 }  // namespace morula

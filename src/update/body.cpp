@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <limits>
 #include <morula/update/body.hpp>
 #include <optional>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include "geometry/hash.hpp"
 #include "update/exact.hpp"
 #include "update/local_points.hpp"
+#include "update/modal.hpp"
 #include "update/ownership.hpp"
 #include "update/paper_rules.hpp"
 
@@ -24,13 +26,16 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   std::vector<Rule> rules(level_count);
   for (std::size_t level = 0; level < level_count; ++level)
     rules[level] = options.rules[std::min(level, options.rules.size() - 1)];
+  if (options.modes.empty() && std::count(rules.begin(), rules.end(), Rule::modal) > 0)
+    throw std::invalid_argument("the rule modal needs the modes of a modal model (UpdateOptions::modes)");
   return rules;
 }
 
 // One flag per level: do its nodes look at the corners that they own?
 std::vector<std::uint8_t> measured_levels(std::span<const Rule> rule_of_level, bool conservative) {
   std::vector<std::uint8_t> flags;
-  for (const Rule rule : rule_of_level) flags.push_back(conservative || rule == Rule::exact ? 1 : 0);
+  for (const Rule rule : rule_of_level)
+    flags.push_back(rule == Rule::exact || (conservative && rule != Rule::modal) ? 1 : 0);
   return flags;
 }
 
@@ -82,11 +87,15 @@ struct Body::State {
   UpdateStatus work{};  // of a good update: the same every time
   std::optional<ExactRule> exact{};
   std::optional<PaperRules> paper{};
-  std::optional<CornerWalk> raised{};  // conservative: the nodes of other rules
-  bool followed = true;                // the points are those of the spheres: the last update was good
+  std::optional<CornerWalk> raised{};  // conservative: the nodes of the papers' rules
+  std::optional<ModalMotion> motion{};  // of a body with modes
+  std::optional<ModalRule> modal{};
+  std::vector<Vec3> rest_positions{}, positions{};  // of a body with modes and levels that follow vertices
+  bool followed = true;  // the points are those of the spheres: the last update was good
 
-  // The exact rule reads points alone, the others their children: all levels of the first, then level by level upwards.
-  // Radii are raised last: what the rules make of their children is the rules' own.
+  // The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
+  // upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
+  // rules' own.
   void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
     if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
     if (paper)
@@ -128,6 +137,17 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   const TriangleBvh bvh(mesh, workers);
   const Binding binding{mesh, s.tree, rule_of_level, bvh, s.local, rest.rounding, of_tree, workers};
   const auto exact_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::exact);
+  const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
+  if (!s.options.modes.empty()) {
+    require_modes(s.options.modes, mesh);
+    s.motion.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
+    if (modal_levels > 0) s.modal.emplace(mesh, built, rule_of_level, s.options, *s.motion, workers);
+    if (modal_levels < std::ssize(rule_of_level)) s.rest_positions = s.positions = mesh.positions;
+  }
+  if (s.modal) {
+    const std::vector<double> at_rest(s.options.modes.mode_count, 0.0);
+    s.modal->update(s.motion->pose(at_rest), s.spheres, workers);
+  }
   if (exact_levels > 0) {
     s.exact.emplace(binding, order, ownership);
     s.exact->update(s.local.points(), rest.rounding, s.spheres, workers);
@@ -139,20 +159,22 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
       s.report.carried_centers += tie.carries && !tie.degenerate;
     }
   }
-  if (exact_levels < std::ssize(rule_of_level)) {
+  if (exact_levels + modal_levels < std::ssize(rule_of_level)) {
     s.paper.emplace(binding, s.options.details, s.spheres, s.report);
     s.work.points_tested += s.paper->tested_points();
   }
-  if (s.options.conservative && exact_levels < std::ssize(rule_of_level)) {
+  if (s.options.conservative && s.paper) {
     std::vector<std::uint8_t> others;
-    for (const Rule rule : rule_of_level) others.push_back(rule == Rule::exact ? 0 : 1);
+    for (const Rule rule : rule_of_level) others.push_back(rule == Rule::exact || rule == Rule::modal ? 0 : 1);
     s.raised.emplace(s.tree, order, ownership, others);
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
   s.work.nodes_updated = s.tree.node_count();
-  s.work.vertices_read = s.local.vertex_count();
-  s.work.cut_points_moved = s.local.cut_point_count();
+  if (modal_levels < std::ssize(rule_of_level)) {
+    s.work.vertices_read = s.local.vertex_count();
+    s.work.cut_points_moved = s.local.cut_point_count();
+  }
 }
 
 Body::~Body() = default;
@@ -161,6 +183,7 @@ Body& Body::operator=(Body&&) noexcept = default;
 
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
   State& s = *state_;
+  if (s.modal) return {.code = UpdateStatus::Code::needs_coordinates};
   if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   const LocalPoints::Frame frame = s.local.move(positions, workers);
   s.followed = frame.finite;
@@ -173,6 +196,7 @@ UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexc
 UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
                           Workers& workers) noexcept {
   State& s = *state_;
+  if (s.modal) return {.code = UpdateStatus::Code::needs_coordinates};
   if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   for (const VertexRange& range : changed)
     if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
@@ -188,6 +212,39 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
   status.points_tested =
       s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
   return status;
+}
+
+UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
+  State& s = *state_;
+  if (!s.motion) return {.code = UpdateStatus::Code::no_modes};
+  if (coordinates.size() != s.motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
+  if (std::size_t bad = 0; !s.motion->accepts(coordinates, bad))
+    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
+  const ModalPose pose = s.motion->pose(coordinates);
+  if (s.positions.empty()) {
+    s.modal->update(pose, s.spheres, workers);
+    s.origin = pose.origin;
+    return s.work;
+  }
+  move_by_modes(s.options.modes, s.rest_positions, coordinates, s.positions, workers);
+  const LocalPoints::Frame frame = s.local.move(s.positions, workers);
+  s.followed = frame.finite;
+  if (!frame.finite)
+    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
+  if (s.modal) s.modal->update(pose, s.spheres, workers);
+  s.write_spheres(frame, workers);
+  return s.work;
+}
+
+Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
+  const State& s = *state_;
+  std::size_t bad = 0;
+  if (!s.modal || !s.modal->serves(node) || coordinates.size() != s.motion->mode_count() ||
+      !s.motion->accepts(coordinates, bad))
+    return {s.tree.spheres[node].center, std::numeric_limits<double>::infinity()};
+  const ModalPose pose = s.motion->pose(coordinates);
+  const Spheref sphere = s.modal->sphere(node, pose);
+  return {pose.origin + Vec3(sphere.center), static_cast<double>(sphere.radius)};
 }
 
 std::span<const Spheref> Body::spheres() const {

@@ -14,13 +14,6 @@ namespace {
 constexpr std::size_t blocks_per_chunk = 32;
 constexpr std::size_t cut_points_per_chunk = 4096;
 
-// The nearest place whose coordinates are floats, unless that is far away beside the body: differences of floats can
-// then be taken in float, with the very result that double precision would round to.
-Vec3 on_floats(const Vec3& p, double size) {
-  const Vec3 near = nearest_floats(p);
-  return distance(near, p) <= 1e-3 * size ? near : p;
-}
-
 }  // namespace
 
 LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership)
@@ -61,7 +54,7 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
 }
 
 Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
-  return on_floats(rest_origin_ + (positions[guide_] - guide_rest_), size_);
+  return origin_near(rest_origin_ + (positions[guide_] - guide_rest_), size_);
 }
 
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {

@@ -51,6 +51,10 @@ class LocalPoints {
     }
   }
 
+  /// Where origin_near() puts the origin at rest from, and the size it is given.
+  const Vec3& rest_origin() const { return rest_origin_; }
+  double size() const { return size_; }
+
   /// Vertices in the ownership's order, then cut points.
   std::span<const LocalPoint> points() const { return points_; }
   std::size_t vertex_count() const { return vertices_.size(); }

@@ -121,6 +121,11 @@ Vec3 nearest_floats(const Vec3& p) noexcept {
   return {nearest_float(p.x), nearest_float(p.y), nearest_float(p.z)};
 }
 
+Vec3 origin_near(const Vec3& p, double size) noexcept {
+  const Vec3 near = nearest_floats(p);
+  return distance(near, p) <= 1e-3 * size ? near : p;
+}
+
 float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
                      LocalPoint* out) noexcept {
   return narrow_each_plainly(

@@ -14,6 +14,11 @@ namespace morula {
 /// The place nearest to p whose coordinates are floats.
 Vec3 nearest_floats(const Vec3& p) noexcept;
 
+/// Where a frame's origin goes that ought to be at p: the nearest place whose coordinates are floats, unless that is
+/// far away beside the body's size. Differences of floats can then be taken in float, with the very result that double
+/// precision would be rounded to.
+Vec3 origin_near(const Vec3& p, double size) noexcept;
+
 /// out[i] = positions[vertices[i]] - origin: subtracted in double, then rounded to float.
 /// Returns the largest |coordinate| written, infinity when one is infinite, NaN or too large for a float.
 float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,

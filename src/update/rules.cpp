@@ -6,7 +6,9 @@
 namespace morula {
 namespace {
 
-constexpr std::array rules{Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2, Rule::exact};
+// Those that follow positions first.
+constexpr std::array rules{Rule::traditional, Rule::weighted, Rule::approach1,
+                           Rule::approach2,   Rule::exact,    Rule::modal};
 
 }  // namespace
 
@@ -22,6 +24,8 @@ std::string_view name(Rule rule) {
       return "approach2";
     case Rule::exact:
       return "exact";
+    case Rule::modal:
+      return "modal";
   }
   return "unknown";
 }
@@ -34,6 +38,10 @@ std::optional<Rule> rule_from_name(std::string_view wanted) {
 
 std::span<const Rule> all_rules() {
   return rules;
+}
+
+std::span<const Rule> position_rules() {
+  return std::span(rules).first(rules.size() - 1);
 }
 
 }  // namespace morula

@@ -27,7 +27,7 @@ constexpr float least_divisor = 1e-9f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 bool is_paper_rule(Rule rule) {
-  return rule != Rule::exact;
+  return rule != Rule::exact && rule != Rule::modal;
 }
 
 // Not a number becomes the bound as well.

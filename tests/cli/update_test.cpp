@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstring>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
@@ -11,6 +14,36 @@
 namespace morula::test {
 namespace {
 
+/// A .npy of doubles.
+void write_npy(const Workbench& bench, const std::string& name, const std::string& shape,
+               const std::vector<double>& values) {
+  const std::string dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + ", }\n";
+  std::string bytes =
+      "\x93NUMPY\x01" + std::string(1, '\0') + static_cast<char>(dictionary.size()) + std::string(1, '\0') + dictionary;
+  for (const double value : values) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    bytes.append(raw, sizeof raw);
+  }
+  bench.write(name, bytes);
+}
+
+/// limb.obj, limb.morula, modes.npy with two modes, coords.npy with three frames, the first and last at rest.
+struct ModalBench : Workbench {
+  ModalBench() {
+    require("sample limb -o limb.obj --resolution 8");
+    require("build limb.obj -o limb.morula --method octree --depth 2");
+    mesh = read_mesh(*this / "limb.obj");
+    std::vector<double> modes;
+    for (const Vec3& p : mesh.positions) modes.insert(modes.end(), {0.0, std::sin(p.x), 0.0});
+    for (const Vec3& p : mesh.positions) modes.insert(modes.end(), {p.x, -0.5 * p.y, -0.5 * p.z});
+    write_npy(*this, "modes.npy", "(2, " + std::to_string(mesh.vertex_count()) + ", 3)", modes);
+    write_npy(*this, "coords.npy", "(3, 2)", {0, 0, 0.7, 0.4, 0, 0});
+  }
+  Mesh mesh;
+};
+const std::string modal_model = "--modes modes.npy --coords coords.npy ";
+
 TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 8");
@@ -19,7 +52,7 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   const Mesh mesh = read_mesh(bench / "limb.obj");
   const Built built = read_built(bench / "limb.morula", mesh);
   const Motion motion(bench / "motion", mesh);
-  for (const Rule rule : all_rules()) {
+  for (const Rule rule : position_rules()) {
     const std::string rule_name(name(rule));
     bench.require("update limb.obj limb.morula motion -o " + rule_name + " --rule " + rule_name);
     Body body(mesh, built, {.rules = {rule}, .details = {}});
@@ -98,6 +131,88 @@ TEST(UpdateCommand, bare_trees_are_covered_first_and_the_growth_is_printed) {
   const auto json = bench.require("update bar.obj bar.sph motion -o spheres --json").json();
   EXPECT_EQ(json["growth"]["levels"][0]["grown"], 0);
   EXPECT_EQ(json["growth"]["levels"][1]["grown"], 2);
+}
+
+TEST(UpdateCommand, follows_a_modal_model) {
+  const ModalBench bench;
+  const Modes modes = read_modes(bench / "modes.npy", bench.mesh);
+  const std::vector<double> q{0.7, 0.4};
+  const std::vector<std::pair<std::string, std::string>> rules{{"", "modal"},
+                                                               {"--rule 0:exact,1:modal", "exact on level"},
+                                                               {"--rule exact", "exact"},
+                                                               {"--modal-bound shift", "modal"}};
+  for (const auto& [option, rule] : rules) {
+    const auto json = bench.require("update limb.obj limb.morula " + modal_model + "-o s --json " + option).json();
+    EXPECT_EQ(json["rule"].get<std::string>().rfind(rule, 0), 0u) << json;
+    EXPECT_EQ(json["frames"], 3) << option;
+    EXPECT_EQ(json["modes"]["count"], 2) << option;
+    EXPECT_TRUE(json["certificate"]["covered"].get<bool>()) << option;
+    EXPECT_EQ(bench.read("s/0000.sph"), bench.read("s/0002.sph")) << option;
+  }
+  bench.require("update limb.obj limb.morula " + modal_model + "-o s");
+  Body body(bench.mesh, read_built(bench / "limb.morula", bench.mesh), {.rules = {Rule::modal}, .modes = modes});
+  ASSERT_TRUE(body.update_modal(q));
+  EXPECT_EQ(tree_hash(read_tree(bench / "s/0001.sph").tree), tree_hash(body.current_tree()));
+}
+
+TEST(UpdateCommand, modal_models_that_do_not_fit_are_refused) {
+  const ModalBench bench;
+  write_npy(bench, "three.npy", "(1, 3)", {1, 2, 3});
+  write_npy(bench, "huge.npy", "(2, 2)", {0, 0, 0, 1e300});
+  write_npy(bench, "flat.npy", "(2, 3)", {0, 0, 0, 0, 0, 0});
+  const auto before = bench.listing();
+  const auto refuse = [&](const std::string& arguments, const std::string& fragment) {
+    const CommandResult result = bench.run("update limb.obj limb.morula " + arguments + " -o s");
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << result.err;
+    EXPECT_EQ(bench.listing(), before) << arguments;
+  };
+  refuse("", "MOTION is missing: name positions, or a modal model with --modes and --coords");
+  refuse("--modes modes.npy", "add --coords FILE");
+  refuse("--coords coords.npy", "add --modes FILE");
+  refuse("limb.obj " + modal_model, "both positions (limb.obj) and --modes");
+  refuse("limb.obj --rule modal", "--rule modal needs a modal model");
+  refuse("--modes modes.npy --coords three.npy", "three.npy: the array's shape is '(1, 3)', but (frames, 2)");
+  refuse("--modes modes.npy --coords missing.npy", "missing.npy");
+  refuse("--modes flat.npy --coords coords.npy", "flat.npy: the array's shape is '(2, 3)', but (modes, vertices, 3)");
+  refuse("--modes modes.npy --coords huge.npy", "huge.npy frame 1: coordinate 1 is not finite, or");
+  refuse(modal_model + "--modal-bound exact", "known: gradient, shift");
+}
+
+TEST(UpdateCommand, all_frames_go_into_one_archive) {
+  const ModalBench bench;
+  const CommandResult text = bench.require("update limb.obj limb.morula " + modal_model + "-o all.npz");
+  EXPECT_NE(text.out.find("written      all.npz\n"), std::string::npos) << text.out;
+  const std::string archive = bench.read("all.npz");
+  EXPECT_EQ(archive.substr(0, 4), "PK\3\4");
+  for (const char* name : {"spheres.npy", "level_begin.npy", "parent.npy", "first_child.npy", "child_count.npy"})
+    EXPECT_NE(archive.find(name), std::string::npos) << name;
+  bench.require("update limb.obj limb.morula " + modal_model + "-o again.npz --format npz --threads 1");
+  EXPECT_TRUE(bench.read("again.npz") == archive);
+  const SphereTree tree = read_tree(bench / "limb.morula").tree;
+  EXPECT_NE(archive.find("'shape': (3, " + std::to_string(tree.node_count()) + ", 4)"), std::string::npos);
+
+  const auto before = bench.listing();
+  for (const std::string output : {"all.npz --format sph", "folder --format npz", "nowhere/all.npz", "s --format xyz"})
+    EXPECT_EQ(bench.run("update limb.obj limb.morula limb.obj -o " + output).exit_code, 2) << output;
+  EXPECT_EQ(bench.listing(), before);
+}
+
+TEST(UpdateCommand, frames_are_measured_as_the_measure_command_does) {
+  const ModalBench bench;
+  bench.require("deform limb.obj -o motion --stretch 1.5 --frames 3");
+  const auto json = bench.require("update limb.obj limb.morula motion -o s --rule approach2 --measure --json").json();
+  const auto separate =
+      bench.require("measure limb.obj s --motion motion --grid fixed --no-protrusion --json").json()["frames"];
+  ASSERT_EQ(json["measured"].size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(json["measured"][i]["frame"], separate[i]["frame"]);
+    EXPECT_EQ(json["measured"][i]["levels"], separate[i]["levels"]) << i;
+  }
+  const CommandResult text = bench.require("update limb.obj limb.morula " + modal_model + "-o t --measure");
+  EXPECT_NE(text.out.find("coords.npy frame 1"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("Covers: no surface is bare at any level."), std::string::npos) << text.out;
+  EXPECT_TRUE(bench.require("update limb.obj limb.morula motion -o s --json").json().count("measured") == 0);
 }
 
 TEST(UpdateCommand, a_bad_frame_is_named_and_nothing_is_written) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <morula/geometry/random.hpp>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
 
@@ -151,6 +152,19 @@ TEST_F(Mutations, motions_are_refused_or_usable) {
   survive("header.npy", bytes.substr(0, 128), [&](const fs::path& path) {
     const std::string header = bytes_of(path);
     use(folder.file("header.npy", header + data));
+  });
+}
+
+TEST_F(Mutations, modes_are_refused_or_usable) {
+  const Mesh mesh = small_mesh();
+  MotionWriter writer(folder.path() / "a.npy", mesh, 2);  // modes lie in files as frames do
+  writer.write(mesh.positions);
+  writer.write(mesh.positions);
+  writer.finish();
+  survive("a.npy", bytes_of(folder.path() / "a.npy"), [&](const fs::path& path) {
+    const Modes modes = read_modes(path, mesh);
+    EXPECT_EQ(modes.displacements.size(), modes.mode_count * mesh.vertex_count());
+    for (const Vec3& u : modes.displacements) EXPECT_TRUE(is_finite(u));
   });
 }
 

@@ -84,7 +84,7 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
     bad[b.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
     const std::vector<Vec3> short_one(2);
     std::vector<UpdateOptions> all_options;
-    for (const Rule rule : all_rules()) all_options.push_back({.rules = {rule}, .details = {}});
+    for (const Rule rule : position_rules()) all_options.push_back({.rules = {rule}, .details = {}});
     all_options.push_back({.rules = {Rule::approach1, Rule::exact, Rule::approach2}, .details = {}});
     all_options.push_back({.rules = {Rule::approach2}, .conservative = true, .details = {}});
     for (const UpdateOptions& options : all_options) {
@@ -103,7 +103,31 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
   EXPECT_GT(allocations, 0u) << "the counter counts";
 }
 
+TEST(Allocation, no_modal_update_allocates_good_or_bad) {
+  Workers three(3);
+  for (const test::Specimen& b : test::specimens()) {
+    const Modes modes = test::smooth_modes(b.mesh, 4);
+    const std::vector<double> good{0.3, -0.2, 0.0, 0.1}, bad{0.3, std::numeric_limits<double>::infinity(), 0.0, 0.1};
+    for (const std::vector<Rule>& rules : {std::vector{Rule::modal}, std::vector{Rule::exact, Rule::modal},
+                                           std::vector{Rule::approach2, Rule::modal}, std::vector{Rule::exact}}) {
+      Body body(b.mesh, b.built, {.rules = rules, .modes = modes});
+      for (Workers* workers : {&serial_workers(), &three}) {
+        const std::size_t before = allocations;
+        const bool ok = static_cast<bool>(body.update_modal(good, *workers));
+        const bool refused =
+            !body.update_modal(bad, *workers) && !body.update_modal(std::span(good).first(3), *workers);
+        body.modal_sphere(static_cast<std::uint32_t>(body.spheres().size() - 1), good);
+        const std::size_t after = allocations;
+        EXPECT_TRUE(ok && refused);
+        EXPECT_EQ(after - before, 0u) << b.name;
+      }
+    }
+  }
+}
+
 TEST(Allocation, updates_are_noexcept) {
+  EXPECT_TRUE(noexcept(std::declval<Body&>().update_modal({}, std::declval<Workers&>())));
+  EXPECT_TRUE(noexcept(std::declval<const Body&>().modal_sphere(0, {})));
   EXPECT_TRUE(noexcept(std::declval<Body&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
 }
 

@@ -258,6 +258,37 @@ const std::vector<Motion>& motions() {
   return motions;
 }
 
+Modes smooth_modes(const Mesh& mesh, std::size_t mode_count) {
+  Modes modes{mesh.vertex_count(), mode_count, {}};
+  for (std::size_t j = 0; j < mode_count; ++j)
+    for (const Vec3& p : mesh.positions) {
+      const Vec3 x = is_finite(p) ? p : Vec3{};
+      const double wave = 1 + 0.4 * static_cast<double>(j);
+      Vec3 u;
+      u[static_cast<int>(j % 3)] = std::sin(wave * x[static_cast<int>((j + 1) % 3)] + static_cast<double>(j));
+      u[static_cast<int>((j + 2) % 3)] = 0.5 * std::cos(wave * x[static_cast<int>(j % 3)]);
+      modes.displacements.push_back(u);
+    }
+  return modes;
+}
+
+Modes rough_modes(const Mesh& mesh, std::size_t mode_count) {
+  const std::vector<Vec3> zeros(mesh.vertex_count() * mode_count);
+  return {mesh.vertex_count(), mode_count, noisy(zeros, 1.0, 17)};
+}
+
+Modes linear_modes(const Mesh& mesh) {
+  Modes modes{mesh.vertex_count(), 9, {}};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      for (const Vec3& p : mesh.positions) {
+        Vec3 u;
+        if (is_finite(p)) u[row] = p[column];
+        modes.displacements.push_back(u);
+      }
+  return modes;
+}
+
 std::vector<Vec3> translated(std::vector<Vec3> positions, const Vec3& offset) {
   return mapped(std::move(positions), [&](const Vec3& p) { return p + offset; });
 }

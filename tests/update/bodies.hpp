@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <morula/tree/cover.hpp>
+#include <morula/update/modes.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,14 @@ struct Motion {
 };
 /// Translation, rotations, stretch, shear, twist, bend, collapse to a plane, random noise of every vertex.
 const std::vector<Motion>& motions();
+
+/// Sine waves through the body, along axes and with wave numbers that differ from mode to mode. Vertices that no facet
+/// uses get displacements like any other.
+Modes smooth_modes(const Mesh& mesh, std::size_t mode_count);
+/// Every vertex displaced by up to 1 on every axis, without rhyme or reason.
+Modes rough_modes(const Mesh& mesh, std::size_t mode_count);
+/// Nine modes; the coordinates M - 1, row after row, map every position by the matrix M.
+Modes linear_modes(const Mesh& mesh);
 
 std::vector<Vec3> translated(std::vector<Vec3> positions, const Vec3& offset);
 std::vector<Vec3> scaled(std::vector<Vec3> positions, double factor);

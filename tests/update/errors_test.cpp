@@ -83,7 +83,7 @@ TEST(UpdateErrors, float_positions_are_checked_as_well) {
 TEST(UpdateErrors, vertices_without_a_facet_are_not_read) {
   const Specimen& soup = specimens()[4];
   ASSERT_TRUE(std::isnan(soup.mesh.positions[0].x)) << "every other vertex of this body is unused";
-  for (const Rule rule : all_rules()) {
+  for (const Rule rule : position_rules()) {
     Body body(soup.mesh, soup.built, {.rules = {rule}, .details = {}});
     std::vector<Vec3> positions = soup.mesh.positions;
     const UpdateStatus status = body.update(positions);

@@ -150,6 +150,7 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
     const std::size_t level = tree.level_of(node);
     switch (options.rules[std::min(level, options.rules.size() - 1)]) {
       case Rule::exact:
+      case Rule::modal:
         result.rest[node] = body_rest[node];
         result.now[node] = body_now[node];
         break;

@@ -24,8 +24,8 @@ struct RestFacts {
   std::vector<double> vertex_area;
 };
 
-/// Spheres of all nodes after an update, by rules other than exact. Nodes on exact levels are taken from the body's
-/// spheres at rest and now: their centres are not the paper's business.
+/// Spheres of all nodes after an update, by rules other than exact and modal. Nodes on levels of these two are taken
+/// from the body's spheres at rest and now: their centres are not the paper's business.
 struct Reference {
   std::vector<Sphere> rest, now;
 };

@@ -17,7 +17,7 @@ using test::specimens;
 
 std::vector<UpdateOptions> all_options() {
   std::vector<UpdateOptions> options;
-  for (const Rule rule : all_rules()) options.push_back({.rules = {rule}, .details = {}});
+  for (const Rule rule : position_rules()) options.push_back({.rules = {rule}, .details = {}});
   RuleOptions other;
   other.approach1_weights = RuleOptions::Weights::inverse_distance;
   other.approach1_inner_center = RuleOptions::InnerCenter::linked_vertices;

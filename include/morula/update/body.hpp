@@ -11,12 +11,22 @@
 namespace morula {
 
 struct UpdateStatus {
-  enum class Code : std::uint8_t { ok, wrong_vertex_count, non_finite_position, bad_range };
+  enum class Code : std::uint8_t {
+    ok,
+    wrong_vertex_count,
+    non_finite_position,
+    bad_range,               ///< of vertices: ends before it begins, or behind the last one
+    needs_coordinates,       ///< positions given to a body with a level of the rule `modal`
+    no_modes,                ///< coordinates given to a body without modes
+    wrong_coordinate_count,  ///< not one per mode
+    bad_coordinate,          ///< not finite, or so large that the body leaves the range of float
+  };
   Code code = Code::ok;
-  std::size_t first_bad_vertex = 0;  ///< of non_finite_position: the lowest
+  std::size_t first_bad_vertex = 0;      ///< of non_finite_position: the lowest
+  std::size_t first_bad_coordinate = 0;  ///< of bad_coordinate: the lowest not finite, or the one that moves most
   // Work done, the same on every run; all 0 when nothing was changed.
   std::size_t nodes_updated = 0;
-  std::size_t vertices_read = 0;
+  std::size_t vertices_read = 0;  ///< 0 when all levels follow `modal`
   std::size_t cut_points_moved = 0;
   std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
 
@@ -41,8 +51,9 @@ class Body {
   /// Starts at rest, with the spheres that update(mesh.positions) makes: the tree's, narrowed to float with radii
   /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
-  /// rule list is empty, an option is out of range, or coordinates about the centre reach 2^57 (1.4e17): their squares
-  /// would leave the range of float.
+  /// rule list is empty, an option is out of range, modes are not finite, not for this mesh or missing for a level of
+  /// the rule `modal`, or coordinates about the centre reach 2^57 (1.4e17): their squares would leave the range of
+  /// float.
   Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   ~Body();
   Body(Body&&) noexcept;
@@ -54,6 +65,7 @@ class Body {
   /// Positions are narrowed to float about an origin that moves with the body, so being far away costs no precision.
   /// A wrong count or a coordinate (of a vertex that facets use) that is not finite, or 2^57 or more from the origin,
   /// is reported and changes nothing: the last good spheres stay. No allocation. Same bits for any number of workers.
+  /// A body with levels of the rule `modal` is refused: where its vertices are does not tell its coordinates.
   /// Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
@@ -65,6 +77,22 @@ class Body {
   /// uses). A range that ends before it begins or behind the last vertex gives bad_range and changes nothing.
   UpdateStatus update(const PositionView& positions, std::span<const VertexRange> changed,
                       Workers& workers = serial_workers()) noexcept;
+
+  /// Moves every sphere to the given coordinates of the modes: vertex i is then at rest_i + sum_j q_j U_ij.
+  ///
+  /// coordinates: one per mode, finite; all 0 gives rest, bit for bit. Levels of the rule `modal` contain every corner
+  /// they own [james2004], for positions summed in double (move_by_modes) as well as exactly. Other levels follow the
+  /// positions, which are formed first, and promise what they promise. Bad coordinates are reported and change nothing.
+  /// No allocation. Same bits for any number of workers.
+  /// Cost: nodes × modes when all levels are modal, whatever the number of vertices; else vertices × modes and that of
+  /// update().
+  UpdateStatus update_modal(std::span<const double> coordinates, Workers& workers = serial_workers()) noexcept;
+
+  /// One node's sphere at the given coordinates, in mesh coordinates; the current spheres stay as they are. What a
+  /// traversal from the root asks for, node by node: those that it never reaches cost nothing. The same bits as
+  /// sphere() after update_modal(). Coordinates that update_modal() would refuse, and nodes on levels of other rules,
+  /// give a sphere that contains everything: of infinite radius. Cost: modes. Several threads may ask at once.
+  Sphere modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept;
 
   /// The current spheres, one per node, about origin(). Read them between updates, not during one.
   std::span<const Spheref> spheres() const;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <morula/update/modes.hpp>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -11,19 +12,23 @@
 
 namespace morula {
 
-/// How a node's sphere follows the deformed surface. All but `exact` may leave surface bare [garcia2005, sec. 3].
+/// How a node's sphere follows the deformed surface. `exact` and `modal` cover it by construction, the others may leave
+/// surface bare [garcia2005, sec. 3].
 enum class Rule : std::uint8_t {
   traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
   weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
   exact,        ///< Morula's: owned patches, every corner inside; covers by construction
+  modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers likewise
 };
 std::string_view name(Rule rule);
 std::optional<Rule> rule_from_name(std::string_view name);
 std::span<const Rule> all_rules();
+/// Those that follow positions: all but `modal`, which follows coordinates and needs UpdateOptions::modes.
+std::span<const Rule> position_rules();
 
-/// Questions that the paper leaves open (ALGORITHMS D.4). Defaults are the literal readings.
+/// Questions that the papers leave open (ALGORITHMS D.4). Defaults are the literal readings, but for modal_bound.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
   Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's centre
@@ -34,6 +39,11 @@ struct RuleOptions {
   /// Distances below this share of the radius are raised before ratios are taken (τ of D.4): 0 is the paper, which then
   /// skips vertices nearer than 1e-9 of the radius; 0.25 is robust.
   double distance_floor = 0.0;
+  /// How `modal` bounds the corners of a node. shift: one displacement per mode and node, and how far corners stray
+  /// from it, which is the paper. gradient: also with a linear field per mode and node, which follows strain and
+  /// turning; per node the smaller sphere. Four times the work, and tighter by far where modes are smooth.
+  enum class ModalBound : std::uint8_t { gradient, shift };
+  ModalBound modal_bound = ModalBound::gradient;
 };
 
 /// One rule per level from the root; the last one serves all deeper levels.
@@ -43,6 +53,7 @@ struct UpdateOptions {
   /// in the cheapest way that is sound. One more walk over the owned corners.
   bool conservative = false;
   RuleOptions details{};
+  Modes modes{};  ///< what update_modal() moves the body by; `modal` needs them
 };
 
 }  // namespace morula

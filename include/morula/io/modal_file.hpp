@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Modal models on disk: NumPy arrays of modes, and of their coordinates frame by frame.
+#pragma once
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/update/modes.hpp>
+
+namespace morula {
+
+/// path: a .npy of float32 or float64 in C order, shape (modes, vertices, 3): displacements in mesh units per unit of a
+/// mode's coordinate. Throws FileError that names the file, the shape found and the shape needed, or the first number
+/// that is not finite.
+Modes read_modes(const std::filesystem::path& path, const Mesh& mesh);
+
+/// Coordinates of a motion, one per frame and mode.
+struct ModalCoordinates {
+  std::size_t mode_count = 0;
+  std::vector<double> coordinates;  ///< frame after frame
+
+  std::size_t frame_count() const { return mode_count == 0 ? 0 : coordinates.size() / mode_count; }
+  std::span<const double> frame(std::size_t i) const {
+    return std::span(coordinates).subspan(i * mode_count, mode_count);
+  }
+};
+
+/// path: a .npy of float32 or float64 in C order, shape (frames, modes), at least one frame. Throws FileError like
+/// read_modes.
+ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count);
+
+}  // namespace morula

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// How far the corners that a node owns can stray from its centre when a mode moves them: settled once per body.
+#pragma once
+
+#include <array>
+#include <morula/geometry/vector.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// Of one node and one mode. For every owned corner, u its displacement per unit of the coordinate: |u - shift| <=
+/// stray.
+struct ModeRow {
+  Vec3 shift;
+  double stray = 0;
+};
+
+/// With y the corner's place about the node's centre at rest: |u - gradient y - shift| <= stray.
+struct LinearModeRow {
+  std::array<Vec3, 3> gradient{};  ///< its columns
+  Vec3 shift;
+  double stray = 0;
+};
+
+/// |v|, where squares of its components may leave the range of double.
+double safe_length(const Vec3& v);
+
+/// displacements: of the owned corners, at least one, finite. The shift is the middle of the smallest sphere about
+/// them, which makes the stray least; [james2004] takes a weighted mean.
+ModeRow mode_row(std::span<const Vec3> displacements);
+
+/// Finds linear fields near the displacements of a node's corners: in least squares, and where the corners hardly tell,
+/// as across a patch that is nearly flat, such that what they tell is completed to a turn.
+class LinearFit {
+ public:
+  /// places: of the owned corners about the node's centre at rest. extent: the largest |component| of what they are
+  /// differences of.
+  LinearFit(std::vector<Vec3> places, double extent);
+  /// The displacements are used up.
+  LinearModeRow row(std::span<Vec3> displacements) const;
+
+ private:
+  std::array<Vec3, 3> gradient(std::span<const Vec3> displacements) const;
+  double ridge(const std::array<Vec3, 3>& product, std::span<const Vec3> displacements, const Vec3& mean) const;
+
+  std::vector<Vec3> places_;
+  double extent_;
+  std::vector<Vec3> scaled_;  // places about their mean, over the largest |component|; empty when all places are zero
+  double scale_ = 0;          // that component
+  std::array<Vec3, 3> covariance_{};  // of the scaled places
+};
+
+/// The image of v under the matrix with these columns.
+inline Vec3 times(const std::array<Vec3, 3>& columns, const Vec3& v) {
+  return columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
+}
+
+/// At least the largest |F v| over unit vectors v, and at most 3 % more, for finite columns of F; exact to rounding for
+/// rotations.
+double largest_stretch(const std::array<Vec3, 3>& columns);
+
+}  // namespace morula

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <morula/io/modal_file.hpp>
+
+#include "files.hpp"
+
+namespace morula::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Mesh& one_facet() {
+  static const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  return mesh;
+}
+
+template <class Value>
+std::string npy(const std::string& descr, const std::string& shape, const std::vector<Value>& values) {
+  const std::string dictionary =
+      "{'descr': '" + descr + "', 'fortran_order': False, 'shape': " + shape + ", }          \n";
+  std::string bytes = "\x93NUMPY\x01" + std::string(1, '\0') + raw(static_cast<std::uint16_t>(dictionary.size()));
+  bytes += dictionary;
+  for (const Value value : values) bytes += raw(value);
+  return bytes;
+}
+
+template <class Value>
+std::vector<Value> counting(std::size_t count) {
+  std::vector<Value> values;
+  for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<Value>(i) * Value(0.1));
+  return values;
+}
+
+TEST(ModalFile, modes_and_coordinates_of_both_types_are_read) {
+  const ScratchFolder folder;
+  const Modes doubles = read_modes(folder.file("m8.npy", npy("<f8", "(2, 3, 3)", counting<double>(18))), one_facet());
+  const Modes floats = read_modes(folder.file("m4.npy", npy("<f4", "(2, 3, 3)", counting<float>(18))), one_facet());
+  EXPECT_EQ(doubles.mode_count, 2u);
+  EXPECT_EQ(doubles.vertex_count, 3u);
+  EXPECT_EQ(doubles.mode(1)[2], (Vec3{15 * 0.1, 16 * 0.1, 17 * 0.1}));
+  EXPECT_EQ(floats.mode(0)[1], (Vec3{3 * 0.1f, 4 * 0.1f, 5 * 0.1f}));
+
+  const auto motion = read_coordinates(folder.file("q8.npy", npy("<f8", "(3, 2)", counting<double>(6))), 2);
+  EXPECT_EQ(motion.frame_count(), 3u);
+  EXPECT_EQ(motion.frame(2)[1], 5 * 0.1);
+  EXPECT_EQ(read_coordinates(folder.file("q4.npy", npy("<f4", "(3, 2)", counting<float>(6))), 2).frame(0)[1], 0.1f);
+}
+
+TEST(ModalFile, what_does_not_fit_is_refused_with_both_shapes) {
+  const ScratchFolder folder;
+  const auto modes = [&](const std::string& bytes, const std::string& fragment) {
+    const fs::path path = folder.file("modes.npy", bytes);
+    expect_file_error(path, 0, fragment, [&] { read_modes(path, one_facet()); });
+  };
+  modes("v 0 0 0\n", "not a NumPy file");
+  modes(
+      npy("<f8", "(2, 4, 3)", counting<double>(24)),
+      "the array's shape is '(2, 4, 3)', but (modes, 3, 3) for the vertices of the mesh, one mode or more, is needed");
+  modes(npy("<f8", "(0, 3, 3)", counting<double>(0)), "the array's shape is '(0, 3, 3)'");
+  modes(npy("<f8", "(3, 3)", counting<double>(9)), "the array's shape is '(3, 3)', but (modes, vertices, 3) is needed");
+  modes(npy("<f8", "(3, 3, 2)", counting<double>(18)), "(modes, vertices, 3) is needed");
+  modes(npy("<f8", "(2, 3, 3)", counting<double>(17)), "136 bytes follow the header");
+  modes(npy("<i4", "(2, 3, 3)", counting<std::int32_t>(18)), "'<f4' or '<f8' is needed");
+  std::vector<double> values = counting<double>(18);
+  values[13] = std::numeric_limits<double>::quiet_NaN();
+  modes(npy("<f8", "(2, 3, 3)", values), "mode 1: the displacement of vertex 1 is not finite");
+
+  const auto coordinates = [&](const std::string& bytes, const std::string& fragment) {
+    const fs::path path = folder.file("coords.npy", bytes);
+    expect_file_error(path, 0, fragment, [&] { read_coordinates(path, 2); });
+  };
+  coordinates(npy("<f8", "(2, 3)", counting<double>(6)),
+              "the array's shape is '(2, 3)', but (frames, 2) for the modes given, one frame or more, is needed");
+  coordinates(npy("<f8", "(0, 2)", counting<double>(0)), "the array's shape is '(0, 2)'");
+  coordinates(npy("<f8", "(6,)", counting<double>(6)), "but (frames, modes) is needed");
+  coordinates(npy("<f8", "(2, 3, 1)", counting<double>(6)), "but (frames, modes) is needed");
+  values.resize(6);
+  values[5] = std::numeric_limits<double>::infinity();
+  coordinates(npy("<f8", "(3, 2)", values), "frame 2: coordinate 1 is not finite");
+  const fs::path missing = folder.path() / "missing.npy";
+  expect_file_error(missing, 0, "", [&] { read_coordinates(missing, 2); });
+}
+
+}  // namespace
+}  // namespace morula::test
