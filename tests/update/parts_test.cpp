@@ -101,7 +101,10 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
     std::vector<std::uint32_t> order(37);
     for (std::uint32_t& v : order) v = static_cast<std::uint32_t>(random.uniform(0, 50));
     const Vec3 origin{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
-    for (const PositionView& view : {PositionView(positions), PositionView(floats)}) {
+    std::vector<std::uint32_t> index(50);
+    for (std::uint32_t& node : index) node = static_cast<std::uint32_t>(random.uniform(0, 50));
+    for (const PositionView& view : {PositionView(positions), PositionView(floats),
+                                     PositionView::indexed(positions, index), PositionView::indexed(floats, index)}) {
       std::vector<LocalPoint> wide(order.size()), plain(order.size());
       const float largest = narrow(view, order, origin, wide.data());
       EXPECT_EQ(largest, narrow_plainly(view, order, origin, plain.data()));
