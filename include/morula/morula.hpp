@@ -16,4 +16,5 @@
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/kdop_tree.hpp>
 #include <morula/version.hpp>

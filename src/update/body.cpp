@@ -27,16 +27,6 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   return rules;
 }
 
-void require_fitting(const Mesh& mesh, const Built& built) {
-  require_usable(mesh);
-  if (const auto faults = validate(built.tree); !faults.empty())
-    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
-  require_belonging(mesh, built);
-  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
-  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
-    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
-}
-
 // The tree's spheres about an origin, narrowed so that each contains what it was.
 std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
   std::vector<Spheref> narrow;
@@ -78,7 +68,7 @@ struct Body::State {
 };
 
 Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers) {
-  require_fitting(mesh, built);
+  require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
   const Ownership ownership =
