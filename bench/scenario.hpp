@@ -44,8 +44,11 @@ struct Result {
   std::string scenario;
   std::string item;
   std::string mesh;
-  std::vector<double> seconds{};  ///< one per repeat (update: per repeat and frame), in the order they were taken
+  /// One per repeat (update, volumes, peers: per repeat and frame), in the order they were taken; none when there was
+  /// nothing to time, which the note explains.
+  std::vector<double> seconds{};
   std::vector<Figure> figures{};
+  std::string note{};
   std::vector<std::string> faults{};  ///< what is wrong with the answers; empty: verified
 
   /// A fast wrong answer is not a result.
@@ -61,6 +64,8 @@ std::vector<Result> run_build_scaling(const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
+std::vector<Result> run_volumes(const Input& input, const Settings& settings);
+std::vector<Result> run_peers(const Input& input, const Settings& settings);
 
 /// Wall-clock seconds of one call.
 template <class F>
