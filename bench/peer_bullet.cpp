@@ -5,7 +5,6 @@
 #include <BulletCollision/CollisionShapes/btOptimizedBvh.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 
-
 #include "peers.hpp"
 
 namespace morula::bench {

@@ -8,6 +8,7 @@
 #include <morula/update/body.hpp>
 #include <optional>
 
+#include "leaf_order.hpp"
 #include "peers.hpp"
 #include "resources.hpp"
 
@@ -28,30 +29,6 @@ Mesh divided(const Mesh& mesh) {
     fine.facets.insert(fine.facets.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
   }
   return fine;
-}
-
-/// Vertices numbered in the order in which the leaves own them, so that neighbours lie together in memory. It helps
-/// everybody.
-Mesh in_leaf_order(const Mesh& mesh, Built& built) {
-  constexpr std::uint32_t none = 0xffffffffu;
-  std::vector<std::uint32_t> number(mesh.vertex_count(), none);
-  std::uint32_t next = 0;
-  // Patches are in the order of the leaves, depth first.
-  for (const std::uint32_t corner : built.cover.corners)
-    if (corner < mesh.vertex_count() && number[corner] == none) number[corner] = next++;
-  for (std::uint32_t& n : number)
-    if (n == none) n = next++;
-
-  Mesh ordered = mesh;
-  for (std::size_t v = 0; v < number.size(); ++v) ordered.positions[number[v]] = mesh.positions[v];
-  for (Facet& f : ordered.facets)
-    for (std::uint32_t& v : f) v = number[v];
-  for (std::uint32_t& corner : built.cover.corners)
-    if (corner < mesh.vertex_count()) corner = number[corner];
-  for (CutPoint& c : built.cover.cut_points)
-    for (std::uint32_t& v : c.vertex) v = number[v];
-  built.report.mesh_hash = mesh_hash(ordered);
-  return ordered;
 }
 
 struct Rival {

@@ -9,6 +9,7 @@
 #include <morula/geometry/trigonometry.hpp>
 
 #include "frames.hpp"
+#include "leaf_order.hpp"
 #include "resources.hpp"
 #include "volumes.hpp"
 
@@ -29,19 +30,39 @@ Frame posed(const Frame& frame, const Vec3& axis, double degrees, const Vec3& sh
   return moved;
 }
 
-/// Twelve, from deep inside one another to hardly touching.
-std::vector<Frame> poses(const Frame& frame) {
+/// The body beside itself, turned.
+struct Poses {
+  std::vector<Frame> deep;      ///< half inside one another
+  std::vector<Frame> touching;  ///< moved apart until few leaves are near one another
+};
+
+Poses make_poses(const Frame& frame, const Input& input, const Built& built) {
+  constexpr std::array<Vec3, 3> turns{Vec3{1, 2, 3}, Vec3{-2, 1, 0.5}, Vec3{0.3, -1, 2}};
   Box box;
   for (const Vec3f& p : frame) box.add(Vec3(p));
-  constexpr std::array<Vec3, 3> axes{Vec3{1, 2, 3}, Vec3{-2, 1, 0.5}, Vec3{0.3, -1, 2}};
-  std::vector<Frame> made;
-  for (int turn = 0; turn < 3; ++turn)
-    for (const double share : {0.1, 0.3, 0.5, 0.7}) {
+  // The tightest of all decide.
+  const std::unique_ptr<Volumes> here = volume_kinds().back().make(input.mesh, built);
+  const std::unique_ptr<Volumes> there = volume_kinds().back().make(input.mesh, built);
+  here->update(frame, serial_workers());
+  const std::size_t few = built.tree.leaf_count() / 50;
+
+  Poses poses;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = [&](double share) {
       Vec3 shift;
-      shift[turn] = share * box.extent()[turn];
-      made.push_back(posed(frame, axes[static_cast<std::size_t>(turn)], 37.0 + 50 * turn, shift));
+      shift[axis] = share * box.extent()[axis];
+      return posed(frame, turns[static_cast<std::size_t>(axis)], 37.0 + 50 * axis, shift);
+    };
+    for (const double share : {0.1, 0.4}) poses.deep.push_back(at(share));
+    double inside = 0, apart = 4;
+    for (int step = 0; step < 12; ++step) {
+      const double middle = 0.5 * (inside + apart);
+      there->update(at(middle), serial_workers());
+      (here->traverse(*there).touching_leaves > few ? inside : apart) = middle;
     }
-  return made;
+    poses.touching.push_back(at(inside));
+  }
+  return poses;
 }
 
 struct Contender {
@@ -114,32 +135,31 @@ void measure_looseness(std::vector<Contender>& contenders, const SphereTree& tre
   }
 }
 
-void count_pairs(Contender& c, const Input& input, const Built& built, const Frame& frame,
-                 const std::vector<Frame>& others) {
-  const std::unique_ptr<Volumes> other = c.kind->make(input.mesh, built);
-  c.volumes->update(frame, serial_workers());
+void count_pairs(Contender& c, const Volumes& here, Volumes& there, const std::vector<Frame>& poses,
+                 const std::string& how) {
   Pairs sum;
   double seconds = 0;
   bool same = true;
-  for (const Frame& pose : others) {
-    other->update(pose, serial_workers());
+  for (const Frame& pose : poses) {
+    there.update(pose, serial_workers());
     Pairs pairs;
-    seconds += processor_seconds_of([&] { pairs = c.volumes->traverse(*other); });
+    seconds += processor_seconds_of([&] { pairs = here.traverse(there); });
     sum.tests += pairs.tests, sum.touching_leaves += pairs.touching_leaves;
-    const std::size_t touching = c.volumes->touching_leaves(*other);
-    same = same && (c.volumes->is_nested() ? pairs.touching_leaves == touching : pairs.touching_leaves <= touching);
+    const std::size_t touching = here.touching_leaves(there);
+    same = same && (here.is_nested() ? pairs.touching_leaves == touching : pairs.touching_leaves <= touching);
   }
   c.result.expect(same, "trying all leaves finds other pairs");
-  const auto poses = static_cast<double>(others.size());
-  c.result.figures.push_back({"pair tests", static_cast<double>(sum.tests) / poses});
-  c.result.figures.push_back({"leaf pairs", static_cast<double>(sum.touching_leaves) / poses});
-  c.result.figures.push_back({"us/traversal", 1e6 * seconds / poses});
+  const auto count = static_cast<double>(poses.size());
+  c.result.figures.push_back({"pair tests " + how, static_cast<double>(sum.tests) / count});
+  c.result.figures.push_back({"leaf pairs " + how, static_cast<double>(sum.touching_leaves) / count});
+  c.result.figures.push_back({"us " + how, 1e6 * seconds / count});
 }
 
 }  // namespace
 
-std::vector<Result> run_volumes(const Input& input, const Settings& settings) {
-  const Built built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+std::vector<Result> run_volumes(const Input& unordered, const Settings& settings) {
+  Built built = build(unordered.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const Input input{unordered.name, in_leaf_order(unordered.mesh, built)};
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const Frame& bent = frames[frames.size() / 2];
   std::vector<Contender> contenders;
@@ -161,10 +181,13 @@ std::vector<Result> run_volumes(const Input& input, const Settings& settings) {
     for (std::size_t i = 0; i < bent.size(); ++i) moved.positions[i] = Vec3(bent[i]);
     measure_looseness(contenders, built.tree, moved, settings);
   }
-  const std::vector<Frame> others = poses(bent);
+  const Poses poses = make_poses(bent, input, built);
   std::vector<Result> results;
   for (Contender& c : contenders) {
-    count_pairs(c, input, built, bent, others);
+    const std::unique_ptr<Volumes> there = c.kind->make(input.mesh, built);
+    c.volumes->update(bent, serial_workers());
+    count_pairs(c, *c.volumes, *there, poses.deep, "deep");
+    count_pairs(c, *c.volumes, *there, poses.touching, "touching");
     results.push_back(std::move(c.result));
   }
   return results;
