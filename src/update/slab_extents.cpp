@@ -11,11 +11,15 @@
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(MORULA_SCALAR)
 #define MORULA_HAS_WIDE_REGISTERS 1
 // GCC 12 warns of what its own header leaves undefined on purpose (GCC bug 105593).
+#ifndef __clang__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
+#ifndef __clang__
 #pragma GCC diagnostic pop
+#endif
 #endif
 
 namespace morula {
