@@ -7,9 +7,9 @@
 #include <morula/build/build.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/trigonometry.hpp>
+#include <morula/tree/renumber.hpp>
 
 #include "frames.hpp"
-#include "leaf_order.hpp"
 #include "resources.hpp"
 #include "volumes.hpp"
 
@@ -158,8 +158,10 @@ void count_pairs(Contender& c, const Volumes& here, Volumes& there, const std::v
 }  // namespace
 
 std::vector<Result> run_volumes(const Input& unordered, const Settings& settings) {
-  Built built = build(unordered.mesh, {.branching = 8, .depth = 3}, *settings.workers);
-  const Input input{unordered.name, in_leaf_order(unordered.mesh, built)};
+  const Built as_built = build(unordered.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const std::vector<std::uint32_t> order = leaf_order(as_built);
+  const Input input{unordered.name, renumbered(unordered.mesh, order)};
+  const Built built = renumbered(as_built, input.mesh, order);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const Frame& bent = frames[frames.size() / 2];
   std::vector<Contender> contenders;

@@ -51,6 +51,7 @@ std::string why_refused(const UpdateStatus& status) {
       return "its vertex count is not the mesh's";
     case UpdateStatus::Code::non_finite_position:
       return fmt::format("vertex {} is not finite, or too far away for single precision", status.first_bad_vertex);
+    case UpdateStatus::Code::bad_range:
     case UpdateStatus::Code::ok:
       break;
   }

@@ -15,6 +15,7 @@
 #include <morula/io/tree_file.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/version.hpp>

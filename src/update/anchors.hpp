@@ -41,6 +41,9 @@ class Anchors {
 
   std::size_t size() const { return ties_.size(); }
   const CenterTie& operator[](std::size_t k) const { return ties_[k]; }
+  std::span<const std::uint32_t> points(std::size_t k) const {
+    return std::span(points_).subspan(ties_[k].begin, ties_[k].end - ties_[k].begin);
+  }
   /// Where centre k is now. At rest exactly rest_center, because both differences are.
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
 

@@ -27,6 +27,22 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   return rules;
 }
 
+// One flag per level: do its nodes look at the corners that they own?
+std::vector<std::uint8_t> measured_levels(std::span<const Rule> rule_of_level, bool conservative) {
+  std::vector<std::uint8_t> flags;
+  for (const Rule rule : rule_of_level) flags.push_back(conservative || rule == Rule::exact ? 1 : 0);
+  return flags;
+}
+
+// One flag per leaf of the order: is its level or one above it flagged?
+std::vector<std::uint8_t> leaves_below(const SphereTree& tree, const LeafOrder& order,
+                                       std::span<const std::uint8_t> levels) {
+  const auto top = std::find(levels.begin(), levels.end(), std::uint8_t{1}) - levels.begin();
+  std::vector<std::uint8_t> below;
+  for (const std::uint32_t leaf : order.leaves) below.push_back(tree.level_of(leaf) >= top ? 1 : 0);
+  return below;
+}
+
 // The tree's spheres about an origin, narrowed so that each contains what it was.
 std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
   std::vector<Spheref> narrow;
@@ -56,14 +72,27 @@ struct Body::State {
   UpdateStatus work{};  // of a good update: the same every time
   std::optional<ExactRule> exact{};
   std::optional<PaperRules> paper{};
+  std::optional<CornerWalk> raised{};  // conservative: the nodes of other rules
+  bool followed = true;                // the points are those of the spheres: the last update was good
 
   // The exact rule reads points alone, the others their children: all levels of the first, then level by level upwards.
+  // Radii are raised last: what the rules make of their children is the rules' own.
   void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
     if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
     if (paper)
       for (std::size_t level = tree.level_count(); level-- > 0;)
         paper->update_level(level, local.points(), frame.rounding, spheres, workers);
+    if (raised) raise(frame.rounding, workers);
     origin = frame.origin;
+  }
+
+  void raise(const Rounding& rounding, Workers& workers) noexcept {
+    raised->measure(local.points(), spheres, workers);
+    for (std::size_t k = 0; k < raised->nodes().size(); ++k) {
+      Spheref& sphere = spheres[raised->nodes()[k]];
+      sphere.radius =
+          std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
+    }
   }
 };
 
@@ -71,8 +100,9 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
+  const std::vector<std::uint8_t> measured = measured_levels(rule_of_level, options.conservative);
   const Ownership ownership =
-      share_points(mesh, built.cover, order, leaves_below_exact(built.tree, order, rule_of_level));
+      share_points(mesh, built.cover, order, leaves_below(built.tree, order, measured));
   state_ = std::make_unique<State>(
       State{built.tree, built.cover, std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;
@@ -91,8 +121,8 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   if (exact_levels > 0) {
     s.exact.emplace(binding, order, ownership);
     s.exact->update(s.local.points(), rest.rounding, s.spheres, workers);
-    s.report.corners_owned = s.exact->owned_points();
-    s.work.points_tested += s.exact->tested_points();
+    s.report.corners_owned = s.exact->walk().owned_points();
+    s.work.points_tested += s.exact->walk().tested_points();
     for (std::size_t k = 0; k < s.exact->anchors().size(); ++k) {
       const CenterTie& tie = s.exact->anchors()[k];
       s.report.degenerate_anchors += tie.degenerate;
@@ -102,6 +132,13 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   if (exact_levels < std::ssize(rule_of_level)) {
     s.paper.emplace(binding, s.options.details, s.spheres, s.report);
     s.work.points_tested += s.paper->tested_points();
+  }
+  if (s.options.conservative && exact_levels < std::ssize(rule_of_level)) {
+    std::vector<std::uint8_t> others;
+    for (const Rule rule : rule_of_level) others.push_back(rule == Rule::exact ? 0 : 1);
+    s.raised.emplace(s.tree, order, ownership, others);
+    s.work.points_tested += s.raised->tested_points();
+    s.raise(rest.rounding, workers);
   }
   s.work.nodes_updated = s.tree.node_count();
   s.work.vertices_read = s.local.vertex_count();
@@ -116,10 +153,31 @@ UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexc
   State& s = *state_;
   if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   const LocalPoints::Frame frame = s.local.move(positions, workers);
+  s.followed = frame.finite;
   if (!frame.finite)
     return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
   s.write_spheres(frame, workers);
   return s.work;
+}
+
+UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
+                          Workers& workers) noexcept {
+  State& s = *state_;
+  if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  for (const VertexRange& range : changed)
+    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
+  if (s.paper || !s.followed || !s.local.keeps_origin(positions)) return update(positions, workers);
+
+  const LocalPoints::Frame frame = s.local.move_changed(positions, changed);
+  s.followed = frame.finite;
+  if (!frame.finite)
+    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
+  UpdateStatus status = s.work;
+  status.vertices_read = s.local.changed_vertices();
+  status.cut_points_moved = s.local.changed_cut_points();
+  status.points_tested =
+      s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
+  return status;
 }
 
 std::span<const Spheref> Body::spheres() const {

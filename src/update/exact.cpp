@@ -3,20 +3,21 @@
 #include "update/exact.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
-#include "update/farthest.hpp"
+#include "update/kernels.hpp"
+#include "update/outermost.hpp"
 
 namespace morula {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 64;
-constexpr std::size_t leaves_per_chunk = 16;
 
-// How many levels above and including `level` follow the rule: the slot after that level's own.
-std::size_t exact_levels_to(std::span<const Rule> rule_of_level, std::size_t level) {
-  return static_cast<std::size_t>(
-      std::count(rule_of_level.begin(), rule_of_level.begin() + static_cast<std::ptrdiff_t>(level) + 1, Rule::exact));
+// One flag per level.
+std::vector<std::uint8_t> levels_with(std::span<const Rule> rule_of_level, Rule rule) {
+  std::vector<std::uint8_t> flags;
+  for (const Rule r : rule_of_level) flags.push_back(r == rule ? 1 : 0);
+  return flags;
 }
 
 // Points that may anchor a centre: those the node owns, and vertices not much farther off than its sphere reaches, so
@@ -38,99 +39,105 @@ void find_candidates(const Binding& binding, std::uint32_t node, std::span<const
 
 }  // namespace
 
-std::vector<std::uint8_t> leaves_below_exact(const SphereTree& tree, const LeafOrder& order,
-                                             std::span<const Rule> rule_of_level) {
-  std::vector<std::uint8_t> below;
-  for (const std::uint32_t leaf : order.leaves)
-    below.push_back(exact_levels_to(rule_of_level, tree.level_of(leaf)) > 0);
-  return below;
-}
-
-ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership) {
-  const SphereTree& tree = binding.tree;
-  for (std::size_t level = 0; level < tree.level_count(); ++level)
-    if (binding.rule_of_level[level] == Rule::exact)
-      for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node)
-        nodes_.push_back({node, order.begin[node], order.end[node],
-                          static_cast<std::uint32_t>(exact_levels_to(binding.rule_of_level, level) - 1)});
-
-  std::vector<std::uint32_t> chain;
-  point_begin_.push_back(0);
-  chain_begin_.push_back(0);
-  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
-    chain.clear();
-    std::uint32_t level = tree.level_of(order.leaves[k]);
-    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node], --level)
-      if (binding.rule_of_level[level] == Rule::exact) chain.push_back(node);
-    chain_.insert(chain_.end(), chain.rbegin(), chain.rend());
-    chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
-    if (!chain.empty()) {
-      const auto owned = ownership.of_leaf(k);
-      owned_points_ += owned.size();
-      tested_points_ += owned.size() * chain.size();
-      points_.insert(points_.end(), owned.begin(), owned.end());
-      while (points_.size() % points_per_group != 0) points_.push_back(owned.back());
-    }
-    point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
-  }
-  squared_.resize(chain_.size());
-
-  // Candidates are independent, so they are looked for side by side; ties are stored in node order.
-  std::vector<Anchors> chunks((nodes_.size() + nodes_per_chunk - 1) / nodes_per_chunk);
-  parallel_for(binding.workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership)
+    : walk_(binding.tree, order, ownership, levels_with(binding.rule_of_level, Rule::exact)) {
+  // Nodes are independent, so they are looked at side by side; ties are stored in node order.
+  const std::size_t node_count = walk_.nodes().size();
+  core_.resize(core_size * node_count);
+  core_radius_.resize(node_count);
+  std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
+  parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> facets, candidates;
     for (std::size_t k = begin; k < end; ++k) {
-      const Node& n = nodes_[k];
-      const std::uint32_t first = ownership.begin[n.leaf_begin], last = ownership.begin[n.leaf_end];
-      find_candidates(binding, n.node, std::span(ownership.points).subspan(first, last - first), facets, candidates);
-      const Spheref& rest = binding.rest_spheres[n.node];
+      const std::uint32_t node = walk_.nodes()[k];
+      const std::uint32_t first = ownership.begin[order.begin[node]], last = ownership.begin[order.end[node]];
+      const auto owned = std::span(ownership.points).subspan(first, last - first);
+      choose_core(k, binding, owned);
+      find_candidates(binding, node, owned, facets, candidates);
+      const Spheref& rest = binding.rest_spheres[node];
       chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
+  find_dependents(binding, ownership);
+}
+
+void ExactRule::choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned) {
+  const std::span<std::uint32_t> core = std::span(core_).subspan(core_size * k, core_size);
+  const Vec3f& center = binding.rest_spheres[walk_.nodes()[k]].center;
+  outermost(binding.local.points(), owned, center, core);
+  float squared = 0;
+  kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
+  core_radius_[k] = std::sqrt(squared);
+}
+
+void ExactRule::find_dependents(const Binding& binding, const Ownership& ownership) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> leaves, nodes;
+  for (std::uint32_t leaf = 0; leaf < walk_.leaf_count(); ++leaf)
+    for (const std::uint32_t p : ownership.of_leaf(leaf))
+      binding.local.each_block(p, [&](std::uint32_t block) {
+        if (leaves.empty() || leaves.back() != std::pair(block, leaf)) leaves.emplace_back(block, leaf);
+      });
+  for (std::uint32_t k = 0; k < walk_.nodes().size(); ++k) {
+    const auto depends_on = [&](std::uint32_t p) {
+      binding.local.each_block(p, [&](std::uint32_t block) { nodes.emplace_back(block, k); });
+    };
+    for (const std::uint32_t p : anchors_.points(k)) depends_on(p);
+    for (std::size_t i = 0; i < core_size; ++i) depends_on(core_[core_size * k + i]);
+  }
+  leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
+  nodes_of_block_ = BlockLists(std::move(nodes), binding.local.block_count());
+  leaf_changed_.resize(walk_.leaf_count());
+  node_moved_.resize(walk_.nodes().size());
 }
 
 void ExactRule::update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
                        Workers& workers) noexcept {
-  move_centers(points, spheres, workers);
-  measure_leaves(points, spheres, workers);
-  set_radii(rounding, spheres, workers);
-}
-
-void ExactRule::move_centers(std::span<const LocalPoint> points, std::span<Spheref> spheres,
-                             Workers& workers) noexcept {
-  parallel_for(workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) spheres[nodes_[k].node].center = anchors_.center(k, points);
+  parallel_for(workers, walk_.nodes().size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, points);
+  });
+  walk_.measure(points, spheres, workers);
+  rounding_ = rounding;
+  parallel_for(workers, walk_.nodes().size(), 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding, spheres);
   });
 }
 
-void ExactRule::measure_leaves(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                               Workers& workers) noexcept {
-  parallel_for(workers, chain_begin_.size() - 1, leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
-    const FarthestKernel farthest_of = farthest_kernels().back();
-    std::array<Vec3f, most_centers> centers;
-    for (std::size_t k = begin; k < end; ++k) {
-      const auto points_of_leaf = std::span(points_).subspan(point_begin_[k], point_begin_[k + 1] - point_begin_[k]);
-      for (std::uint32_t from = chain_begin_[k]; from < chain_begin_[k + 1]; from += most_centers) {
-        const std::size_t count = std::min<std::size_t>(most_centers, chain_begin_[k + 1] - from);
-        for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[chain_[from + i]].center;
-        farthest_of(points.data(), points_of_leaf, std::span(centers).first(count), &squared_[from]);
-      }
-    }
-  });
+std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
+                                      const Rounding& rounding, std::span<Spheref> spheres) noexcept {
+  const bool rounding_changed = rounding != rounding_;
+  rounding_ = rounding;
+  std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
+  std::fill(node_moved_.begin(), node_moved_.end(), std::uint8_t{0});
+  for (const std::uint32_t block : changed_blocks) {
+    for (const std::uint32_t leaf : leaves_of_block_.of(block)) leaf_changed_[leaf] = 1;
+    for (const std::uint32_t k : nodes_of_block_.of(block)) node_moved_[k] = 1;
+  }
+  for (std::size_t k = 0; k < node_moved_.size(); ++k) {
+    if (node_moved_[k] == 0) continue;
+    Vec3f& kept = spheres[walk_.nodes()[k]].center;
+    const Vec3f now = center(k, points);
+    node_moved_[k] = now == kept ? 0 : 1;
+    kept = now;
+  }
+  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, node_moved_);
+  for (std::size_t k = 0; k < node_moved_.size(); ++k)
+    if (node_moved_[k] != 0 || rounding_changed) set_radius(k, rounding, spheres);
+  return tested;
 }
 
-void ExactRule::set_radii(const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept {
-  parallel_for(workers, nodes_.size(), 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Node& n = nodes_[k];
-      float squared = 0;
-      for (std::uint32_t leaf = n.leaf_begin; leaf < n.leaf_end; ++leaf)
-        squared = std::max(squared, squared_[chain_begin_[leaf] + n.slot]);
-      Spheref& sphere = spheres[n.node];
-      sphere.radius = rounding.covering_radius(squared, sphere.center);
-    }
-  });
+// Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
+// they were at rest are good already.
+Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
+  constexpr float most_growth = 1.01f;
+  const float enough = most_growth * core_radius_[k];
+  return kernels().pull(points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]},
+                        anchors_.center(k, points));
+}
+
+void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept {
+  Spheref& sphere = spheres[walk_.nodes()[k]];
+  sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
 }
 
 }  // namespace morula

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "update/anchors.hpp"
+#include "update/block_lists.hpp"
+#include "update/corner_walk.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
 
@@ -28,42 +30,37 @@ struct Binding {
   Workers& workers;
 };
 
-/// One flag per leaf of the order: does the leaf or a node above it follow `exact`?
-std::vector<std::uint8_t> leaves_below_exact(const SphereTree& tree, const LeafOrder& order,
-                                             std::span<const Rule> rule_of_level);
-
 class ExactRule {
  public:
   /// Ties the centre of every node on a level with this rule.
   ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership);
 
-  /// Writes the spheres of its nodes. Every leaf walks its points once, for itself and for all nodes above it: their
-  /// regions are unions of leaves' regions. Nodes and leaves are independent.
+  /// Writes the spheres of its nodes. Nodes and leaves are independent.
   void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
               Workers& workers) noexcept;
 
+  /// The same spheres, where every level follows the rule and only these blocks of vertices differ from the update before. Returns the points tested.
+  std::size_t update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
+                             const Rounding& rounding, std::span<Spheref> spheres) noexcept;
+
   const Anchors& anchors() const { return anchors_; }
-  std::size_t owned_points() const { return owned_points_; }
-  std::size_t tested_points() const { return tested_points_; }
+  const CornerWalk& walk() const { return walk_; }
 
  private:
-  void move_centers(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) noexcept;
-  void measure_leaves(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
-  void set_radii(const Rounding& rounding, std::span<Spheref> spheres, Workers& workers) noexcept;
+  void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
+  void find_dependents(const Binding& binding, const Ownership& ownership);
+  Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
+  void set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept;
 
-  struct Node {
-    std::uint32_t node;
-    std::uint32_t leaf_begin, leaf_end;  // the leaves below it
-    std::uint32_t slot;                  // its place in their chains
-  };
-  std::vector<Node> nodes_;
-  Anchors anchors_;  // one tie per node of nodes_
-  // Leaf k: its points, padded to whole groups, and its chain: the nodes above it and itself that follow the rule, the
-  // root's side first. A node of level l has the same slot in every chain that it is part of.
-  std::vector<std::uint32_t> point_begin_, points_;
-  std::vector<std::uint32_t> chain_begin_, chain_;
-  std::vector<float> squared_;  // parallel to chain_: largest squared distance of the leaf's points
-  std::size_t owned_points_ = 0, tested_points_ = 0;
+  CornerWalk walk_;
+  Anchors anchors_;  // one tie per node of the walk
+  // core_size points of each node, its outermost, and how far they are from its centre at rest.
+  std::vector<std::uint32_t> core_;
+  std::vector<float> core_radius_;
+  BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
+  BlockLists nodes_of_block_;   // nodes whose centres look at it
+  std::vector<std::uint8_t> leaf_changed_, node_moved_;
+  Rounding rounding_;  // of the last update
 };
 
 }  // namespace morula

@@ -9,6 +9,7 @@
 #include "geometry/hash.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
+#include "update/point_runs.hpp"
 #include "update/slab_extents.hpp"
 
 namespace morula {
@@ -51,9 +52,9 @@ struct KDopTree::State {
   std::vector<Vec3> directions;
   LocalPoints local;
   std::vector<std::uint32_t> leaves;  // in the order of the ownership
-  // Of leaf after leaf: points that lie one after the other in ranges, others in a list, padded to whole groups.
-  std::vector<std::uint32_t> range_begin{0}, point_begin{0}, points{};
-  std::vector<PointRange> ranges{};
+  // Of leaf after leaf: points that lie one after the other in runs, others in a list, padded to whole groups.
+  std::vector<std::uint32_t> run_begin{0}, point_begin{0}, points{};
+  std::vector<PointRun> runs{};
   std::vector<float> bounds{};  // per node: lower, then upper
   Vec3 origin{};
   UpdateStatus work{};  // of a good update: the same every time
@@ -63,15 +64,8 @@ struct KDopTree::State {
   float* upper(std::uint32_t node) { return lower(node) + slab_count(); }
 
   void list_points(std::span<const std::uint32_t> owned) {
-    for (std::size_t i = 0; i < owned.size();) {
-      std::size_t end = i + 1;
-      while (end < owned.size() && owned[end] == owned[end - 1] + 1) ++end;
-      const std::size_t in_groups = (end - i) / points_per_extent_group * points_per_extent_group;
-      if (in_groups > 0) ranges.push_back({owned[i], owned[i] + static_cast<std::uint32_t>(in_groups)});
-      for (i += in_groups; i < end; ++i) points.push_back(owned[i]);
-    }
-    while (points.size() % points_per_extent_group != 0) points.push_back(owned.back());
-    range_begin.push_back(static_cast<std::uint32_t>(ranges.size()));
+    append_in_runs(owned, runs, points);
+    run_begin.push_back(static_cast<std::uint32_t>(runs.size()));
     point_begin.push_back(static_cast<std::uint32_t>(points.size()));
     work.points_tested += owned.size();
   }
@@ -89,9 +83,9 @@ struct KDopTree::State {
     parallel_for(workers, leaves.size(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t leaf = begin; leaf < end; ++leaf) {
         float *const low = lower(leaves[leaf]), *const high = upper(leaves[leaf]);
-        const auto in_ranges = std::span(ranges).subspan(range_begin[leaf], range_begin[leaf + 1] - range_begin[leaf]);
+        const auto in_runs = std::span(runs).subspan(run_begin[leaf], run_begin[leaf + 1] - run_begin[leaf]);
         const auto listed = std::span(points).subspan(point_begin[leaf], point_begin[leaf + 1] - point_begin[leaf]);
-        extents_of(local.points().data(), in_ranges, listed, low, high);
+        extents_of(local.points().data(), in_runs, listed, low, high);
         for (std::size_t i = 0; i < slab_count(); ++i) {
           const double pad = allowance(rounding, directions[i]);
           low[i] = -rounded_up(pad - static_cast<double>(low[i]));

@@ -5,13 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "update/kernels.hpp"
 #include "update/narrow.hpp"
 
 namespace morula {
 namespace {
 
-constexpr std::size_t vertices_per_chunk = 4096;
+constexpr std::size_t blocks_per_chunk = 32;
 constexpr std::size_t cut_points_per_chunk = 4096;
+
+// The nearest place whose coordinates are floats, unless that is far away beside the body: differences of floats can
+// then be taken in float, with the very result that double precision would round to.
+Vec3 on_floats(const Vec3& p, double size) {
+  const Vec3 near = nearest_floats(p);
+  return distance(near, p) <= 1e-3 * size ? near : p;
+}
 
 }  // namespace
 
@@ -35,48 +43,117 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   for (const CutPoint& c : cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   points_.resize(vertices_.size() + cut_point_count());
-  chunk_largest_.resize((vertices_.size() + vertices_per_chunk - 1) / vertices_per_chunk);
-  rest_origin_ = bounding_box(rest).center();
+  block_largest_.resize((vertices_.size() + vertices_per_block - 1) / vertices_per_block);
+  block_changed_.resize(block_count());
+  changed_blocks_.reserve(block_count());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
+  for (std::uint32_t cut = 0; cut < cut_point_count(); ++cut)
+    each_block(static_cast<std::uint32_t>(vertices_.size()) + cut,
+               [&](std::uint32_t block) { cuts.emplace_back(block, cut); });
+  cuts_of_block_ = BlockLists(std::move(cuts), block_count());
+  const Box box = bounding_box(rest);
+  rest_origin_ = box.center();
+  size_ = largest_component(box.extent());
+  mesh_order_ = true;
+  for (std::uint32_t i = 0; i < vertices_.size(); ++i) mesh_order_ = mesh_order_ && vertices_[i] == i;
   guide_ = *std::min_element(vertices_.begin(), vertices_.end());
   guide_rest_ = rest.positions[guide_];
 }
 
+Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
+  return on_floats(rest_origin_ + (positions[guide_] - guide_rest_), size_);
+}
+
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
-  Frame frame;
-  frame.origin = rest_origin_ + (positions[guide_] - guide_rest_);
-  parallel_for(workers, vertices_.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
-    chunk_largest_[begin / vertices_per_chunk] =
-        narrow(positions, std::span(vertices_).subspan(begin, end - begin), frame.origin, &points_[begin]);
+  origin_ = origin_of(positions);
+  parallel_for(workers, block_count(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = begin; block < end; ++block) narrow_block(positions, block);
   });
-  const float largest = *std::max_element(chunk_largest_.begin(), chunk_largest_.end());
+  const Frame frame = finished_frame(positions);
+  if (frame.finite) move_cut_points(workers);
+  return frame;
+}
+
+LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
+                                             std::span<const VertexRange> changed) noexcept {
+  for (const std::uint32_t block : changed_blocks_) block_changed_[block] = 0;
+  changed_blocks_.clear();
+  for (const VertexRange& range : changed)
+    for (std::uint32_t v = range.begin; v < range.end; ++v) {
+      const std::size_t block = point_of_[v] / vertices_per_block;
+      if (block >= block_count() || block_changed_[block] != 0) continue;  // beyond: no facet uses the vertex
+      block_changed_[block] = 1;
+      changed_blocks_.push_back(static_cast<std::uint32_t>(block));
+      narrow_block(positions, block);
+    }
+  const Frame frame = finished_frame(positions);
+  if (!frame.finite) return frame;
+  for (const std::uint32_t block : changed_blocks_)
+    for (const std::uint32_t cut : cuts_of_block_.of(block)) move_cut_point(cut);
+  return frame;
+}
+
+void LocalPoints::narrow_block(const PositionView& positions, std::size_t block) noexcept {
+  const std::size_t begin = block * vertices_per_block;
+  const auto vertices =
+      std::span(vertices_).subspan(begin, std::min(vertices_per_block, vertices_.size() - begin));
+  block_largest_[block] = mesh_order_ ? narrow_run(positions, begin, vertices.size(), origin_, &points_[begin])
+                                      : narrow(positions, vertices, origin_, &points_[begin]);
+}
+
+std::size_t LocalPoints::changed_vertices() const noexcept {
+  std::size_t count = 0;
+  for (const std::uint32_t block : changed_blocks_)
+    count += std::min(vertices_per_block, vertices_.size() - block * vertices_per_block);
+  return count;
+}
+
+std::size_t LocalPoints::changed_cut_points() const noexcept {
+  std::size_t count = 0;
+  for (const std::uint32_t block : changed_blocks_) count += cuts_of_block_.of(block).size();
+  return count;
+}
+
+// What is to be said of the points when all vertices are narrowed.
+LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) const noexcept {
+  Frame frame;
+  frame.origin = origin_;
+  const float largest = *std::max_element(block_largest_.begin(), block_largest_.end());
   if (!(largest <= largest_local_coordinate)) {
     frame.finite = false;
-    frame.first_bad_vertex = first_bad_vertex(positions, frame.origin);
+    frame.first_bad_vertex = first_bad_vertex(positions, origin_);
     return frame;
   }
-  frame.rounding = {static_cast<double>(largest), largest_component(frame.origin), weight_slack_};
-  move_cut_points(workers);
+  frame.rounding = {static_cast<double>(largest), largest_component(origin_), weight_slack_};
   return frame;
 }
 
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
-  LocalPoint* const on_edges = points_.data() + vertices_.size();
   parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const EdgeCut& cut = edge_cuts_[i];
-      const Float4 v0 = Float4::load(points_[cut.point[0]]), v1 = Float4::load(points_[cut.point[1]]);
-      (v0 + Float4(cut.weight) * (v1 - v0)).store(on_edges[i]);
-    }
+    for (std::size_t i = begin; i < end; ++i) move_edge_cut(i);
   });
-  LocalPoint* const inside = on_edges + edge_cuts_.size();
   parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const InnerCut& cut = inner_cuts_[i];
-      const Float4 v0 = Float4::load(points_[cut.point[0]]);
-      const Float4 v1 = Float4::load(points_[cut.point[1]]), v2 = Float4::load(points_[cut.point[2]]);
-      (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(inside[i]);
-    }
+    for (std::size_t i = begin; i < end; ++i) move_inner_cut(i);
   });
+}
+
+inline void LocalPoints::move_edge_cut(std::size_t i) noexcept {
+  const EdgeCut& cut = edge_cuts_[i];
+  const Float4 v0 = Float4::load(points_[cut.point[0]]), v1 = Float4::load(points_[cut.point[1]]);
+  (v0 + Float4(cut.weight) * (v1 - v0)).store(points_[vertices_.size() + i]);
+}
+
+inline void LocalPoints::move_inner_cut(std::size_t i) noexcept {
+  const InnerCut& cut = inner_cuts_[i];
+  const Float4 v0 = Float4::load(points_[cut.point[0]]);
+  const Float4 v1 = Float4::load(points_[cut.point[1]]), v2 = Float4::load(points_[cut.point[2]]);
+  (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0))
+      .store(points_[vertices_.size() + edge_cuts_.size() + i]);
+}
+
+void LocalPoints::move_cut_point(std::size_t cut) noexcept {
+  if (cut < edge_cuts_.size()) return move_edge_cut(cut);
+  move_inner_cut(cut - edge_cuts_.size());
 }
 
 // The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.

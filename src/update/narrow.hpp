@@ -11,12 +11,19 @@
 
 namespace morula {
 
+/// The place nearest to p whose coordinates are floats.
+Vec3 nearest_floats(const Vec3& p) noexcept;
+
 /// out[i] = positions[vertices[i]] - origin: subtracted in double, then rounded to float.
 /// Returns the largest |coordinate| written, infinity when one is infinite, NaN or too large for a float.
 float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
              LocalPoint* out) noexcept;
 
-/// The same, plainly: for processors without vector instructions, and for tests.
+/// The same for vertices first, first + 1 … first + count - 1.
+float narrow_run(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
+                 LocalPoint* out) noexcept;
+
+/// The same as narrow, plainly: for processors without vector instructions, and for tests.
 float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
                      LocalPoint* out) noexcept;
 

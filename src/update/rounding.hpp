@@ -46,6 +46,8 @@ struct Rounding {
   double largest_origin_coordinate = 0;  ///< |origin|
   double weight_slack = 0;               ///< s
 
+  bool operator==(const Rounding&) const = default;
+
   /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
   /// is.
   float covering_radius(float squared_distance, const Vec3f& center) const {

@@ -4,12 +4,22 @@
 #include <cmath>
 #include <limits>
 
-#include "update/farthest.hpp"
+#include "update/kernels.hpp"
 #include "update/link.hpp"
 #include "update/paper_rules.hpp"
 
 namespace morula {
 namespace {
+
+struct FourPoints {
+  Float4 x, y, z;
+};
+// Four points by index, coordinate by coordinate.
+FourPoints gather(const LocalPoint* points, const std::uint32_t* index) {
+  FourPoints p{Float4::load(points[index[0]]), Float4::load(points[index[1]]), Float4::load(points[index[2]])};
+  Float4::transpose_points(p.x, p.y, p.z, Float4::load(points[index[3]]));
+  return p;
+}
 
 constexpr std::size_t nodes_per_chunk = 16;
 // Distances below this share of the radius are no divisors (ALGORITHMS D.4).
@@ -38,7 +48,9 @@ float reach_of_box(const Vec3f& lower, const Vec3f& upper, const Vec3f& c) {
 
 // Distances from c to four points of a list.
 Float4 four_distances(const LocalPoint* points, const std::uint32_t* index, const Vec3f& c) {
-  return sqrt(squared_distance(gather<Float4>(points, index), Float4(c.x), Float4(c.y), Float4(c.z)));
+  const FourPoints p = gather(points, index);
+  const Float4 dx = p.x - Float4(c.x), dy = p.y - Float4(c.y), dz = p.z - Float4(c.z);
+  return sqrt(dx * dx + dy * dy + dz * dz);
 }
 
 // Equation 5 and its like: a radius grown by the ratio of two reaches; by the reach itself where there is nothing to
@@ -208,7 +220,7 @@ Spheref PaperRules::traditional(const Node& n, std::span<const LocalPoint> point
   const Vec3f center = moved_by_links(n, points);
   if (n.keeps_radius) return {center, n.rest.radius};
   float squared = 0;
-  farthest_kernels().back()(points.data(), links(n), std::span(&center, 1), &squared);
+  kernels().farthest(points.data(), {}, links(n), std::span(&center, 1), &squared);
   return {center, rounding.covering_radius(squared, center)};
 }
 

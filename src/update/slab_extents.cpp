@@ -34,7 +34,7 @@ constexpr std::size_t points_per_register = 1;
 inline Wide all(float x) {
   return Wide(x);
 }
-inline Wide load_range(const LocalPoint* points) {
+inline Wide load_run(const LocalPoint* points) {
   return Wide::load(*points);
 }
 inline Wide load_listed(const LocalPoint* points, const std::uint32_t* index) {
@@ -46,7 +46,7 @@ inline void points_to_columns(Wide& a, Wide& b, Wide& c, const Wide& d) {
 inline std::array<float, 4> lanes_of(const Wide& wide) {
   return wide.lanes();
 }
-#include "update/slab_extents_body.hpp"
+#include "update/slab_extents.inl"
 }  // namespace plain
 namespace four {
 using Wide = Float4;
@@ -54,7 +54,7 @@ constexpr std::size_t points_per_register = 1;
 inline Wide all(float x) {
   return Wide(x);
 }
-inline Wide load_range(const LocalPoint* points) {
+inline Wide load_run(const LocalPoint* points) {
   return Wide::load(*points);
 }
 inline Wide load_listed(const LocalPoint* points, const std::uint32_t* index) {
@@ -66,7 +66,7 @@ inline void points_to_columns(Wide& a, Wide& b, Wide& c, const Wide& d) {
 inline std::array<float, 4> lanes_of(const Wide& wide) {
   return wide.lanes();
 }
-#include "update/slab_extents_body.hpp"
+#include "update/slab_extents.inl"
 }  // namespace four
 #undef MORULA_TARGET
 
@@ -78,7 +78,7 @@ using Wide = __m256;
 MORULA_TARGET inline Wide all(float x) {
   return _mm256_set1_ps(x);
 }
-MORULA_TARGET inline Wide load_range(const LocalPoint* points) {
+MORULA_TARGET inline Wide load_run(const LocalPoint* points) {
   return _mm256_loadu_ps(&points->x);
 }
 constexpr std::size_t points_per_register = 2;
@@ -104,7 +104,7 @@ MORULA_TARGET inline Wide min(Wide a, Wide b) {
 MORULA_TARGET inline Wide max(Wide a, Wide b) {
   return _mm256_max_ps(a, b);
 }
-#include "update/slab_extents_body.hpp"
+#include "update/slab_extents.inl"
 }  // namespace avx2
 #undef MORULA_TARGET
 
@@ -114,7 +114,7 @@ using Wide = __m512;
 MORULA_TARGET inline Wide all(float x) {
   return _mm512_set1_ps(x);
 }
-MORULA_TARGET inline Wide load_range(const LocalPoint* points) {
+MORULA_TARGET inline Wide load_run(const LocalPoint* points) {
   return _mm512_loadu_ps(&points->x);
 }
 constexpr std::size_t points_per_register = 4;
@@ -142,7 +142,7 @@ MORULA_TARGET inline Wide min(Wide a, Wide b) {
 MORULA_TARGET inline Wide max(Wide a, Wide b) {
   return _mm512_max_ps(a, b);
 }
-#include "update/slab_extents_body.hpp"
+#include "update/slab_extents.inl"
 }  // namespace avx512
 #undef MORULA_TARGET
 

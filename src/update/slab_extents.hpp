@@ -7,16 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "geometry/float4.hpp"
+#include "update/kernels.hpp"
 
 namespace morula {
-
-/// Points come in groups of this many; a short list repeats its last entry, which changes no extent.
-inline constexpr std::size_t points_per_extent_group = 16;
-/// Points begin, begin + 1 … end - 1: whole groups.
-struct PointRange {
-  std::uint32_t begin, end;
-};
 
 /// The slabs of a k-DOP: the axes, then (14 and 26) the corners of the cube, then (18 and 26) its edges.
 constexpr bool has_corner_slabs(int k) {
@@ -26,9 +19,9 @@ constexpr bool has_edge_slabs(int k) {
   return k == 18 || k == 26;
 }
 
-/// lower[i], upper[i]: least and largest projection on slab i of the points of all ranges and of the list, in float;
-/// zeros are positive. index: whole groups. At least one point.
-using SlabKernel = void (*)(const LocalPoint* points, std::span<const PointRange> ranges,
+/// lower[i], upper[i]: least and largest projection on slab i of the points of all runs and of the list, in float;
+/// zeros are positive. Runs and index: whole groups. At least one point.
+using SlabKernel = void (*)(const LocalPoint* points, std::span<const PointRun> runs,
                             std::span<const std::uint32_t> index, float* lower, float* upper);
 
 /// Those for k = 6, 14, 18 or 26 that this processor can run, slowest first. All give the same bits: the same sums in

@@ -87,11 +87,13 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
     std::vector<UpdateOptions> all_options;
     for (const Rule rule : all_rules()) all_options.push_back({.rules = {rule}, .details = {}});
     all_options.push_back({.rules = {Rule::approach1, Rule::exact, Rule::approach2}, .details = {}});
+    all_options.push_back({.rules = {Rule::approach2}, .conservative = true, .details = {}});
     for (const UpdateOptions& options : all_options) {
       Body body(b.mesh, b.built, options);
       for (Workers* workers : {&serial_workers(), &three}) {
+        const VertexRange range{1, 3};
         const std::size_t before = allocations;
-        const bool ok = static_cast<bool>(body.update(good, *workers));
+        const bool ok = body.update(good, *workers) && body.update(good, std::span(&range, 1), *workers);
         const bool refused = !body.update(bad, *workers) && !body.update(short_one, *workers);
         const std::size_t after = allocations;
         EXPECT_TRUE(ok && refused);

@@ -159,7 +159,8 @@ TEST(Exact, centers_inside_their_anchors_follow_affine_motion) {
   const BindReport& report = body.bind_report();
   const std::size_t nodes = b.built.tree.node_count();
   ASSERT_LT(report.degenerate_anchors + report.carried_centers, nodes);
-  const auto map = [](const Vec3& p) { return Vec3{1.7 * p.x + 0.4 * p.y, 0.6 * p.y, 0.9 * p.z - 0.5 * p.x}; };
+  // Shortens every distance, so no sphere grows and no centre is pulled.
+  const auto map = [](const Vec3& p) { return Vec3{0.7 * p.x + 0.2 * p.y, 0.6 * p.y, 0.8 * p.z - 0.3 * p.x}; };
   std::vector<Vec3> positions, centers;
   for (const Vec3& p : b.mesh.positions) positions.push_back(map(p));
   for (std::uint32_t i = 0; i < nodes; ++i) centers.push_back(map(body.sphere(i).center));
@@ -167,6 +168,26 @@ TEST(Exact, centers_inside_their_anchors_follow_affine_motion) {
   std::size_t followed = 0;
   for (std::uint32_t i = 0; i < nodes; ++i) followed += distance(body.sphere(i).center, centers[i]) < 1e-5;
   EXPECT_GE(followed, nodes - report.degenerate_anchors - report.carried_centers);
+}
+
+TEST(Exact, centers_of_spheres_that_grow_are_pulled_to_where_they_grow_less) {
+  const Specimen& b = specimens()[2];
+  Body body(b.mesh, b.built);
+  const auto map = [](const Vec3& p) { return Vec3{2 * p.x, p.y, p.z}; };
+  std::vector<Vec3> positions, carried_along;
+  for (const Vec3& p : b.mesh.positions) positions.push_back(map(p));
+  for (std::uint32_t i = 0; i < b.built.tree.node_count(); ++i) carried_along.push_back(map(body.sphere(i).center));
+  ASSERT_TRUE(body.update(positions));
+  EXPECT_TRUE(certified(body, positions).covered);
+  double with_pull = 0, without = 0;
+  for (std::uint32_t i = 0; i < b.built.tree.node_count(); ++i) {
+    with_pull += body.sphere(i).radius;
+    double farthest = 0;
+    for (const std::uint32_t c : body.cover().region_corners(i))
+      farthest = std::max(farthest, distance(corner_position(body.cover(), c, positions), carried_along[i]));
+    without += farthest;
+  }
+  EXPECT_LT(with_pull, 0.95 * without);
 }
 
 TEST(Exact, flat_bodies_have_degenerate_anchors_and_say_so) {

@@ -168,13 +168,13 @@ TEST(SlabKernels, all_that_this_processor_runs_agree_bit_for_bit) {
     for (LocalPoint& p : points) p = {coordinate(), coordinate(), coordinate(), 0};
     if (trial % 4 == 0)
       for (LocalPoint& p : points) p.y = -0.0f, p.x = std::abs(p.x);
-    std::vector<std::uint32_t> index(trial % 3 * points_per_extent_group);
+    std::vector<std::uint32_t> index(trial % 3 * points_per_group);
     for (std::uint32_t& i : index) i = static_cast<std::uint32_t>(random.uniform(0, 200));
-    std::vector<PointRange> ranges{{3, 19}, {50, 98}};
-    if (!index.empty()) ranges.resize(static_cast<std::size_t>(trial % 2) * 2);
+    std::vector<PointRun> runs{{3, 19}, {50, 98}};
+    if (!index.empty()) runs.resize(static_cast<std::size_t>(trial % 2) * 2);
     std::vector<std::uint32_t> all = index;
-    for (const PointRange& range : ranges)
-      for (std::uint32_t i = range.begin; i < range.end; ++i) all.push_back(i);
+    for (const PointRun& run : runs)
+      for (std::uint32_t i = run.begin; i < run.end; ++i) all.push_back(i);
 
     for (const int k : all_k) {
       const auto slab_count = static_cast<std::size_t>(k / 2);
@@ -188,7 +188,7 @@ TEST(SlabKernels, all_that_this_processor_runs_agree_bit_for_bit) {
       ASSERT_GE(slab_kernels(k).size(), 2u);
       for (const SlabKernel kernel : slab_kernels(k)) {
         std::vector<float> low(slab_count), high(slab_count);
-        kernel(points.data(), ranges, index, low.data(), high.data());
+        kernel(points.data(), runs, index, low.data(), high.data());
         for (std::size_t s = 0; s < slab_count; ++s) {
           EXPECT_EQ(std::bit_cast<std::uint32_t>(low[s]), std::bit_cast<std::uint32_t>(lower[s])) << "k " << k;
           EXPECT_EQ(std::bit_cast<std::uint32_t>(high[s]), std::bit_cast<std::uint32_t>(upper[s])) << "k " << k;
@@ -203,13 +203,13 @@ TEST(SlabKernels, every_place_counts) {
   std::vector<LocalPoint> points(64);
   std::vector<std::uint32_t> index(32);
   std::iota(index.begin(), index.end(), 32u);
-  const PointRange range{0, 32};
+  const PointRun run{0, 32};
   for (std::size_t i = 0; i < points.size(); ++i)
     for (const int k : all_k)
       for (const SlabKernel kernel : slab_kernels(k)) {
         points[i] = {-1, 2, -4, 0};
         std::array<float, 13> lower{}, upper{};
-        kernel(points.data(), std::span(&range, 1), index, lower.data(), upper.data());
+        kernel(points.data(), std::span(&run, 1), index, lower.data(), upper.data());
         const std::vector<float> on = projections(points[i], k);
         for (std::size_t s = 0; s < on.size(); ++s) {
           EXPECT_EQ(lower[s], std::min(on[s], 0.0f)) << "point " << i << ", k " << k;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <numeric>
@@ -13,7 +14,7 @@
 
 #include "bodies.hpp"
 #include "update/anchors.hpp"
-#include "update/farthest.hpp"
+#include "update/kernels.hpp"
 #include "update/narrow.hpp"
 #include "update/ownership.hpp"
 #include "update/rounding.hpp"
@@ -38,46 +39,108 @@ std::vector<LocalPoint> local(const std::vector<Vec3>& positions) {
   return points;
 }
 
+// A list and two runs of the points.
+constexpr PointRun some_runs[]{{3, 19}, {100, 164}};
+
 TEST(Kernels, all_that_this_processor_runs_agree_bit_for_bit) {
-  ASSERT_GE(farthest_kernels().size(), 2u);
+  ASSERT_GE(all_kernels().size(), 1u);
   for (const double magnitude : {1e-25, 1e-3, 1.0, 1e17}) {
     const std::vector<LocalPoint> points = random_points(400, magnitude, 3);
     Random random(8);
     std::vector<std::uint32_t> index(240);
     for (std::uint32_t& i : index) i = static_cast<std::uint32_t>(random.uniform(0, 400));
+    std::vector<std::uint32_t> measured = index;
+    for (const PointRun& run : some_runs)
+      for (std::uint32_t i = run.begin; i < run.end; ++i) measured.push_back(i);
     for (std::size_t count = 1; count <= most_centers; ++count) {
       std::vector<Vec3f> centers;
       for (std::size_t k = 0; k < count; ++k) centers.push_back({points[k].x, points[k + 7].y, points[k + 9].z});
-      std::array<float, most_centers> plain{};
+      std::array<float, most_centers> expected{};
       for (std::size_t k = 0; k < count; ++k)
-        for (const std::uint32_t i : index)
-          plain[k] = std::max(plain[k], squared_distance(centers[k], {points[i].x, points[i].y, points[i].z}));
-      for (std::size_t kernel = 0; kernel < farthest_kernels().size(); ++kernel) {
+        for (const std::uint32_t i : measured)
+          expected[k] = std::max(expected[k], squared_distance(centers[k], {points[i].x, points[i].y, points[i].z}));
+      for (const Kernels& kernel : all_kernels()) {
         std::array<float, most_centers> found{};
-        farthest_kernels()[kernel](points.data(), index, centers, found.data());
+        kernel.farthest(points.data(), std::span(some_runs), index, centers, found.data());
         for (std::size_t k = 0; k < count; ++k)
-          EXPECT_EQ(std::bit_cast<std::uint32_t>(found[k]), std::bit_cast<std::uint32_t>(plain[k]))
-              << "kernel " << kernel << ", " << count << " centres";
+          EXPECT_EQ(std::bit_cast<std::uint32_t>(found[k]), std::bit_cast<std::uint32_t>(expected[k]))
+              << kernel.instructions << ", " << count << " centres";
       }
     }
   }
 }
 
-// The farthest point may sit in any lane of any group.
+// The farthest point may sit in any lane of any group, of the list or of a run.
 TEST(Kernels, every_place_in_the_list_counts) {
-  std::vector<LocalPoint> points = random_points(16, 1.0, 2);
+  std::vector<LocalPoint> points = random_points(32, 1.0, 2);
   std::vector<std::uint32_t> index(16);
   std::iota(index.begin(), index.end(), 0u);
+  const PointRun run{16, 32};
   const Vec3f center{0, 0, 0};
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (const FarthestKernel kernel : farthest_kernels()) {
+    for (const Kernels& kernel : all_kernels()) {
       const LocalPoint kept = points[i];
       points[i] = {0, i % 2 == 0 ? -10.0f : 10.0f, 0, 0};
       float squared = 0;
-      kernel(points.data(), index, std::span(&center, 1), &squared);
-      EXPECT_EQ(squared, 100.0f) << "point " << i;
+      kernel.farthest(points.data(), std::span(&run, 1), index, std::span(&center, 1), &squared);
+      EXPECT_EQ(squared, 100.0f) << "point " << i << ", " << kernel.instructions;
       points[i] = kept;
     }
+}
+
+float farthest_of(const std::vector<LocalPoint>& points, std::span<const std::uint32_t> index, const Vec3f& center) {
+  float squared = 0;
+  all_kernels().front().farthest(points.data(), {}, index, std::span(&center, 1), &squared);
+  return std::sqrt(squared);
+}
+
+TEST(Kernels, a_pull_never_ends_farther_out_and_agrees_bit_for_bit) {
+  int nearer = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const std::vector<LocalPoint> points = random_points(64, 1.0, seed);
+    Random random(seed);
+    std::vector<std::uint32_t> core(core_size);
+    for (std::uint32_t& i : core) i = static_cast<std::uint32_t>(random.uniform(0, seed % 2 == 0 ? 64 : 5));
+    const Vec3f center{points[1].x, points[2].y, points[3].z};
+    const float rest_radius = static_cast<float>(random.uniform(0.3, 1.2)), enough = 1.01f * rest_radius;
+    const Pull pull{core.data(), enough * enough, rest_radius};
+    const Vec3f expected = all_kernels().front().pull(points.data(), pull, center);
+    const float before = farthest_of(points, core, center), after = farthest_of(points, core, expected);
+    EXPECT_LE(after, before);
+    if (before <= enough) {
+      EXPECT_EQ(expected, center) << "close enough, so it stays";
+    }
+    nearer += after < before;
+    for (const Kernels& kernel : all_kernels())
+      EXPECT_EQ(kernel.pull(points.data(), pull, center), expected) << kernel.instructions;
+  }
+  EXPECT_GT(nearer, 200);
+}
+
+TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_not_finite) {
+  Random random(5);
+  for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 8u, 9u, 15u, 64u, 1001u}) {
+    // Exactly as long as needed: an address sanitizer sees a load beyond the end.
+    std::vector<float> packed(3 * count);
+    for (float& x : packed) x = static_cast<float>(random.uniform(-3, 3));
+    const Vec3f origin{0.25f, -7.5f, 0.1f};
+    for (const float bad : {0.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+      const auto at = static_cast<std::size_t>(random.uniform(0, static_cast<double>(packed.size())));
+      const float kept = packed[at];
+      if (bad != 0) packed[at] = bad;
+      std::vector<LocalPoint> expected(count), found(count);
+      const std::uint32_t largest = all_kernels().front().narrow_floats(packed.data(), count, origin, expected.data());
+      EXPECT_EQ(largest >= 0x7f800000u, bad != 0);
+      for (const Kernels& kernel : all_kernels()) {
+        const std::uint32_t found_largest = kernel.narrow_floats(packed.data(), count, origin, found.data());
+        EXPECT_EQ(found_largest >= 0x7f800000u, bad != 0) << kernel.instructions;
+        if (bad != 0) continue;
+        EXPECT_EQ(found_largest, largest) << kernel.instructions;
+        EXPECT_EQ(std::memcmp(found.data(), expected.data(), count * sizeof(LocalPoint)), 0) << kernel.instructions;
+      }
+      packed[at] = kept;
+    }
+  }
 }
 
 TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
@@ -100,7 +163,9 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
     }
     std::vector<std::uint32_t> order(37);
     for (std::uint32_t& v : order) v = static_cast<std::uint32_t>(random.uniform(0, 50));
-    const Vec3 origin{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
+    const Vec3 anywhere{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
+    const Vec3 origin = trial % 2 == 0 ? anywhere : nearest_floats(anywhere);
+    ASSERT_EQ(origin == anywhere, trial % 2 == 0);
     std::vector<std::uint32_t> index(50);
     for (std::uint32_t& node : index) node = static_cast<std::uint32_t>(random.uniform(0, 50));
     for (const PositionView& view : {PositionView(positions), PositionView(floats),

@@ -12,6 +12,11 @@
 
 namespace morula {
 
+/// Mesh vertices [begin, end).
+struct VertexRange {
+  std::uint32_t begin, end;
+};
+
 class PositionView {
  public:
   PositionView(std::span<const Vec3f> positions) : PositionView(positions.data(), positions.size(), sizeof(Vec3f)) {}
@@ -40,6 +45,8 @@ class PositionView {
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
+  /// Floats one vertex after the other, nothing between them.
+  bool is_packed_float() const { return !is_double_ && !index_ && stride_bytes_ == sizeof(Vec3f); }
   /// Where the x of vertex i is, a float or a double; y and z follow it.
   const std::byte* address(std::size_t i) const { return first_ + (index_ ? index_[i] : i) * stride_bytes_; }
 

@@ -11,7 +11,7 @@
 namespace morula {
 
 struct UpdateStatus {
-  enum class Code : std::uint8_t { ok, wrong_vertex_count, non_finite_position };
+  enum class Code : std::uint8_t { ok, wrong_vertex_count, non_finite_position, bad_range };
   Code code = Code::ok;
   std::size_t first_bad_vertex = 0;  ///< of non_finite_position: the lowest
   // Work done, the same on every run; all 0 when nothing was changed.
@@ -56,6 +56,15 @@ class Body {
   /// is reported and changes nothing: the last good spheres stay. No allocation. Same bits for any number of workers.
   /// Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
+
+  /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.
+  ///
+  /// positions: of all vertices. With `exact` on all levels, the cost follows what moved: the leaves that own something
+  /// of it, and the leaves below nodes whose centres hang on it. Everything is updated where that is not possible: other
+  /// rules, after an update that failed, and when the vertex moved that the origin follows (the first one that a facet
+  /// uses). A range that ends before it begins or behind the last vertex gives bad_range and changes nothing.
+  UpdateStatus update(const PositionView& positions, std::span<const VertexRange> changed,
+                      Workers& workers = serial_workers()) noexcept;
 
   /// The current spheres, one per node, about origin(). Read them between updates, not during one.
   std::span<const Spheref> spheres() const;

@@ -39,6 +39,9 @@ struct RuleOptions {
 /// One rule per level from the root; the last one serves all deeper levels.
 struct UpdateOptions {
   std::vector<Rule> rules{Rule::exact};
+  /// Radii of the other rules grow to what owned corners need, where that is more: every level then covers the surface,
+  /// in the cheapest way that is sound. One more walk over the owned corners.
+  bool conservative = false;
   RuleOptions details{};
 };
 

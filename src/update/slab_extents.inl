@@ -4,7 +4,7 @@
 //   Wide                                registers of floats with + and -, min and max
 //   all(x)                              x in every lane
 //   points_per_register                 how many points fill one when their coordinates are its lanes
-//   load_range(points)                  so many points that lie one after the other
+//   load_run(points)                  so many points that lie one after the other
 //   load_listed(points, index)          so many: index[0], index[4], …
 //   points_to_columns(a, b, c, d)       four of those: a, b, c become the x, y and z of the points
 //   lanes_of(wide)                      an array
@@ -23,9 +23,9 @@ MORULA_TARGET inline void add(Slab& slab, Wide value) {
 struct Rows {
   Wide row[4];
 };
-MORULA_TARGET inline Rows range_rows(const LocalPoint* points) {
-  return {load_range(points), load_range(points + points_per_register), load_range(points + 2 * points_per_register),
-          load_range(points + 3 * points_per_register)};
+MORULA_TARGET inline Rows run_rows(const LocalPoint* points) {
+  return {load_run(points), load_run(points + points_per_register), load_run(points + 2 * points_per_register),
+          load_run(points + 3 * points_per_register)};
 }
 MORULA_TARGET inline Rows listed_rows(const LocalPoint* points, const std::uint32_t* index) {
   return {load_listed(points, index), load_listed(points, index + 1), load_listed(points, index + 2),
@@ -86,13 +86,12 @@ MORULA_TARGET inline void write_bounds<6>(const Slabs<6>& box, float* lower, flo
 }
 
 template <int k>
-MORULA_TARGET void slab_extents(const LocalPoint* points, std::span<const PointRange> ranges,
+MORULA_TARGET void slab_extents(const LocalPoint* points, std::span<const PointRun> runs,
                                 std::span<const std::uint32_t> index, float* lower, float* upper) {
   Slabs<k> slabs;
   for (Slab& slab : slabs.slab) slab = {all(infinity), all(-infinity)};
-  for (const PointRange& range : ranges)
-    for (std::uint32_t i = range.begin; i != range.end; i += points_per_step)
-      add_points<k>(slabs, range_rows(points + i));
+  for (const PointRun& run : runs)
+    for (std::uint32_t i = run.begin; i != run.end; i += points_per_step) add_points<k>(slabs, run_rows(points + i));
   for (std::size_t j = 0; j < index.size(); j += points_per_step) add_points<k>(slabs, listed_rows(points, &index[j]));
   write_bounds<k>(slabs, lower, upper);
   // A sum with zero makes a negative zero positive: which of two equal zeros was kept depends on their order.

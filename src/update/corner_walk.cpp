@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/corner_walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "update/point_runs.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t leaves_per_chunk = 16;
+constexpr float unknown = -1;
+
+}  // namespace
+
+CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
+                       std::span<const std::uint8_t> measured) {
+  std::vector<std::uint32_t> number(tree.node_count());
+  std::uint32_t slot = 0;
+  for (std::size_t level = 0; level < tree.level_count(); ++level) {
+    if (measured[level] == 0) continue;
+    for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
+      number[node] = static_cast<std::uint32_t>(nodes_.size());
+      nodes_.push_back(node);
+      below_.push_back({order.begin[node], order.end[node], slot});
+    }
+    ++slot;
+  }
+
+  std::vector<std::uint32_t> chain;
+  run_begin_.push_back(0);
+  point_begin_.push_back(0);
+  chain_begin_.push_back(0);
+  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+    chain.clear();
+    std::uint32_t level = tree.level_of(order.leaves[k]);
+    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node], --level)
+      if (measured[level] != 0) chain.push_back(number[node]);
+    chain_.insert(chain_.end(), chain.rbegin(), chain.rend());
+    chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
+    const auto owned = ownership.of_leaf(k);
+    owned_by_leaf_.push_back(static_cast<std::uint32_t>(owned.size()));
+    if (!chain.empty()) {
+      owned_points_ += owned.size();
+      tested_points_ += owned.size() * chain.size();
+      append_in_runs(owned, runs_, points_);
+    }
+    run_begin_.push_back(static_cast<std::uint32_t>(runs_.size()));
+    point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
+  }
+  squared_.resize(chain_.size());
+}
+
+void CornerWalk::measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                         Workers& workers) noexcept {
+  parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t leaf = begin; leaf < end; ++leaf)
+      for (std::size_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; entry += most_centers)
+        walk(leaf, entry, std::min(most_centers, chain_begin_[leaf + 1] - entry), points, spheres);
+  });
+}
+
+std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count,
+                             std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept {
+  std::array<Vec3f, most_centers> centers;
+  for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[nodes_[chain_[entry + i]]].center;
+  const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
+  const auto index = std::span(points_).subspan(point_begin_[leaf], point_begin_[leaf + 1] - point_begin_[leaf]);
+  kernels().farthest(points.data(), runs, index, std::span(centers).first(count), &squared_[entry]);
+  return count * owned_by_leaf_[leaf];
+}
+
+std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                                      std::span<const std::uint8_t> leaf_changed,
+                                      std::span<std::uint8_t> node_moved) noexcept {
+  std::size_t tested = 0;
+  // What is known of nodes that moved is no longer true.
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    if (node_moved[k] != 0)
+      for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+        squared_[chain_begin_[leaf] + below_[k].slot] = unknown;
+  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
+    if (leaf_changed[leaf] == 0 && node_moved[chain_[own]] == 0) continue;
+    tested += walk(leaf, own, 1, points, spheres);
+    if (leaf_changed[leaf] == 0) continue;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry < own; ++entry) squared_[entry] = unknown;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry <= own; ++entry) node_moved[chain_[entry]] = 1;
+  }
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    if (node_moved[k] != 0) tested += search(k, points, spheres);
+  return tested;
+}
+
+// Walks the leaves that may hold a node's farthest point: no leaf reaches farther than its own sphere.
+std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points,
+                               std::span<const Spheref> spheres) noexcept {
+  const Below& below = below_[k];
+  const Vec3f& center = spheres[nodes_[k]].center;
+  const auto entry = [&](std::uint32_t leaf) { return chain_begin_[leaf] + below.slot; };
+  const auto bound = [&](std::uint32_t leaf) {
+    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
+    constexpr float rounding = 1 + 0x1p-18f;
+    return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding;
+  };
+  float farthest = 0;  // known
+  float highest = -1;  // of the bounds of leaves not walked
+  std::uint32_t most_promising = below.leaf_end;
+  for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
+    if (squared_[entry(leaf)] != unknown) {
+      farthest = std::max(farthest, squared_[entry(leaf)]);
+    } else if (const float b = bound(leaf); b > highest) {
+      highest = b, most_promising = leaf;
+    }
+  }
+  if (most_promising == below.leaf_end || highest * highest < farthest) return 0;
+  std::size_t tested = walk(most_promising, entry(most_promising), 1, points, spheres);
+  farthest = std::max(farthest, squared_[entry(most_promising)]);
+  for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
+    if (squared_[entry(leaf)] != unknown) continue;
+    const float b = bound(leaf);
+    if (b * b < farthest) continue;
+    tested += walk(leaf, entry(leaf), 1, points, spheres);
+    farthest = std::max(farthest, squared_[entry(leaf)]);
+  }
+  return tested;
+}
+
+float CornerWalk::squared_reach(std::size_t k) const noexcept {
+  const Below& b = below_[k];
+  float squared = 0;
+  for (std::uint32_t leaf = b.leaf_begin; leaf < b.leaf_end; ++leaf)
+    squared = std::max(squared, squared_[chain_begin_[leaf] + b.slot]);
+  return squared;
+}
+
+}  // namespace morula

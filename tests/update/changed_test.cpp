@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Updates that are told which vertices moved: the same bits as full ones, for less work.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <morula/build/build.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/tree/renumber.hpp>
+#include <morula/update/body.hpp>
+
+#include "bodies.hpp"
+
+namespace morula {
+namespace {
+
+using test::Specimen;
+using test::specimens;
+
+// Moves the vertices of some random ranges.
+std::vector<VertexRange> move_some(std::vector<Vec3>& positions, Random& random) {
+  std::vector<VertexRange> ranges;
+  const auto count = static_cast<double>(positions.size());
+  for (int i = 0; i < 1 + static_cast<int>(random.uniform(0, 3)); ++i) {
+    const auto begin = static_cast<std::uint32_t>(random.uniform(0, count));
+    const auto end = static_cast<std::uint32_t>(std::min(count, begin + random.uniform(0, 0.1 * count) + 1));
+    for (std::uint32_t v = begin; v < end; ++v)
+      positions[v] += Vec3{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
+    ranges.push_back({begin, end});
+  }
+  return ranges;
+}
+
+TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
+  Workers three(3);
+  for (const Specimen& b : specimens()) {
+    Random random(7);
+    Body full(b.mesh, b.built), partial(b.mesh, b.built), parallel(b.mesh, b.built);
+    std::vector<Vec3> positions = b.mesh.positions;
+    for (int frame = 0; frame < 40; ++frame) {
+      const std::vector<VertexRange> ranges = move_some(positions, random);
+      ASSERT_TRUE(full.update(positions));
+      ASSERT_TRUE(partial.update(positions, ranges));
+      ASSERT_TRUE(parallel.update(positions, ranges, three));
+      ASSERT_EQ(partial.hash(), full.hash()) << b.name << ", frame " << frame;
+      ASSERT_EQ(parallel.hash(), full.hash()) << b.name << ", frame " << frame;
+    }
+  }
+}
+
+TEST(ChangedRanges, cost_what_moved) {
+  const Mesh as_made = sample_body("limb", 64);
+  const Built built_as_made = build(as_made, {.method = Method::octree, .depth = 3});
+  const std::vector<std::uint32_t> order = leaf_order(built_as_made);
+  const Mesh mesh = renumbered(as_made, order);
+  Body body(mesh, renumbered(built_as_made, mesh, order));
+  std::vector<Vec3> positions = mesh.positions;
+  const UpdateStatus whole = body.update(positions);
+  const auto count = static_cast<std::uint32_t>(positions.size());
+  std::size_t tested = 0, read = 0;
+  constexpr int trials = 50;
+  for (int i = 0; i < trials; ++i) {
+    const std::uint32_t begin = 1 + static_cast<std::uint32_t>(i) * (count - 1 - count / 100) / trials;
+    const VertexRange range{begin, begin + count / 100};
+    for (std::uint32_t v = range.begin; v < range.end; ++v) positions[v].x += 1e-3;
+    const UpdateStatus part = body.update(positions, std::span(&range, 1));
+    ASSERT_TRUE(part);
+    tested += part.points_tested;
+    read += part.vertices_read;
+  }
+  EXPECT_LT(read, whole.vertices_read * trials / 10);
+  EXPECT_LT(tested, whole.points_tested * trials / 5);
+  EXPECT_GT(tested, 0u);
+  const UpdateStatus nothing = body.update(positions, std::span<const VertexRange>());
+  EXPECT_EQ(nothing.points_tested + nothing.vertices_read + nothing.cut_points_moved, 0u);
+}
+
+TEST(ChangedRanges, that_move_the_origins_vertex_update_everything) {
+  const Specimen& b = specimens()[2];
+  Body full(b.mesh, b.built), partial(b.mesh, b.built);
+  std::vector<Vec3> positions = b.mesh.positions;
+  positions[0] += Vec3{0.3, 0, 0};
+  const VertexRange range{0, 1};
+  const UpdateStatus status = partial.update(positions, std::span(&range, 1));
+  ASSERT_TRUE(status);
+  ASSERT_TRUE(full.update(positions));
+  EXPECT_EQ(partial.hash(), full.hash());
+  EXPECT_EQ(status.vertices_read, b.mesh.vertex_count());
+}
+
+TEST(ChangedRanges, of_rules_that_read_their_children_update_everything) {
+  for (const Rule rule : {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2}) {
+    const Specimen& b = specimens()[2];
+    Body full(b.mesh, b.built, {.rules = {rule, Rule::exact}}), partial(b.mesh, b.built, {.rules = {rule, Rule::exact}});
+    Random random(3);
+    std::vector<Vec3> positions = b.mesh.positions;
+    const std::vector<VertexRange> ranges = move_some(positions, random);
+    ASSERT_TRUE(full.update(positions));
+    ASSERT_TRUE(partial.update(positions, ranges));
+    EXPECT_EQ(partial.hash(), full.hash());
+  }
+}
+
+TEST(ChangedRanges, with_a_bad_vertex_keep_the_last_good_spheres_and_recover) {
+  const Specimen& b = specimens()[2];
+  Body body(b.mesh, b.built), full(b.mesh, b.built);
+  const std::uint64_t rest = body.hash();
+  std::vector<Vec3> positions = b.mesh.positions;
+  const auto bad = static_cast<std::uint32_t>(positions.size() - 2);
+  positions[bad].y = std::numeric_limits<double>::quiet_NaN();
+  const VertexRange first{bad, bad + 1};
+  const UpdateStatus status = body.update(positions, std::span(&first, 1));
+  EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
+  EXPECT_EQ(status.first_bad_vertex, bad);
+  EXPECT_EQ(body.hash(), rest);
+  // The next one names other vertices only; the mended one is seen all the same.
+  positions[bad] = b.mesh.positions[bad] + Vec3{0.1, 0, 0};
+  positions[1] += Vec3{0, 0.1, 0};
+  const VertexRange second{1, 2};
+  ASSERT_TRUE(body.update(positions, std::span(&second, 1)));
+  ASSERT_TRUE(full.update(positions));
+  EXPECT_EQ(body.hash(), full.hash());
+}
+
+TEST(ChangedRanges, outside_the_mesh_are_refused) {
+  const Specimen& b = specimens()[0];
+  Body body(b.mesh, b.built);
+  const std::uint64_t before = body.hash();
+  const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
+  for (const VertexRange range : {VertexRange{0, count + 1}, VertexRange{5, 4}, VertexRange{count, 0xffffffffu}})
+    EXPECT_EQ(body.update(b.mesh.positions, std::span(&range, 1)).code, UpdateStatus::Code::bad_range);
+  EXPECT_EQ(body.hash(), before);
+}
+
+}  // namespace
+}  // namespace morula
