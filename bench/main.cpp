@@ -60,7 +60,9 @@ int run(int argc, char** argv) {
   app.add_option("--questions", questions, "points that `query` asks about (default 20000)")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
-  app.add_option("--method", methods, "which generators `build` runs; may be repeated (default: all)")
+  app.add_option("--method", methods,
+                 "which generators `build` runs; may be repeated (default: all)\n"
+                 "given once, also what makes the tree of `volumes` and `peers` (default: morula)")
       ->check(CLI::IsMember(method_names));
   app.add_option("--seeds", seeds, "trees of so many seeds in `build`, for the spread of looseness (default 1)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));

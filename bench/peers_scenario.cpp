@@ -73,7 +73,7 @@ Result exact_result(const std::string& mesh_name, const Mesh& mesh, Body& body, 
 }
 
 std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered, const Settings& settings) {
-  const Built as_built = build(unordered, {.branching = 8, .depth = 3}, *settings.workers);
+  const Built as_built = build(unordered, tree_options(settings), *settings.workers);
   // Neighbours lie together in memory, which helps everybody.
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Mesh mesh = renumbered(unordered, order);
@@ -105,7 +105,8 @@ std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered,
                             {"leaves", static_cast<double>(mesh.facet_count())}};
   }
   exact.figures = {{"ns/vertex", nanoseconds_per_vertex(exact.seconds, mesh)},
-                   {"leaves", static_cast<double>(built.tree.leaf_count())}};
+                   {"leaves", static_cast<double>(built.tree.leaf_count())},
+                   {"cut points", static_cast<double>(body.update(frames.front()).cut_points_moved)}};
   if (best) exact.figures.push_back({"times faster than the best peer", *best / own});
 
   std::vector<Result> results{std::move(exact)};

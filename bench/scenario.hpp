@@ -27,8 +27,8 @@ struct Settings {
   double patience;        ///< seconds; an item that takes longer gets fewer repeats, but never fewer than two
   std::size_t questions;  ///< points asked about by `query`
   Workers* workers;
+  std::vector<Method> methods{};  ///< of `build`: which; of `volumes` and `peers`: the tree, where it is just one
   // For `build`.
-  std::vector<Method> methods{};       ///< which
   std::uint64_t seeds = 1;             ///< trees of so many seeds, for the spread of their looseness
   const Baseline* baseline = nullptr;  ///< what looseness is divided by
 };
@@ -85,6 +85,13 @@ std::vector<double> timed(const Settings& settings, const F& f) {
     total += seconds.back();
   }
   return seconds;
+}
+
+/// Branching 8, depth 3, by the one method that was asked for or else by the default one.
+inline BuildOptions tree_options(const Settings& settings) {
+  BuildOptions options{.branching = 8, .depth = 3};
+  if (settings.methods.size() == 1) options.method = settings.methods.front();
+  return options;
 }
 
 /// values: at least one; of an even number, the mean of the middle two.

@@ -158,7 +158,7 @@ void count_pairs(Contender& c, const Volumes& here, Volumes& there, const std::v
 }  // namespace
 
 std::vector<Result> run_volumes(const Input& unordered, const Settings& settings) {
-  const Built as_built = build(unordered.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const Built as_built = build(unordered.mesh, tree_options(settings), *settings.workers);
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Input input{unordered.name, renumbered(unordered.mesh, order)};
   const Built built = renumbered(as_built, input.mesh, order);
@@ -174,6 +174,7 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
     c.result.figures = {{"ns/vertex", nanoseconds_per_vertex(c.result.seconds, input.mesh)},
                         {"times exact", median(c.result.seconds) / exact},
                         {"points tested", static_cast<double>(c.work.points_tested)},
+                        {"cut points", static_cast<double>(c.work.cut_points_moved)},
                         {"bytes/node", static_cast<double>(c.volumes->bytes_per_node())},
                         {"covers all frames", c.covers ? 1.0 : 0.0}};
     c.volumes->update(bent, serial_workers());
