@@ -24,12 +24,14 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 5> scenarios{{
+constexpr std::array<NamedScenario, 7> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
     {"measure", run_measure},
     {"query", run_query},
+    {"volumes", run_volumes},
+    {"peers", run_peers},
 }};
 
 int run(int argc, char** argv) {
@@ -47,7 +49,8 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted, "build, update, modal, measure, query; may be repeated (default: all)")
+  app.add_option("--scenario", wanted,
+                 "build, update, modal, measure, query, volumes, peers; may be repeated (default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"
@@ -59,7 +62,9 @@ int run(int argc, char** argv) {
   app.add_option("--questions", questions, "points that `query` asks about (default 20000)")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
-  app.add_option("--method", methods, "which generators `build` runs; may be repeated (default: all)")
+  app.add_option("--method", methods,
+                 "which generators `build` runs; may be repeated (default: all)\n"
+                 "given once, also what makes the tree of `volumes` and `peers` (default: morula)")
       ->check(CLI::IsMember(method_names));
   app.add_option("--seeds", seeds, "trees of so many seeds in `build`, for the spread of looseness (default 1)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));

@@ -39,12 +39,16 @@ double median(std::vector<double> values) {
 }
 
 void print(const Result& result) {
-  fmt::print("{:8}{:26}min {:>10}  median {:>10}  worst {:>10}  of {}\n", result.scenario, result.item,
-             duration(least(result)), duration(median(result.seconds)), duration(most(result)), result.seconds.size());
+  if (result.seconds.empty())
+    fmt::print("{:8}{:26}{}\n", result.scenario, result.item, result.note);
+  else
+    fmt::print("{:8}{:26}min {:>10}  median {:>10}  worst {:>10}  of {}\n", result.scenario, result.item,
+               duration(least(result)), duration(median(result.seconds)), duration(most(result)),
+               result.seconds.size());
   std::string line;
   for (const Figure& figure : result.figures)
     line += fmt::format("{}{} {:.6g}", line.empty() ? "" : ", ", figure.name, figure.value);
-  fmt::print("{:8}{}\n", "", line);
+  if (!line.empty()) fmt::print("{:8}{}\n", "", line);
   for (const std::string& fault : result.faults) fmt::print("{:8}WRONG: {}\n", "", fault);
 }
 
@@ -70,15 +74,12 @@ std::string to_json(std::span<const Input> inputs, std::span<const Result> resul
   for (const Result& result : results) {
     json figures = json::object();
     for (const Figure& figure : result.figures) figures[figure.name] = figure.value;
-    rows.push_back({{"scenario", result.scenario},
-                    {"item", result.item},
-                    {"mesh", result.mesh},
-                    {"repeats", result.seconds.size()},
-                    {"min", least(result)},
-                    {"median", median(result.seconds)},
-                    {"worst", most(result)},
-                    {"figures", std::move(figures)},
-                    {"faults", result.faults}});
+    json row{{"scenario", result.scenario},      {"item", result.item},           {"mesh", result.mesh},
+             {"repeats", result.seconds.size()}, {"figures", std::move(figures)}, {"faults", result.faults}};
+    if (!result.note.empty()) row["note"] = result.note;
+    if (!result.seconds.empty())
+      row.update({{"min", least(result)}, {"median", median(result.seconds)}, {"worst", most(result)}});
+    rows.push_back(std::move(row));
   }
   json over_meshes = json::array();
   for (const SummaryRow& row : summary)

@@ -36,6 +36,16 @@ double user_seconds() {
 #endif
 }
 
+double processor_seconds() {
+#ifdef CLOCK_PROCESS_CPUTIME_ID
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+#else
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+#endif
+}
+
 PeakMemory::PeakMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);  // else memory that was freed but kept counts as if it were in use

@@ -10,6 +10,16 @@ namespace morula::bench {
 
 /// Of all threads, spent in the program itself: waiting and the kernel's work are not in it.
 double user_seconds();
+/// The same and the kernel's work, finer than a microsecond where the system allows: for single frames.
+double processor_seconds();
+/// What one call takes of them. Neither waiting nor other programs count; other threads of this one do, so that nobody
+/// gains by starting some.
+template <class F>
+double processor_seconds_of(const F& f) {
+  const double start = processor_seconds();
+  f();
+  return processor_seconds() - start;
+}
 
 /// Bytes of memory at most in use since it was made, beyond those before. Linux only: nothing elsewhere.
 class PeakMemory {

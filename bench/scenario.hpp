@@ -27,8 +27,8 @@ struct Settings {
   double patience;        ///< seconds; an item that takes longer gets fewer repeats, but never fewer than two
   std::size_t questions;  ///< points asked about by `query`
   Workers* workers;
+  std::vector<Method> methods{};  ///< of `build`: which; of `volumes` and `peers`: the tree, where it is just one
   // For `build`.
-  std::vector<Method> methods{};       ///< which
   std::uint64_t seeds = 1;             ///< trees of so many seeds, for the spread of their looseness
   const Baseline* baseline = nullptr;  ///< what looseness is divided by
 };
@@ -44,8 +44,11 @@ struct Result {
   std::string scenario;
   std::string item;
   std::string mesh;
-  std::vector<double> seconds{};  ///< one per repeat (update: per repeat and frame), in the order they were taken
+  /// One per repeat (update, volumes, peers: per repeat and frame), in the order they were taken; none when there was
+  /// nothing to time, which the note explains.
+  std::vector<double> seconds{};
   std::vector<Figure> figures{};
+  std::string note{};
   std::vector<std::string> faults{};  ///< what is wrong with the answers; empty: verified
 
   /// A fast wrong answer is not a result.
@@ -62,6 +65,8 @@ std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_modal(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
+std::vector<Result> run_volumes(const Input& input, const Settings& settings);
+std::vector<Result> run_peers(const Input& input, const Settings& settings);
 
 /// Wall-clock seconds of one call.
 template <class F>
@@ -81,6 +86,13 @@ std::vector<double> timed(const Settings& settings, const F& f) {
     total += seconds.back();
   }
   return seconds;
+}
+
+/// Branching 8, depth 3, by the one method that was asked for or else by the default one.
+inline BuildOptions tree_options(const Settings& settings) {
+  BuildOptions options{.branching = 8, .depth = 3};
+  if (settings.methods.size() == 1) options.method = settings.methods.front();
+  return options;
 }
 
 /// values: at least one; of an even number, the mean of the middle two.

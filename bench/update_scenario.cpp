@@ -4,26 +4,12 @@
 // vertices.
 #include <cstring>
 #include <morula/build/build.hpp>
-#include <morula/deform/deformation.hpp>
 #include <morula/update/body.hpp>
 
-#include "scenario.hpp"
+#include "frames.hpp"
 
 namespace morula::bench {
 namespace {
-
-// As a host has them: float.
-using Frame = std::vector<Vec3f>;
-
-std::vector<Frame> bend_and_back(const Mesh& mesh) {
-  std::vector<Frame> frames;
-  for (const double t : frame_parameters(25)) {
-    Frame frame;
-    for (const Vec3& p : deform(mesh, {Bend{90}}, t)) frame.emplace_back(p);
-    frames.push_back(std::move(frame));
-  }
-  return frames;
-}
 
 /// Reads every coordinate and can be vectorised, which a sum of floats cannot.
 std::uint32_t xor_of_coordinates(const Frame& frame) {
@@ -35,20 +21,6 @@ std::uint32_t xor_of_coordinates(const Frame& frame) {
     all ^= bits;
   }
   return all;
-}
-
-/// frame_time(f): the seconds that frame f took.
-template <class FrameTime>
-std::vector<double> timed_frames(const Settings& settings, std::size_t frame_count, const FrameTime& frame_time) {
-  std::vector<double> seconds;
-  timed(settings, [&] {
-    for (std::size_t f = 0; f < frame_count; ++f) seconds.push_back(frame_time(f));
-  });
-  return seconds;
-}
-
-double nanoseconds_per_vertex(const std::vector<double>& seconds, const Mesh& mesh) {
-  return 1e9 * median(seconds) / static_cast<double>(mesh.vertex_count());
 }
 
 Result floor_of_update(const Input& input, const std::vector<Frame>& frames, const Settings& settings) {

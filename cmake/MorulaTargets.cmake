@@ -23,3 +23,19 @@ function(morula_configure target)
     target_link_options(${target} PUBLIC -fsanitize=${MORULA_SANITIZE})
   endif()
 endfunction()
+
+# morula_find_bullet(): the target morula_bullet, soft bodies included, where Bullet is found. For a benchmark and an
+# example; nothing that is installed uses it.
+function(morula_find_bullet)
+  if(TARGET morula_bullet)
+    return()
+  endif()
+  # The module of CMake: Debian's own configuration has paths relative to nowhere.
+  find_package(Bullet QUIET MODULE)
+  if(NOT BULLET_FOUND)
+    return()
+  endif()
+  add_library(morula_bullet INTERFACE)
+  target_include_directories(morula_bullet SYSTEM INTERFACE ${BULLET_INCLUDE_DIRS})
+  target_link_libraries(morula_bullet INTERFACE ${BULLET_LIBRARIES})
+endfunction()

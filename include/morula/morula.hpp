@@ -19,4 +19,5 @@
 #include <morula/query/sphere_volume.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/kdop_tree.hpp>
 #include <morula/version.hpp>

@@ -48,16 +48,6 @@ std::vector<std::uint8_t> leaves_below(const SphereTree& tree, const LeafOrder& 
   return below;
 }
 
-void require_fitting(const Mesh& mesh, const Built& built) {
-  require_usable(mesh);
-  if (const auto faults = validate(built.tree); !faults.empty())
-    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
-  require_belonging(mesh, built);
-  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
-  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
-    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
-}
-
 // The tree's spheres about an origin, narrowed so that each contains what it was.
 std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
   std::vector<Spheref> narrow;
@@ -87,11 +77,11 @@ struct Body::State {
   UpdateStatus work{};  // of a good update: the same every time
   std::optional<ExactRule> exact{};
   std::optional<PaperRules> paper{};
-  std::optional<CornerWalk> raised{};  // conservative: the nodes of the papers' rules
+  std::optional<CornerWalk> raised{};   // conservative: the nodes of the papers' rules
   std::optional<ModalMotion> motion{};  // of a body with modes
   std::optional<ModalRule> modal{};
   std::vector<Vec3> rest_positions{}, positions{};  // of a body with modes and levels that follow vertices
-  bool followed = true;  // the points are those of the spheres: the last update was good
+  bool followed = true;                             // the points are those of the spheres: the last update was good
 
   // The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
   // upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
@@ -109,19 +99,17 @@ struct Body::State {
     raised->measure(local.points(), spheres, workers);
     for (std::size_t k = 0; k < raised->nodes().size(); ++k) {
       Spheref& sphere = spheres[raised->nodes()[k]];
-      sphere.radius =
-          std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
+      sphere.radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
     }
   }
 };
 
 Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers) {
-  require_fitting(mesh, built);
+  require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<std::uint8_t> measured = measured_levels(rule_of_level, options.conservative);
-  const Ownership ownership =
-      share_points(mesh, built.cover, order, leaves_below(built.tree, order, measured));
+  const Ownership ownership = share_points(mesh, built.cover, order, leaves_below(built.tree, order, measured));
   state_ = std::make_unique<State>(
       State{built.tree, built.cover, std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;
@@ -209,8 +197,7 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
   UpdateStatus status = s.work;
   status.vertices_read = s.local.changed_vertices();
   status.cut_points_moved = s.local.changed_cut_points();
-  status.points_tested =
-      s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
+  status.points_tested = s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
   return status;
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "update/point_runs.hpp"
+
 namespace morula {
 namespace {
 
@@ -44,26 +46,12 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
     if (!chain.empty()) {
       owned_points_ += owned.size();
       tested_points_ += owned.size() * chain.size();
-      add_points(owned);
+      append_in_runs(owned, runs_, points_);
     }
     run_begin_.push_back(static_cast<std::uint32_t>(runs_.size()));
     point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
   squared_.resize(chain_.size());
-}
-
-// Ascending points of one leaf.
-void CornerWalk::add_points(std::span<const std::uint32_t> owned) {
-  for (std::size_t i = 0; i < owned.size();) {
-    std::size_t end = i + 1;
-    while (end < owned.size() && owned[end] == owned[end - 1] + 1) ++end;
-    const std::size_t in_run = (end - i) / points_per_group * points_per_group;
-    if (in_run > 0) runs_.push_back({owned[i], owned[i] + static_cast<std::uint32_t>(in_run)});
-    const auto rest = owned.subspan(i + in_run, end - i - in_run);
-    points_.insert(points_.end(), rest.begin(), rest.end());
-    i = end;
-  }
-  while (points_.size() % points_per_group != 0) points_.push_back(owned.back());
 }
 
 void CornerWalk::measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
@@ -75,8 +63,8 @@ void CornerWalk::measure(std::span<const LocalPoint> points, std::span<const Sph
   });
 }
 
-std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count,
-                             std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept {
+std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+                             std::span<const Spheref> spheres) noexcept {
   std::array<Vec3f, most_centers> centers;
   for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[nodes_[chain_[entry + i]]].center;
   const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);

@@ -45,7 +45,6 @@ class CornerWalk {
   struct Below {
     std::uint32_t leaf_begin, leaf_end, slot;
   };
-  void add_points(std::span<const std::uint32_t> owned);
   // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
   std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
                    std::span<const Spheref> spheres) noexcept;
@@ -53,7 +52,8 @@ class CornerWalk {
 
   std::vector<std::uint32_t> nodes_;
   std::vector<Below> below_;
-  // Leaf k: how many points it owns, and which, in runs where they lie one after the other, else by index, padded to whole groups.
+  // Leaf k: how many points it owns, and which, in runs where they lie one after the other, else by index, padded to
+  // whole groups.
   std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;

@@ -39,7 +39,8 @@ class ExactRule {
   void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
               Workers& workers) noexcept;
 
-  /// The same spheres, where every level follows the rule and only these blocks of vertices differ from the update before. Returns the points tested.
+  /// The same spheres, where every level follows the rule and only these blocks of vertices differ from the update
+  /// before. Returns the points tested.
   std::size_t update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
                              const Rounding& rounding, std::span<Spheref> spheres) noexcept;
 

@@ -88,8 +88,7 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
 
 void LocalPoints::narrow_block(const PositionView& positions, std::size_t block) noexcept {
   const std::size_t begin = block * vertices_per_block;
-  const auto vertices =
-      std::span(vertices_).subspan(begin, std::min(vertices_per_block, vertices_.size() - begin));
+  const auto vertices = std::span(vertices_).subspan(begin, std::min(vertices_per_block, vertices_.size() - begin));
   block_largest_[block] = mesh_order_ ? narrow_run(positions, begin, vertices.size(), origin_, &points_[begin])
                                       : narrow(positions, vertices, origin_, &points_[begin]);
 }

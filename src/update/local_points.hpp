@@ -92,7 +92,7 @@ class LocalPoints {
   std::vector<std::uint32_t> changed_blocks_;
   Vec3 origin_;       // of the last frame
   Vec3 rest_origin_;  // the centre of the rest box
-  Vec3 guide_rest_;  // the vertex that the origin moves with
+  Vec3 guide_rest_;   // the vertex that the origin moves with
   std::uint32_t guide_ = 0;
   double weight_slack_ = 0;
   double size_ = 0;          // of the rest box, its largest side

@@ -24,9 +24,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "update/narrow.hpp"
 #include "update/ownership.hpp"
 #include "update/rounding.hpp"
-#include "update/narrow.hpp"
 
 namespace morula {
 namespace {

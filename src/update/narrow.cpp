@@ -15,7 +15,8 @@ namespace {
 #ifdef __GNUC__
 [[gnu::noinline]]  // GCC 12 takes rounding to float and back for nothing where it does two coordinates at once
 #endif
-double nearest_float(double x) {
+double
+nearest_float(double x) {
   return static_cast<double>(static_cast<float>(x));
 }
 

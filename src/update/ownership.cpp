@@ -78,9 +78,15 @@ bool is_on_edge(const CutPoint& c) {
 }
 
 void require_belonging(const Mesh& mesh, const Built& built) {
+  require_usable(mesh);
+  if (const auto faults = validate(built.tree); !faults.empty())
+    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
   require_array_sizes(mesh, built);
   require_corners(built.cover);
   require_regions(built.tree, built.cover);
+  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
+  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
+    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
 }
 
 LeafOrder depth_first_leaves(const SphereTree& tree) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <morula/update/body.hpp>
+#include <morula/update/kdop_tree.hpp>
 #include <new>
 
 #include "bodies.hpp"
@@ -122,6 +123,22 @@ TEST(Allocation, no_modal_update_allocates_good_or_bad) {
         EXPECT_EQ(after - before, 0u) << b.name;
       }
     }
+  }
+}
+
+TEST(Allocation, no_update_of_k_dops_allocates_through_an_index_map) {
+  Workers three(3);
+  for (const test::Specimen& b : test::specimens()) {
+    std::vector<std::uint32_t> index(b.mesh.vertex_count());
+    for (std::uint32_t i = 0; i < index.size(); ++i) index[i] = i;
+    const PositionView view = PositionView::indexed(b.mesh.positions, index);
+    Body body(b.mesh, b.built);
+    KDopTree boxes(b.mesh, b.built, 6), dops(b.mesh, b.built, 26);
+    const std::size_t before = allocations;
+    const bool ok = body.update(view, three) && boxes.update(view, three) && dops.update(view);
+    const std::size_t after = allocations;
+    EXPECT_TRUE(ok);
+    EXPECT_EQ(after - before, 0u) << b.name;
   }
 }
 

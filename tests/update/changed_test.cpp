@@ -92,7 +92,8 @@ TEST(ChangedRanges, that_move_the_origins_vertex_update_everything) {
 TEST(ChangedRanges, of_rules_that_read_their_children_update_everything) {
   for (const Rule rule : {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2}) {
     const Specimen& b = specimens()[2];
-    Body full(b.mesh, b.built, {.rules = {rule, Rule::exact}}), partial(b.mesh, b.built, {.rules = {rule, Rule::exact}});
+    Body full(b.mesh, b.built, {.rules = {rule, Rule::exact}}),
+        partial(b.mesh, b.built, {.rules = {rule, Rule::exact}});
     Random random(3);
     std::vector<Vec3> positions = b.mesh.positions;
     const std::vector<VertexRange> ranges = move_some(positions, random);

@@ -33,6 +33,37 @@ TEST(UpdateErrors, a_wrong_count_is_reported_and_changes_nothing) {
   EXPECT_EQ(body.hash(), last_good);
 }
 
+TEST(UpdateErrors, an_index_map_that_leaves_its_nodes_is_refused) {
+  const std::vector<Vec3> nodes(5);
+  const std::vector<std::uint32_t> good{4, 0, 4}, bad{0, 1, 5, 6};
+  const PositionView view = PositionView::indexed(nodes, good);
+  EXPECT_EQ(view.size(), 3u);
+  EXPECT_THROW(PositionView::indexed(view, good), std::invalid_argument);
+  try {
+    PositionView::indexed(nodes, bad);
+    FAIL() << "node 5 of 5";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "vertex 2 is node 5 of 5");
+  }
+}
+
+// The caller's numbering of vertices counts, not that of the nodes.
+TEST(UpdateErrors, the_bad_vertex_of_an_indexed_view_is_a_vertex) {
+  const Specimen& b = specimens()[0];
+  Body body(b.mesh, b.built);
+  std::vector<Vec3> nodes(1000, Vec3{nan, nan, nan});
+  std::vector<std::uint32_t> index;
+  for (std::uint32_t i = 0; i < b.mesh.vertex_count(); ++i) {
+    index.push_back(999 - i);
+    nodes[999 - i] = b.mesh.positions[i];
+  }
+  ASSERT_TRUE(body.update(PositionView::indexed(nodes, index)));
+  nodes[999 - 7].y = infinity;
+  const UpdateStatus status = body.update(PositionView::indexed(nodes, index));
+  EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
+  EXPECT_EQ(status.first_bad_vertex, 7u);
+}
+
 TEST(UpdateErrors, the_lowest_bad_vertex_is_reported_whatever_the_workers) {
   Workers three(3);
   for (const Specimen& b : specimens())

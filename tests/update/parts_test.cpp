@@ -129,8 +129,7 @@ TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_no
       const float kept = packed[at];
       if (bad != 0) packed[at] = bad;
       std::vector<LocalPoint> expected(count), found(count);
-      const std::uint32_t largest =
-          all_kernels().front().narrow_floats(packed.data(), count, origin, expected.data());
+      const std::uint32_t largest = all_kernels().front().narrow_floats(packed.data(), count, origin, expected.data());
       EXPECT_EQ(largest >= 0x7f800000u, bad != 0);
       for (const Kernels& kernel : all_kernels()) {
         const std::uint32_t found_largest = kernel.narrow_floats(packed.data(), count, origin, found.data());
@@ -167,7 +166,10 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
     const Vec3 anywhere{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
     const Vec3 origin = trial % 2 == 0 ? anywhere : nearest_floats(anywhere);
     ASSERT_EQ(origin == anywhere, trial % 2 == 0);
-    for (const PositionView& view : {PositionView(positions), PositionView(floats)}) {
+    std::vector<std::uint32_t> index(50);
+    for (std::uint32_t& node : index) node = static_cast<std::uint32_t>(random.uniform(0, 50));
+    for (const PositionView& view : {PositionView(positions), PositionView(floats),
+                                     PositionView::indexed(positions, index), PositionView::indexed(floats, index)}) {
       std::vector<LocalPoint> wide(order.size()), plain(order.size());
       const float largest = narrow(view, order, origin, wide.data());
       EXPECT_EQ(largest, narrow_plainly(view, order, origin, plain.data()));

@@ -3,7 +3,9 @@
 // Bits: back at rest, for any number of workers, for any layout of the caller's buffer.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
+#include <limits>
 #include <morula/update/body.hpp>
 
 #include "bodies.hpp"
@@ -14,6 +16,12 @@ namespace {
 using test::motions;
 using test::Specimen;
 using test::specimens;
+
+std::vector<Sphere> copied(const Body& body) {
+  std::vector<Sphere> spheres;
+  body.copy_spheres(spheres);
+  return spheres;
+}
 
 std::vector<UpdateOptions> all_options() {
   std::vector<UpdateOptions> options;
@@ -161,20 +169,44 @@ TEST(Rest, any_layout_of_the_same_numbers_gives_the_same_spheres) {
       const Vec3& d = packed_double.back();
       records.push_back({-1, packed.back().x, packed.back().y, packed.back().z, {}, d.x, d.y, d.z, -1});
     }
+    // A larger array in another order: vertex i is node 2 (n - i), other nodes are not numbers.
+    const std::size_t count = records.size();
+    std::vector<std::uint32_t> index;
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    std::vector<Vec3f> nodes(2 * count + 1, Vec3f{nan, nan, nan});
+    std::vector<Vec3> double_nodes(nodes.size(), Vec3(nodes[0]));
+    std::vector<Record> record_nodes(nodes.size(), Record{-1, nan, nan, nan, {}, nan, nan, nan, -1});
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t node = 2 * (count - i);
+      index.push_back(static_cast<std::uint32_t>(node));
+      nodes[node] = packed[i], double_nodes[node] = packed_double[i], record_nodes[node] = records[i];
+    }
+    const auto strided = [](const std::vector<Record>& array) {
+      return std::array{PositionView::strided(&array[0].x, array.size(), sizeof(Record)),
+                        PositionView::strided(&array[0].px, array.size(), sizeof(Record))};
+    };
+    const auto [floats, doubles] = strided(records);
+    const auto [float_nodes, strided_double_nodes] = strided(record_nodes);
     const std::vector<PositionView> views{
         packed,
         packed_double,
-        PositionView::strided(&records[0].x, records.size(), sizeof(Record)),
-        PositionView::strided(&records[0].px, records.size(), sizeof(Record)),
+        floats,
+        doubles,
+        PositionView::indexed(nodes, index),
+        PositionView::indexed(double_nodes, index),
+        PositionView::indexed(float_nodes, index),
+        PositionView::indexed(strided_double_nodes, index),
     };
     for (const UpdateOptions& options : all_options()) {
       Body body(b.mesh, b.built, options);
       ASSERT_TRUE(body.update(views[0]));
       const std::uint64_t expected = body.hash();
+      const double excess = certify(body.cover(), views[0], copied(body)).worst_excess;
       for (const PositionView& view : views) {
         ASSERT_TRUE(body.update(b.mesh.positions));
         ASSERT_TRUE(body.update(view));
         EXPECT_EQ(body.hash(), expected) << b.name;
+        EXPECT_EQ(certify(body.cover(), view, copied(body)).worst_excess, excess) << b.name;
       }
     }
   }

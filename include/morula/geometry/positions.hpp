@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A view of somebody else's vertex array: float or double, any stride, nothing copied.
+// A view of somebody else's vertex array: float or double, any stride, in any order, nothing copied.
 #pragma once
 
 #include <cstddef>
@@ -31,18 +31,24 @@ class PositionView {
   static PositionView strided(const double* first, std::size_t count, std::size_t stride_bytes) {
     return {first, count, stride_bytes, true};
   }
+  /// A surface inside a larger node array: vertex i is nodes[index[i]]. An entry may occur more than once.
+  ///
+  /// nodes: any view that is not indexed itself. Nodes and index must outlive the view; a view stays good while they
+  /// stay where they are, so it need not be made anew for each frame.
+  /// Throws std::invalid_argument, naming the first entry that is no node. Cost: linear in the index.
+  static PositionView indexed(const PositionView& nodes, std::span<const std::uint32_t> index);
 
   std::size_t size() const { return count_; }
   bool is_double() const { return is_double_; }
   Vec3 operator[](std::size_t i) const {
-    const std::byte* p = first_ + i * stride_bytes_;
+    const std::byte* p = address(i);
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
-  /// Floats, nothing between one vertex and the next.
-  bool is_packed_float() const { return !is_double_ && stride_bytes_ == sizeof(Vec3f); }
+  /// Floats one vertex after the other, nothing between them.
+  bool is_packed_float() const { return !is_double_ && !index_ && stride_bytes_ == sizeof(Vec3f); }
   /// Where the x of vertex i is, a float or a double; y and z follow it.
-  const std::byte* address(std::size_t i) const { return first_ + i * stride_bytes_; }
+  const std::byte* address(std::size_t i) const { return first_ + (index_ ? index_[i] : i) * stride_bytes_; }
 
  private:
   PositionView(const Vec3f* first, std::size_t count, std::size_t stride) : PositionView(first, count, stride, false) {}
@@ -62,6 +68,7 @@ class PositionView {
   const std::byte* first_;
   std::size_t count_;
   std::size_t stride_bytes_;
+  const std::uint32_t* index_ = nullptr;  // nothing: vertex i is the i-th of the array
   bool is_double_;
 };
 

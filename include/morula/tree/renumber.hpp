@@ -10,7 +10,8 @@
 namespace morula {
 
 /// Mesh vertices, those of the first leaf first: leaf_order(…)[i] is the old number of what becomes vertex i. Vertices
-/// that no leaf has come last. For whoever can number the vertices of a simulation as they like; O(corners log corners).
+/// that no leaf has come last. For whoever can number the vertices of a simulation as they like; O(corners log
+/// corners).
 std::vector<std::uint32_t> leaf_order(const Built& built);
 
 /// The same with vertices renumbered: old vertex order[i] is the new vertex i. Throws std::invalid_argument unless the

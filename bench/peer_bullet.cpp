@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Bullet: the quantised tree of btBvhTriangleMeshShape. Not GImpact's, whose refit keeps the quantisation of the pose
+// it was built in: boxes of what leaves that pose's box by more than one unit are cut off there.
+#include <BulletCollision/CollisionShapes/btOptimizedBvh.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+
+#include "peers.hpp"
+
+namespace morula::bench {
+namespace {
+
+/// The arrays that Bullet's shapes read: they keep pointers into them.
+class BulletMesh {
+ public:
+  explicit BulletMesh(const Mesh& mesh) : positions_(3 * mesh.vertex_count()) {
+    for (const Facet& f : mesh.facets)
+      for (const std::uint32_t v : f) indices_.push_back(static_cast<int>(v));
+    arrays_.addIndexedMesh(indexed());
+    fill([&](std::size_t i) { return mesh.positions[i]; });
+  }
+  void take(const Frame& frame) {
+    fill([&](std::size_t i) { return Vec3(frame[i]); });
+  }
+  btTriangleIndexVertexArray& arrays() { return arrays_; }
+  const btVector3& lower() const { return lower_; }
+  const btVector3& upper() const { return upper_; }
+  btVector3 corner(std::size_t facet, std::size_t k) const {
+    const btScalar* p = &positions_[3 * static_cast<std::size_t>(indices_[3 * facet + k])];
+    return {p[0], p[1], p[2]};
+  }
+  std::size_t facet_count() const { return indices_.size() / 3; }
+
+ private:
+  btIndexedMesh indexed() {
+    btIndexedMesh m;
+    m.m_numTriangles = static_cast<int>(indices_.size() / 3);
+    m.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(indices_.data());
+    m.m_triangleIndexStride = 3 * sizeof(int);
+    m.m_numVertices = static_cast<int>(positions_.size() / 3);
+    m.m_vertexBase = reinterpret_cast<const unsigned char*>(positions_.data());
+    m.m_vertexStride = 3 * sizeof(btScalar);
+    return m;
+  }
+  template <class Position>
+  void fill(const Position& position) {
+    constexpr auto far = btScalar(BT_LARGE_FLOAT);
+    lower_ = {far, far, far}, upper_ = -lower_;
+    for (std::size_t i = 0; i < positions_.size() / 3; ++i) {
+      const Vec3 p = position(i);
+      for (int axis = 0; axis < 3; ++axis)
+        positions_[3 * i + static_cast<std::size_t>(axis)] = static_cast<btScalar>(p[axis]);
+      const btScalar* stored = &positions_[3 * i];
+      lower_.setMin({stored[0], stored[1], stored[2]});
+      upper_.setMax({stored[0], stored[1], stored[2]});
+    }
+  }
+
+  std::vector<btScalar> positions_;
+  std::vector<int> indices_;
+  btTriangleIndexVertexArray arrays_;
+  btVector3 lower_, upper_;
+};
+
+bool contains(const btVector3& lower, const btVector3& upper, const btVector3& p, btScalar tolerance) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (p[axis] < lower[axis] - tolerance || p[axis] > upper[axis] + tolerance) return false;
+  return true;
+}
+
+/// Gives access to what Bullet keeps from its users.
+struct OpenBvh : btOptimizedBvh {
+  btVector3 lower(const btQuantizedBvhNode& node) const { return unQuantize(node.m_quantizedAabbMin); }
+  btVector3 upper(const btQuantizedBvhNode& node) const { return unQuantize(node.m_quantizedAabbMax); }
+};
+
+class BulletBvh final : public Peer {
+ public:
+  explicit BulletBvh(const Mesh& mesh) : mesh_(mesh) {
+    constexpr bool quantised = true;  // refit does nothing otherwise
+    bvh_.build(&mesh_.arrays(), quantised, mesh_.lower(), mesh_.upper());
+  }
+  void take(const Frame& frame) override { mesh_.take(frame); }
+  // What btBvhTriangleMeshShape::refitTree does, without the shape's own box, for which Bullet looks at every vertex
+  // six times.
+  void refit() override { bvh_.refit(&mesh_.arrays(), mesh_.lower(), mesh_.upper()); }
+  bool contains_facets() const override {
+    // Sixteen bits are rounded outwards, but in float: boxes fall short of vertices by that much of the whole.
+    const btScalar tolerance = btScalar(1e-6) * (mesh_.upper() - mesh_.lower()).length();
+    std::size_t leaves = 0;
+    auto& nodes = const_cast<OpenBvh&>(bvh_).getQuantizedNodeArray();
+    const int used = nodes.size() - 1;  // Bullet makes one too many
+    for (int i = 0; i < used; ++i) {
+      if (!nodes[i].isLeafNode()) continue;
+      ++leaves;
+      const auto facet = static_cast<std::size_t>(nodes[i].getTriangleIndex());
+      for (std::size_t k = 0; k < 3; ++k)
+        if (!contains(bvh_.lower(nodes[i]), bvh_.upper(nodes[i]), mesh_.corner(facet, k), tolerance)) return false;
+    }
+    return leaves == mesh_.facet_count();
+  }
+
+ private:
+  BulletMesh mesh_;
+  OpenBvh bvh_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_bullet(const Mesh& mesh) {
+  return std::make_unique<BulletBvh>(mesh);
+}
+
+}  // namespace morula::bench

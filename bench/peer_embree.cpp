@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Embree: a wide tree of boxes for rays, refitted when the scene says so.
+#if MORULA_PEER_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "peers.hpp"
+
+namespace morula::bench {
+namespace {
+
+class Embree final : public Peer {
+ public:
+  Embree(const Mesh& mesh, RTCSceneFlags flags) : facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
+    rtcSetSceneFlags(scene_.get(), flags);
+    // Refitting is for scenes of low quality alone: Embree rebuilds others without a word.
+    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_LOW);
+    rtcSetGeometryBuildQuality(geometry_.get(), RTC_BUILD_QUALITY_REFIT);
+    positions_ = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry_.get(), RTC_BUFFER_TYPE_VERTEX, 0,
+                                                             RTC_FORMAT_FLOAT3, sizeof(Vec3f), vertex_count_));
+    void* const indices = rtcSetNewGeometryBuffer(geometry_.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                  sizeof(Facet), facets_.size());
+    std::memcpy(indices, facets_.data(), facets_.size() * sizeof(Facet));
+    for (std::size_t i = 0; i < vertex_count_; ++i) positions_[i] = Vec3f(mesh.positions[i]);
+    rtcCommitGeometry(geometry_.get());
+    rtcAttachGeometry(scene_.get(), geometry_.get());
+    rtcCommitScene(scene_.get());
+  }
+  void take(const Frame& frame) override { std::copy(frame.begin(), frame.end(), positions_); }
+  void refit() override {
+    rtcUpdateGeometryBuffer(geometry_.get(), RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry_.get());
+    rtcCommitScene(scene_.get());
+  }
+  // Embree shows no boxes. At a corner of a facet, a query of hardly any radius has to meet the facet's box and every
+  // box above it.
+  bool contains_facets() const override {
+    const std::size_t step = std::max<std::size_t>(1, facets_.size() / 4000);
+    for (std::size_t f = 0; f < facets_.size(); f += step)
+      for (const std::uint32_t v : facets_[f])
+        if (!finds(static_cast<unsigned>(f), positions_[v])) return false;
+    return true;
+  }
+
+ private:
+  struct Search {
+    unsigned facet;
+    bool found = false;
+  };
+  bool finds(unsigned facet, const Vec3f& p) const {
+    RTCPointQuery query{p.x, p.y, p.z, 0.0f, 1e-6f * largest_component(p)};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    Search search{facet};
+    const auto note = [](RTCPointQueryFunctionArguments* arguments) {
+      Search& s = *static_cast<Search*>(arguments->userPtr);
+      s.found = s.found || arguments->primID == s.facet;
+      return false;  // the radius stays as it is
+    };
+    rtcPointQuery(scene_.get(), &query, &context, note, &search);
+    return search.found;
+  }
+
+  template <class T, void (*release)(T*)>
+  struct Release {
+    void operator()(T* object) const { release(object); }
+  };
+  using Device = std::unique_ptr<RTCDeviceTy, Release<RTCDeviceTy, rtcReleaseDevice>>;
+  using Scene = std::unique_ptr<RTCSceneTy, Release<RTCSceneTy, rtcReleaseScene>>;
+  using Geometry = std::unique_ptr<RTCGeometryTy, Release<RTCGeometryTy, rtcReleaseGeometry>>;
+
+  std::vector<Facet> facets_;
+  std::size_t vertex_count_;
+  Device device_{rtcNewDevice("threads=1")};
+  Scene scene_{rtcNewScene(device_.get())};
+  Geometry geometry_{rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE)};
+  Vec3f* positions_;  // Embree's
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_embree(const Mesh& mesh) {
+  return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC);
+}
+std::unique_ptr<Peer> make_embree_robust(const Mesh& mesh) {
+  return std::make_unique<Embree>(mesh, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
+}
+
+}  // namespace morula::bench

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// FCL: a binary tree of boxes in double, refitted from the leaves up.
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/utility.h>
+
+#include "peers.hpp"
+
+namespace morula::bench {
+namespace {
+
+class Fcl final : public Peer {
+ public:
+  explicit Fcl(const Mesh& mesh) : facets_(mesh.facets) {
+    for (const Vec3& p : mesh.positions) positions_.emplace_back(p.x, p.y, p.z);
+    std::vector<fcl::Triangle> triangles;
+    for (const Facet& f : facets_) triangles.emplace_back(f[0], f[1], f[2]);
+    model_.beginModel(static_cast<int>(facets_.size()), static_cast<int>(positions_.size()));
+    model_.addSubModel(positions_, triangles);
+    model_.endModel();
+  }
+  void take(const Frame& frame) override {
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+      const Vec3 p(frame[i]);
+      positions_[i] = {p.x, p.y, p.z};
+    }
+  }
+  // Its interface takes new positions as a copy.
+  void refit() override {
+    constexpr bool refit = true, bottom_up = true;
+    model_.beginReplaceModel();
+    model_.replaceSubModel(positions_);
+    model_.endReplaceModel(refit, bottom_up);
+  }
+  bool contains_facets() const override {
+    std::size_t leaves = 0;
+    for (int i = 0; i < model_.getNumBVs(); ++i) {
+      const auto& node = model_.getBV(i);
+      if (!node.isLeaf()) continue;
+      ++leaves;
+      for (const std::uint32_t v : facets_[static_cast<std::size_t>(node.primitiveId())])
+        if (!node.bv.contain(positions_[v]) || !model_.getBV(0).bv.contain(positions_[v])) return false;
+    }
+    return leaves == facets_.size();
+  }
+
+ private:
+  std::vector<Facet> facets_;
+  std::vector<fcl::Vector3d> positions_;
+  fcl::BVHModel<fcl::AABBd> model_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_fcl(const Mesh& mesh) {
+  return std::make_unique<Fcl>(mesh);
+}
+
+}  // namespace morula::bench

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "peers.hpp"
+
+#include <array>
+
+namespace morula::bench {
+
+// What was not found is not made.
+#ifndef MORULA_PEER_FCL
+std::unique_ptr<Peer> make_fcl(const Mesh&) {
+  return nullptr;
+}
+#endif
+#ifndef MORULA_PEER_BULLET
+std::unique_ptr<Peer> make_bullet(const Mesh&) {
+  return nullptr;
+}
+#endif
+#ifndef MORULA_PEER_EMBREE
+std::unique_ptr<Peer> make_embree(const Mesh&) {
+  return nullptr;
+}
+std::unique_ptr<Peer> make_embree_robust(const Mesh&) {
+  return nullptr;
+}
+#endif
+
+std::span<const PeerKind> peer_kinds() {
+  static constexpr std::array kinds{
+      PeerKind{"FCL", "libfcl-dev", make_fcl},
+      PeerKind{"Bullet", "libbullet-dev", make_bullet},
+      PeerKind{"Embree", "libembree-dev", make_embree},
+      PeerKind{"Embree, robust", "libembree-dev", make_embree_robust},
+  };
+  return kinds;
+}
+
+}  // namespace morula::bench

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Other libraries whose trees of boxes follow a mesh that deforms. Each has a leaf per facet where Morula's leaves have
+// hundreds, which is what most of the difference in time comes from, and what it buys: they are a narrow phase as well.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "frames.hpp"
+
+namespace morula::bench {
+
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  /// Brings a frame into the form in which the library reads positions. Not timed.
+  virtual void take(const Frame& frame) = 0;
+  /// Fits all boxes to the frame taken last. Timed.
+  virtual void refit() = 0;
+  /// Do the boxes contain the vertices of their facets?
+  virtual bool contains_facets() const = 0;
+};
+
+struct PeerKind {
+  const char* name;
+  const char* package;  ///< of Debian and Ubuntu
+  /// Nothing where the library was not there when this program was built.
+  std::unique_ptr<Peer> (*make)(const Mesh& mesh);
+};
+std::span<const PeerKind> peer_kinds();
+
+std::unique_ptr<Peer> make_fcl(const Mesh& mesh);
+std::unique_ptr<Peer> make_bullet(const Mesh& mesh);
+std::unique_ptr<Peer> make_embree(const Mesh& mesh);
+std::unique_ptr<Peer> make_embree_robust(const Mesh& mesh);
+
+}  // namespace morula::bench
