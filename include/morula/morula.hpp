@@ -16,4 +16,6 @@
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/looseness_estimate.hpp>
+#include <morula/update/refit.hpp>
 #include <morula/version.hpp>

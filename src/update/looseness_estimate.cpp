@@ -46,8 +46,8 @@ bool touch(const Spheref& a, const Spheref& b) {
 
 constexpr float facing_degrees = 60;  // between directions: below, rays keep apart as curvature has it
 
-// One over the distance along a ray at which y becomes as near as its start x is 2 (y − x)·d / |y − x|². The largest over
-// samples y whose directions face the ray's, lane by lane.
+// One over the distance along a ray at which y becomes as near as its start x is 2 (y − x)·d / |y − x|². The largest
+// over samples y whose directions face the ray's, lane by lane.
 void find_facing(const Vec3f& from, const Vec3f& direction, float side, const SampleBlock& block,
                  Lanes& nearness) noexcept {
   const Float4 px(from.x), py(from.y), pz(from.z), dx(direction.x), dy(direction.y), dz(direction.z);
@@ -188,7 +188,8 @@ double LoosenessEstimator::State::volume_over(std::size_t b, float side,
   for (std::size_t i = 0; i < block_size; ++i) {
     const float nearness = outlook[side < 0][b * block_size + i].nearness;
     const float h = nearness * lengths[i] > 1.0f ? 1.0f / nearness : lengths[i];
-    volume += static_cast<double>(block.flux[i] * h * (1 + h * (side * block.growth1[i] / 2 + h * block.growth2[i] / 3)));
+    volume +=
+        static_cast<double>(block.flux[i] * h * (1 + h * (side * block.growth1[i] / 2 + h * block.growth2[i] / 3)));
   }
   return volume;
 }
@@ -247,9 +248,9 @@ double LoosenessEstimator::volume() const {
 
 std::vector<double> estimate_looseness(const Mesh& rest, const Body& body, const PositionView& positions) {
   if (positions.size() != rest.vertex_count() || positions.size() != body.vertex_count())
-    throw std::invalid_argument("looseness estimate: " + std::to_string(positions.size()) + " positions for a mesh of " +
-                                std::to_string(rest.vertex_count()) + " vertices and a body of " +
-                                std::to_string(body.vertex_count()));
+    throw std::invalid_argument("looseness estimate: " + std::to_string(positions.size()) +
+                                " positions for a mesh of " + std::to_string(rest.vertex_count()) +
+                                " vertices and a body of " + std::to_string(body.vertex_count()));
   LoosenessEstimator estimator(rest);
   estimator.pose(positions);
   std::vector<double> looseness(body.rest_tree().level_count());

@@ -86,10 +86,10 @@ void SurfaceSamples::choose_rings(double spacing) {
   for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing);
 }
 
-// One neighbour in each of six sectors about the normal: the nearest that is not so near that rounding and facets decide
-// about the curvature, or the nearest of all. The other side of a thin wall is no neighbour.
+// One neighbour in each of six sectors about the normal: the nearest that is not so near that rounding and facets
+// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbour.
 std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample,
-                                                                           double spacing) const {
+                                                                             double spacing) const {
   constexpr double near = 1.5, far = 4.0;  // spacings
   constexpr float other_side = -0.2f;      // cosine between normals
   const Vec3f normal = normal_[sample];
@@ -101,14 +101,16 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
   ring.fill(none);
   best.fill(std::numeric_limits<double>::infinity());
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    if (distance(bounds_[b].places.center, point_[sample]) > static_cast<double>(bounds_[b].places.radius) + far * spacing)
+    if (distance(bounds_[b].places.center, point_[sample]) >
+        static_cast<double>(bounds_[b].places.radius) + far * spacing)
       continue;
     for (auto other = static_cast<std::uint32_t>(b * block_size); other < (b + 1) * block_size; ++other) {
       const Vec3f offset = point_[other] - point_[sample];
       const double gap = length(offset);
       if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
       const double turn = std::atan2(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
-      const auto sector = std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));
+      const auto sector =
+          std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));
       // Too near is worse than far away, the nearer the worse.
       const double rank = gap >= near * spacing ? gap : (far + near) * spacing - gap;
       if (rank < best[sector]) best[sector] = rank, ring[sector] = other;

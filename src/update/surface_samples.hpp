@@ -20,9 +20,10 @@ inline constexpr std::size_t group_size = 8;
 /// Samples near each other, component by component.
 struct SampleBlock {
   using Lanes = std::array<float, block_size>;
-  Lanes x, y, z;     ///< place, about origin()
-  Lanes dx, dy, dz;  ///< unit direction outward: normals averaged over the neighbours, so that neighbouring rays fan out
-  Lanes flux;        ///< area, times the cosine between direction and normal
+  Lanes x, y, z;  ///< place, about origin()
+  Lanes dx, dy,
+      dz;      ///< unit direction outward: normals averaged over the neighbours, so that neighbouring rays fan out
+  Lanes flux;  ///< area, times the cosine between direction and normal
   Lanes growth1, growth2;  ///< area of the surface moved out by t, over its own: 1 + growth1 t + growth2 t²; 2H and K
 };
 

@@ -36,9 +36,9 @@ class LoosenessEstimator {
   /// No allocation. Cost: linear in facets (the volume) and samples.
   void pose(const PositionView& positions) noexcept;
 
-  /// Looseness of every level set of a body at the same positions, from the root; object volumes. As many as `looseness`
-  /// has room for; levels deeper than the tree repeat its last. The root's is exact where it contains the object.
-  /// No allocation; the same bits on every run.
+  /// Looseness of every level set of a body at the same positions, from the root; object volumes. As many as
+  /// `looseness` has room for; levels deeper than the tree repeat its last. The root's is exact where it contains the
+  /// object. No allocation; the same bits on every run.
   void estimate(const Body& body, std::span<double> looseness) noexcept;
 
   std::size_t sample_count() const;
