@@ -24,9 +24,10 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 4> scenarios{{
+constexpr std::array<NamedScenario, 5> scenarios{{
     {"build", run_build},
     {"update", run_update},
+    {"refit", run_refit},
     {"measure", run_measure},
     {"query", run_query},
 }};
@@ -46,7 +47,7 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted, "build, update, measure, query; may be repeated (default: all)")
+  app.add_option("--scenario", wanted, "build, update, refit, measure, query; may be repeated (default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"

@@ -11,6 +11,12 @@ namespace morula::bench {
 /// Of all threads, spent in the program itself: waiting and the kernel's work are not in it.
 double user_seconds();
 
+/// Processor time of the calling thread; where that is not known, wall time.
+double thread_seconds();
+
+/// Bytes that the program holds of the heap. glibc only: nothing elsewhere.
+std::optional<std::size_t> allocated_bytes();
+
 /// Bytes of memory at most in use since it was made, beyond those before. Linux only: nothing elsewhere.
 class PeakMemory {
  public:

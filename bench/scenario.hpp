@@ -59,6 +59,7 @@ std::vector<Result> run_build(const Input& input, const Settings& settings);
 /// Bodies of ten thousand to a million facets: time and memory per facet. Not for an input.
 std::vector<Result> run_build_scaling(const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
+std::vector<Result> run_refit(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
 

@@ -58,6 +58,15 @@ std::size_t first_counted(std::size_t levels) {
   return levels > 1 ? 1 : 0;
 }
 
+// Shares by which figures of one ownership may differ for the pose to count as the same.
+constexpr double still = 1e-3, as_built = 0.05;
+
+bool all_within(double share, std::span<const double> a, std::span<const double> b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::abs(a[i] - b[i]) > share * std::max(negligible, b[i])) return false;
+  return true;
+}
+
 }  // namespace
 
 struct RefittedBody::State {
@@ -73,6 +82,7 @@ struct RefittedBody::State {
   double score(std::span<const double> looseness) const noexcept;
   void estimate_present(const PositionView& positions) noexcept;
   bool has_grown() const noexcept;
+  bool is_off_build() const noexcept;
   bool may_start() const noexcept;
   void request_rebuild(const PositionView& positions, Workers& workers);
   void start_ahead(const PositionView& positions, Workers& workers);
@@ -96,6 +106,8 @@ struct RefittedBody::State {
   RefitReport report;
   std::uint64_t epoch = 0, frame = 0;
   bool estimated = false;                // report.looseness is of this frame
+  bool is_still = false;                 // and no other than at the last estimate
+  bool settled = false;                  // a rebuild was asked for since the body became still
   std::uint64_t start_frame = 0;         // of the rebuild in hand
   std::optional<std::uint64_t> aims_at;  // frame of the second pose that a rebuild waits for
   Clock::time_point next_start{};
@@ -192,16 +204,27 @@ void RefittedBody::State::check(const PositionView& positions, Workers& workers)
   if (frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) != 0) return;
   estimate_present(positions);
   ++report.checks;
-  if (!may_start() || !(fixed || has_grown())) return;
+  const bool settling = is_still && !settled && is_off_build();
+  if (settling) job->request_stop();  // of a pose that the body did not stop at
+  if (!may_start() || !(fixed || settling || has_grown())) return;
   if (!fixed && try_home(positions, workers) && !has_grown()) return;
+  settled = is_still;
   request_rebuild(positions, workers);
 }
 
 void RefittedBody::State::estimate_present(const PositionView& positions) noexcept {
   if (estimated) return;
+  std::copy(report.looseness.begin(), report.looseness.end(), other.begin());
   estimator.pose(positions);
   estimator.estimate(present->body, report.looseness);
   estimated = true;
+  is_still = all_within(still, report.looseness, other);
+  settled = settled && is_still;
+}
+
+// Made for a pose on the way, or ahead of where the motion ended.
+bool RefittedBody::State::is_off_build() const noexcept {
+  return !all_within(as_built, report.looseness, present->looseness_at_build);
 }
 
 bool RefittedBody::State::may_start() const noexcept {

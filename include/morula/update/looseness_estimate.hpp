@@ -22,7 +22,7 @@ namespace morula {
 /// no inside: both sides count, and V is the volume of the ball with the mesh's area; only ratios mean something then.
 class LoosenessEstimator {
  public:
-  static constexpr std::size_t default_samples = 2048;
+  static constexpr std::size_t default_samples = 1024;
 
   /// Places samples evenly over the surface at rest; they stay on their facets. Copies what it needs.
   /// sample_count: 64…2^20, rounded up to a multiple of 16; the error falls slowly with it, the cost linearly.
