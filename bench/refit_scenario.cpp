@@ -111,7 +111,7 @@ Result refit_over(const NamedMotion& motion, const Input& input, const Built& ho
   std::vector<Frame> compared;  // afterwards: the second core must not gain from what takes long here
   PacedThread second_core;
   std::size_t started_at = 0, frame = 0;
-  RefitOptions options{.quality = build_options.quality, .thread = RefitThread::host};
+  RefitOptions options{.thread = RefitThread::host};
   options.executor = [&](const std::function<void()>& job) {
     started_at = frame;
     second_core.run(job);

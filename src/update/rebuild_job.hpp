@@ -3,6 +3,7 @@
 // One rebuild at a time: a pose goes in, a body made for that pose comes out, on whatever thread runs it.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <morula/build/build.hpp>
@@ -32,10 +33,14 @@ class RebuildJob {
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
 
   // Owner.
-  std::vector<Vec3>& pose() { return snapshot_.positions; }
+  static constexpr std::size_t pose_count = 3;
+  /// Poses of a motion, the last one the latest, equally far apart in time.
+  void set_pose(std::size_t which, const PositionView& positions);
   /// The runner frees it: that takes as long as a frame.
   void retire(std::unique_ptr<Epoch> old) { retired_ = std::move(old); }
-  void queue();
+  /// steps: how many such intervals after the last pose is the one to build for; 0: the last pose itself, the only one
+  /// that has to be set.
+  void queue(int steps, Quality quality);
   void request_stop() { stop_.request_stop(); }
   struct Result {
     std::unique_ptr<Epoch> epoch;  ///< nothing: stopped or failed
@@ -50,7 +55,9 @@ class RebuildJob {
  private:
   std::unique_ptr<Epoch> rebuilt();
 
-  Mesh snapshot_;
+  Mesh snapshot_;  // the last pose, then the one to build for
+  std::array<std::vector<Vec3>, pose_count - 1> earlier_;
+  int steps_ = 0;
   BuildOptions build_;
   LoosenessEstimator estimator_;
   std::size_t levels_;

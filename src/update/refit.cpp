@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double negligible = 1e-3;
 
 // Before the first rebuild ends, nobody knows how long one takes; and motions do not go on straight for ever. Frames.
-constexpr std::size_t first_guess = 12;
+constexpr std::size_t first_guess = 20;
 constexpr double furthest_lead = 40;
 // A rebuild is over after one rebuild's time and then serves for about another.
 constexpr double lead_over_rebuild = 1.5;
@@ -41,8 +41,7 @@ BuildOptions build_options(const RefitOptions& options, const SphereTree& home) 
   return {.method = options.method,
           .branching = static_cast<int>(home.branching),
           .depth = static_cast<int>(home.level_count()) - 1,
-          .seed = options.seed,
-          .quality = options.quality};
+          .seed = options.seed};
 }
 
 std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
@@ -85,8 +84,10 @@ struct RefittedBody::State {
   bool is_off_build() const noexcept;
   bool may_start() const noexcept;
   void request_rebuild(const PositionView& positions, Workers& workers);
-  void start_ahead(const PositionView& positions, Workers& workers);
-  void start(const PositionView& positions, Workers& workers);
+  bool looks_ahead() const noexcept;
+  void take_pose(const PositionView& positions, Workers& workers);
+  int steps_ahead() const noexcept;
+  void start(int steps, const PositionView& positions, Workers& workers);
   void collect(const PositionView& positions, Workers& workers);
   void judge(std::unique_ptr<Epoch> candidate, const PositionView& positions, Workers& workers) noexcept;
   bool try_home(const PositionView& positions, Workers& workers) noexcept;
@@ -109,7 +110,8 @@ struct RefittedBody::State {
   bool is_still = false;                 // and no other than at the last estimate
   bool settled = false;                  // a rebuild was asked for since the body became still
   std::uint64_t start_frame = 0;         // of the rebuild in hand
-  std::optional<std::uint64_t> aims_at;  // frame of the second pose that a rebuild waits for
+  std::optional<std::size_t> next_pose;  // that a rebuild waits for
+  std::uint64_t next_pose_frame = 0;     // when it is to be taken
   Clock::time_point next_start{};
   std::shared_ptr<RebuildJob> job;
   std::optional<RebuildThread> thread;  // last: it goes first
@@ -187,7 +189,7 @@ void RefittedBody::State::change_to(Epoch& next) noexcept {
 }
 
 void RefittedBody::State::return_to_rest(const PositionView& positions, Workers& workers) noexcept {
-  aims_at.reset();
+  next_pose.reset();
   job->request_stop();
   if (present == &home) return;
   home.body.update(positions, workers);
@@ -199,12 +201,12 @@ void RefittedBody::State::return_to_rest(const PositionView& positions, Workers&
 // Results first: they may make the next rebuild unnecessary.
 void RefittedBody::State::check(const PositionView& positions, Workers& workers) {
   if (job->stage() == RebuildJob::Stage::done) collect(positions, workers);
-  if (aims_at == frame) start_ahead(positions, workers);
+  if (next_pose && next_pose_frame == frame) take_pose(positions, workers);
   const bool fixed = options.rebuild_every > 0;
   if (frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) != 0) return;
   estimate_present(positions);
   ++report.checks;
-  const bool settling = is_still && !settled && is_off_build();
+  const bool settling = is_still && !settled && (present != &home || is_off_build());
   if (settling) job->request_stop();  // of a pose that the body did not stop at
   if (!may_start() || !(fixed || settling || has_grown())) return;
   if (!fixed && try_home(positions, workers) && !has_grown()) return;
@@ -222,13 +224,12 @@ void RefittedBody::State::estimate_present(const PositionView& positions) noexce
   settled = settled && is_still;
 }
 
-// Made for a pose on the way, or ahead of where the motion ended.
 bool RefittedBody::State::is_off_build() const noexcept {
   return !all_within(as_built, report.looseness, present->looseness_at_build);
 }
 
 bool RefittedBody::State::may_start() const noexcept {
-  if (job->stage() != RebuildJob::Stage::idle || aims_at) return false;
+  if (job->stage() != RebuildJob::Stage::idle || next_pose) return false;
   return options.thread == RefitThread::caller || Clock::now() >= next_start;
 }
 
@@ -243,32 +244,34 @@ bool RefittedBody::State::try_home(const PositionView& positions, Workers& worke
   return true;
 }
 
+// Not on the caller's thread: there the pose is still the same when the rebuild is done.
+bool RefittedBody::State::looks_ahead() const noexcept {
+  return options.thread != RefitThread::caller && options.look_ahead_frames > 0;
+}
+
+// One pose is enough to build for itself; to look ahead takes three.
 void RefittedBody::State::request_rebuild(const PositionView& positions, Workers& workers) {
-  std::vector<Vec3>& pose = job->pose();
-  for (std::size_t v = 0; v < pose.size(); ++v) pose[v] = positions[v];
-  if (options.thread == RefitThread::caller || options.look_ahead_frames == 0)
-    start(positions, workers);
-  else
-    aims_at = frame + static_cast<std::uint64_t>(options.look_ahead_frames);
+  next_pose = looks_ahead() ? 0 : RebuildJob::pose_count - 1;
+  take_pose(positions, workers);
 }
 
-// The pose now lies between the one asked for and the one that is built: straight on, to the middle of the time that
-// the new ownership will serve.
-void RefittedBody::State::start_ahead(const PositionView& positions, Workers& workers) {
+void RefittedBody::State::take_pose(const PositionView& positions, Workers& workers) {
+  job->set_pose((*next_pose)++, positions);
+  next_pose_frame = frame + static_cast<std::uint64_t>(options.look_ahead_frames);
+  if (*next_pose < RebuildJob::pose_count) return;
+  next_pose.reset();
+  start(looks_ahead() ? steps_ahead() : 0, positions, workers);
+}
+
+// To the middle of the time that the new ownership will serve.
+int RefittedBody::State::steps_ahead() const noexcept {
   const double lead = std::min(furthest_lead, lead_over_rebuild * static_cast<double>(report.rebuild_frames));
-  const double steps = lead / options.look_ahead_frames;
-  std::vector<Vec3>& pose = job->pose();
-  for (std::size_t v = 0; v < pose.size(); ++v) {
-    const Vec3 now = positions[v];
-    pose[v] = now + (now - pose[v]) * steps;
-  }
-  start(positions, workers);
+  return static_cast<int>(std::lround(lead / options.look_ahead_frames));
 }
 
-void RefittedBody::State::start(const PositionView& positions, Workers& workers) {
-  aims_at.reset();
+void RefittedBody::State::start(int steps, const PositionView& positions, Workers& workers) {
   start_frame = frame;
-  job->queue();
+  job->queue(steps, settled ? options.still_quality : options.quality);
   ++report.started;
   switch (options.thread) {
     case RefitThread::caller:
@@ -353,7 +356,7 @@ bool RefittedBody::is_home() const {
 }
 
 bool RefittedBody::is_rebuilding() const {
-  return state_->aims_at || state_->job->stage() == RebuildJob::Stage::queued;
+  return state_->next_pose || state_->job->stage() == RebuildJob::Stage::queued;
 }
 
 const RefitReport& RefittedBody::report() const {

@@ -24,7 +24,8 @@ enum class RefitThread : std::uint8_t {
 struct RefitOptions {
   // How to rebuild; branching and depth are those of the home tree.
   Method method = Method::morula;
-  Quality quality = Quality::fast;
+  Quality quality = Quality::draft;       ///< for Method::morula, while the body moves
+  Quality still_quality = Quality::fast;  ///< the same, once it has stopped
   std::uint64_t seed = 1;
 
   /// A rebuild is wanted when the estimated looseness of some level is this many times what it was when the present
@@ -37,9 +38,9 @@ struct RefitOptions {
   /// Another ownership is taken over when it is better by at least this share, by the sum over levels of looseness over
   /// looseness at home; below 1. Very negative: always, for tests.
   double gain = 0.05;
-  /// Rebuild for where the motion will be rather than for where it was, when the last rebuild took a while. Straight
-  /// on, from two poses `look_ahead_frames` apart; 0: never.
-  int look_ahead_frames = 2;
+  /// Rebuild for where the motion will be when the result is in use, rather than for where it was. From three poses
+  /// `look_ahead_frames` apart, straight on or turning as it did; 0: never.
+  int look_ahead_frames = 1;
   /// At most this share of wall time goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
   /// RefitThread::caller.
   double processor_share = 1.0;
