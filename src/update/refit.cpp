@@ -21,6 +21,7 @@ constexpr double negligible = 1e-3;
 // Before the first rebuild ends, nobody knows how long one takes; and motions do not go on straight for ever. Frames.
 constexpr std::size_t first_guess = 20;
 constexpr double furthest_lead = 40;
+constexpr double longest_pause = 1e6;  // seconds: what a clock can add
 // A rebuild is over after one rebuild's time and then serves for about another.
 constexpr double lead_over_rebuild = 1.5;
 
@@ -289,7 +290,8 @@ void RefittedBody::State::start(int steps, const PositionView& positions, Worker
 
 void RefittedBody::State::collect(const PositionView& positions, Workers& workers) {
   RebuildJob::Result result = job->take();
-  const std::chrono::duration<double> pause(result.seconds * (1 / options.processor_share - 1));
+  const std::chrono::duration<double> pause(
+      std::min(longest_pause, result.seconds * (1 / options.processor_share - 1)));
   next_start = Clock::now() + std::chrono::duration_cast<Clock::duration>(pause);
   if (!result.epoch) {
     ++(result.failure.empty() ? report.stopped : report.failed);
