@@ -19,7 +19,11 @@ namespace {
 
 constexpr int frames_per_second = 60;
 constexpr std::size_t frame_count = 2 * frames_per_second;
-constexpr std::size_t compared_every = 4;  // a fresh build takes longer than all else
+
+// A fresh build takes longer than all else. Runs of few repeats are for checking, not for figures.
+std::size_t compared_every(const Settings& settings) {
+  return settings.repeats < 5 ? 20 : 4;
+}
 
 struct NamedMotion {
   const char* name;
@@ -133,7 +137,7 @@ Result refit_over(const NamedMotion& motion, const Input& input, const Built& ho
     result.expect(static_cast<bool>(status), "an update was refused");
     body.body().copy_spheres(spheres);
     covered = covered && certify(body.body().cover(), positions, spheres, *settings.workers).covered;
-    if (frame == frame_count || (frame <= frames_per_second && frame % compared_every == 0))
+    if (frame == frame_count || (frame <= frames_per_second && frame % compared_every(settings) == 0))
       compared.push_back({positions, body.body().current_tree(), body.report().looseness.back()});
   }
   result.expect(covered, "surface outside the spheres");
