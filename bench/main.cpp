@@ -24,10 +24,11 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 7> scenarios{{
+constexpr std::array<NamedScenario, 8> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
+    {"refit", run_refit},
     {"measure", run_measure},
     {"query", run_query},
     {"volumes", run_volumes},
@@ -50,7 +51,7 @@ int run(int argc, char** argv) {
   std::string baseline_file;
   bool scaling = false;
   app.add_option("--scenario", wanted,
-                 "build, update, modal, measure, query, volumes, peers; may be repeated (default: all)")
+                 "build, update, modal, refit, measure, query, volumes, peers; may be repeated (default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"

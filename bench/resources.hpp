@@ -21,6 +21,12 @@ double processor_seconds_of(const F& f) {
   return processor_seconds() - start;
 }
 
+/// Processor time of the calling thread; where that is not known, wall time.
+double thread_seconds();
+
+/// Bytes that the program holds of the heap. glibc only: nothing elsewhere.
+std::optional<std::size_t> allocated_bytes();
+
 /// Bytes of memory at most in use since it was made, beyond those before. Linux only: nothing elsewhere.
 class PeakMemory {
  public:

@@ -63,6 +63,7 @@ std::vector<Result> run_build(const Input& input, const Settings& settings);
 std::vector<Result> run_build_scaling(const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_modal(const Input& input, const Settings& settings);
+std::vector<Result> run_refit(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
 std::vector<Result> run_volumes(const Input& input, const Settings& settings);

@@ -18,11 +18,11 @@ set(height_deform 2)
 # tree
 set(height_tree 4)
 set(height_build 5)
-set(height_update 5)
+set(height_update 6)  # a body that refits builds
 # uses
-set(height_accuracy 6)
-set(height_collide 6)
-set(height_io 6)
+set(height_accuracy 7)
+set(height_collide 7)
+set(height_io 7)
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

@@ -20,4 +20,6 @@
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <morula/update/looseness_estimate.hpp>
+#include <morula/update/refit.hpp>
 #include <morula/version.hpp>

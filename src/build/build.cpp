@@ -49,7 +49,7 @@ struct Names {
 };
 constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
 constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
-constexpr Names<Quality, 3> quality_names({"fast", "default", "best"});
+constexpr Names<Quality, 4> quality_names({"draft", "fast", "default", "best"});
 
 constexpr auto methods = [] {
   std::array<Method, entries.size()> all{};

@@ -46,6 +46,13 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
                       .exchanges = 0};
+// A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
+constexpr Effort draft = [] {
+  Effort effort = fast;
+  effort.first_cell = 0.6;
+  effort.sweeps = 0;
+  return effort;
+}();
 constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
                           .first_cell = 0.35,
                           .sweeps = 2,
@@ -66,6 +73,7 @@ constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 
                       .exchanges = 5};
 
 const Effort& effort_of(Quality quality) {
+  if (quality == Quality::draft) return draft;
   if (quality == Quality::fast) return fast;
   return quality == Quality::best ? best : standard;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 namespace morula {
 namespace {
@@ -65,11 +66,94 @@ void require_regions(const SphereTree& tree, const Cover& cover) {
   }
 }
 
-bool all_owned(const CutPoint& c, const std::vector<std::uint32_t>& owner, std::uint32_t leaf) {
-  for (int k = 0; k < 3; ++k)
-    if (c.weight[k] != 0 && owner[c.vertex[k]] != leaf) return false;
-  return true;
+// A corner in the plane of its facet: the weights of the facet's second and third vertex.
+struct InFacet {
+  std::uint32_t corner;
+  double x, y;
+};
+
+InFacet in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  InFacet p{corner, 0, 0};
+  const auto add = [&](std::uint32_t vertex, double weight) {
+    if (vertex == facet[1]) p.x += weight;
+    if (vertex == facet[2]) p.y += weight;
+  };
+  if (corner < cover.vertex_count) {
+    add(corner, 1);
+  } else {
+    const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
+    for (int k = 0; k < 3; ++k) add(cut.vertex[k], cut.weight[k]);
+  }
+  return p;
 }
+
+// Corners whose convex hull contains all, to within the allowance of rounding.hpp; the rest is left out. Two chains
+// from the least to the greatest point [andrew1979].
+void keep_hull(std::vector<InFacet>& points, std::vector<InFacet>& hull) {
+  constexpr double allowed = 1e-10;
+  std::sort(points.begin(), points.end(), [](const InFacet& p, const InFacet& q) {
+    return std::tie(p.x, p.y, p.corner) < std::tie(q.x, q.y, q.corner);
+  });
+  hull.clear();
+  for (int chain = 0; chain < 2; ++chain) {
+    const std::size_t first = hull.size();
+    for (const InFacet& p : points) {
+      while (hull.size() >= first + 2) {
+        const InFacet &before = *(hull.end() - 2), &last = hull.back();
+        const double dx = p.x - before.x, dy = p.y - before.y;
+        const double turn = dx * (last.y - before.y) - dy * (last.x - before.x);
+        if (turn < -allowed * std::hypot(dx, dy)) break;
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    std::reverse(points.begin(), points.end());
+  }
+}
+
+// Finds the cut corners that a leaf has to test.
+class NeededCuts {
+ public:
+  NeededCuts(const Mesh& mesh, const Cover& cover) : mesh_(mesh), cover_(cover) {}
+
+  // owns(v): whether the leaf owns a vertex. Each is named once.
+  template <class Owns>
+  const std::vector<std::uint32_t>& of(std::uint32_t leaf, const Owns& owns) {
+    patches_.clear();
+    for (std::uint32_t p = cover_.region_begin[leaf]; p < cover_.region_end[leaf]; ++p) patches_.push_back(p);
+    std::sort(patches_.begin(), patches_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::tie(cover_.patch_facet[a], a) < std::tie(cover_.patch_facet[b], b);
+    });
+    needed_.clear();
+    for (std::size_t i = 0; i < patches_.size();) {
+      const std::uint32_t f = cover_.patch_facet[patches_[i]];
+      const Facet& facet = mesh_.facets[f];
+      points_.clear();
+      bool any_cut = false;
+      for (; i < patches_.size() && cover_.patch_facet[patches_[i]] == f; ++i)
+        for (const std::uint32_t c : cover_.patch(patches_[i])) {
+          if (c < cover_.vertex_count) continue;
+          points_.push_back(in_facet(cover_, facet, c));
+          any_cut = true;
+        }
+      if (!any_cut) continue;
+      for (const std::uint32_t v : facet)
+        if (owns(v)) points_.push_back(in_facet(cover_, facet, v));
+      keep_hull(points_, hull_);
+      for (const InFacet& p : hull_)
+        if (p.corner >= cover_.vertex_count) needed_.push_back(p.corner);
+    }
+    std::sort(needed_.begin(), needed_.end());
+    needed_.erase(std::unique(needed_.begin(), needed_.end()), needed_.end());
+    return needed_;
+  }
+
+ private:
+  const Mesh& mesh_;
+  const Cover& cover_;
+  std::vector<std::uint32_t> patches_, needed_;
+  std::vector<InFacet> points_, hull_;
+};
 
 }  // namespace
 
@@ -114,7 +198,8 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
   Ownership result;
   result.begin.push_back(0);
   std::vector<std::uint32_t> number(mesh.vertex_count() + cover.cut_points.size(), none);
-  std::vector<std::uint32_t> owner(number.size(), none);  // last leaf seen to own a corner
+  std::vector<std::uint32_t> owner(mesh.vertex_count(), none);  // last leaf seen to own a vertex
+  NeededCuts needed_cuts(mesh, cover);
   std::vector<std::uint32_t> cuts, cut_begin{0};          // cover corners, leaf after leaf
   std::vector<std::uint32_t> vertices;                    // of one leaf
 
@@ -124,10 +209,10 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
     const auto corners = cover.region_corners(order.leaves[k]);
     for (const std::uint32_t c : corners)
       if (c < cover.vertex_count && owner[c] != k) owner[c] = k, vertices.push_back(c);
-    if (needs_cut_points[k])
-      for (const std::uint32_t c : corners)
-        if (c >= cover.vertex_count && owner[c] != k && !all_owned(cover.cut_points[c - cover.vertex_count], owner, k))
-          owner[c] = k, cuts.push_back(c);
+    if (needs_cut_points[k]) {
+      const auto& needed = needed_cuts.of(order.leaves[k], [&](std::uint32_t v) { return owner[v] == k; });
+      cuts.insert(cuts.end(), needed.begin(), needed.end());
+    }
     cut_begin.push_back(static_cast<std::uint32_t>(cuts.size()));
     std::sort(vertices.begin(), vertices.end());
     for (const std::uint32_t v : vertices) {

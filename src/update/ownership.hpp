@@ -29,7 +29,8 @@ struct Ownership {
   std::vector<std::uint32_t> vertices;    ///< mesh vertex of point i < vertices.size()
   std::vector<std::uint32_t> cut_points;  ///< of the cover; that of point vertices.size() + k
   /// Leaf k of the leaf order owns points[begin[k] … begin[k + 1]), ascending, each once. A cut corner is left out when
-  /// all its vertices are there: it is a convex combination of them, so no sphere can contain them and miss it.
+  /// it lies in the convex hull of others that the leaf owns in the same facet, so no sphere can contain them and miss
+  /// it.
   std::vector<std::uint32_t> begin;
   std::vector<std::uint32_t> points;
 

@@ -10,6 +10,8 @@
 //                   |w1 (v1 - v0)| + |w2 (v2 - v0)| <= 4/3 M: weights narrowed 4/3 e M, differences 4/3 e M,
 //                   products 4/3 e M, two sums 2 e M                                           6 e M
 //                   With the narrowing: 7 e M, as a length below 12.2 e M. Allowed: 2^-20 M = 16 e M.
+//   hulls           corners that are left out because others of their facet surround them: within 1e-10 in
+//                   barycentric coordinates, some ten times over, below 0.2 e M; in the same allowance
 //   distance        squared in float: differences e, products e, two sums; (1 + e)^5 in all, so 2.5 e of the distance,
 //                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
 //   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more: 3 x 2^-126

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <morula/update/refit.hpp>
 #include <new>
 
 #include "bodies.hpp"
@@ -142,10 +143,37 @@ TEST(Allocation, no_update_of_k_dops_allocates_through_an_index_map) {
   }
 }
 
+// Nor does a body that refits, but in the frame that starts a rebuild.
+TEST(Allocation, refitting_allocates_only_where_a_rebuild_starts) {
+  const test::Specimen& b = test::specimens()[2];
+  std::function<void()> never_run;
+  RefitOptions options{.check_every = 1, .look_ahead_frames = 1, .thread = RefitThread::host};
+  options.executor = [&](std::function<void()> job) { never_run = std::move(job); };
+  RefittedBody body(b.mesh, b.built, options);
+  const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.2, 1);
+  std::size_t starts = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    const std::vector<Vec3>& positions = frame % 4 == 3 ? b.mesh.positions : away;
+    const std::size_t started = body.report().started, before = allocations;
+    const bool ok = static_cast<bool>(body.update(positions));
+    const std::size_t after = allocations;
+    EXPECT_TRUE(ok);
+    if (body.report().started == started) {
+      EXPECT_EQ(after - before, 0u) << "frame " << frame;
+    } else {
+      ++starts;
+    }
+  }
+  EXPECT_EQ(starts, 1u);
+  EXPECT_GT(body.report().checks, 4u);
+}
+
 TEST(Allocation, updates_are_noexcept) {
   EXPECT_TRUE(noexcept(std::declval<Body&>().update_modal({}, std::declval<Workers&>())));
   EXPECT_TRUE(noexcept(std::declval<const Body&>().modal_sphere(0, {})));
   EXPECT_TRUE(noexcept(std::declval<Body&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
+  EXPECT_TRUE(
+      noexcept(std::declval<RefittedBody&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
 }
 
 }  // namespace

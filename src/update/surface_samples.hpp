@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Samples that move with the surface, with the direction that leads away from it and the curvature there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/positions.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <vector>
+
+namespace morula {
+
+/// Lanes of one block: loops over them are of fixed length, so that compilers turn them into vector instructions.
+inline constexpr std::size_t block_size = 16;
+/// Blocks of a group: consecutive, so near each other.
+inline constexpr std::size_t group_size = 8;
+
+/// Samples near each other, component by component.
+struct SampleBlock {
+  using Lanes = std::array<float, block_size>;
+  Lanes x, y, z;  ///< place, about origin()
+  Lanes dx, dy,
+      dz;      ///< unit direction outward: normals averaged over the neighbours, so that neighbouring rays fan out
+  Lanes flux;  ///< area, times the cosine between direction and normal
+  Lanes growth1, growth2;  ///< area of the surface moved out by t, over its own: 1 + growth1 t + growth2 t²; 2H and K
+};
+
+/// What bounds a block, apart from it: blocks are passed over far more often than looked into.
+struct BlockBound {
+  Spheref places;        ///< contains them
+  Vec3f axis;            ///< of the cone of directions
+  float half_angle = 0;  ///< of that cone, radians
+};
+
+class SurfaceSamples {
+ public:
+  SurfaceSamples(const Mesh& rest, std::size_t count);
+
+  void move(const PositionView& positions) noexcept;
+
+  const std::vector<SampleBlock>& blocks() const { return blocks_; }
+  const std::vector<BlockBound>& bounds() const { return bounds_; }
+  /// One for every group_size blocks: contains their places.
+  const std::vector<Spheref>& group_bounds() const { return group_bounds_; }
+  const Vec3& origin() const { return origin_; }
+  std::size_t count() const { return sites_.size(); }
+  /// The mesh tells inside from outside; otherwise directions are arbitrary as to side.
+  bool has_volume() const { return has_volume_; }
+  /// Of the object; for an open mesh, of the ball with its area.
+  double volume() const { return volume_; }
+
+ private:
+  static constexpr std::size_t ring_size = 6;
+  struct Site {
+    Facet facet;
+    std::array<double, 3> barycentric;
+    double share;                                 // area of the sample over that of its facet, at rest
+    std::array<std::uint32_t, ring_size> ring{};  // neighbours, counter-clockwise; repeated where there are fewer
+  };
+
+  void sort_into_blocks(std::vector<Vec3f> points);
+  void choose_rings(double spacing);
+  std::array<std::uint32_t, ring_size> ring_of(std::uint32_t sample, double spacing) const;
+  template <class Reader>
+  void place(const Reader& positions) noexcept;
+  void bound_blocks() noexcept;
+  void bound_groups() noexcept;
+  void average_directions() noexcept;
+  void measure_curvature() noexcept;
+  template <class Reader>
+  void measure_volume(const Reader& positions) noexcept;
+
+  std::vector<Site> sites_;  // block by block
+  std::vector<Facet> facets_;
+  std::vector<SampleBlock> blocks_;
+  std::vector<BlockBound> bounds_;
+  std::vector<Spheref> group_bounds_;
+  std::vector<Vec3f> point_, normal_, direction_;
+  std::vector<float> area_;
+  Vec3 origin_;
+  double volume_ = 0;
+  bool has_volume_ = false;
+  bool inside_out_ = false;
+};
+
+}  // namespace morula

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The estimate against voxels, and what it promises otherwise.
+#include <gtest/gtest.h>
+
+#include <morula/accuracy/looseness.hpp>
+#include <morula/build/build.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/update/looseness_estimate.hpp>
+#include <numbers>
+#include <support/meshes.hpp>
+
+#include "bodies.hpp"
+#include "looseness_comparison.hpp"
+
+namespace morula {
+namespace {
+
+TEST(LoosenessEstimate, agrees_with_voxels_on_sample_bodies_at_rest_and_deformed) {
+  for (const char* name : {"limb", "bar", "capsule", "torus", "blob", "two"})
+    test::expect_estimates_near_voxels(name, sample_body(name, 32));
+}
+
+// What is known without voxels: shells about a ball, and the root.
+TEST(LoosenessEstimate, is_exact_about_a_ball) {
+  const Mesh ball = test::icosphere(4);
+  const double volume = signed_volume(ball);
+  for (const double radius : {1.001, 1.1, 1.5}) {
+    const std::vector<Sphere> leaves{{{0, 0, 0}, radius}};
+    const Body body(ball, test::root_with_leaves(ball, leaves[0], leaves), {.rules = {Rule::approach2}, .details = {}});
+    const std::vector<double> looseness = estimate_looseness(ball, body, ball.positions);
+    const double expected = 4 * std::numbers::pi / 3 * radius * radius * radius / volume - 1;
+    EXPECT_NEAR(looseness[0], expected, 1e-5);
+    EXPECT_NEAR(looseness[1], expected, 0.02 * expected + 1e-4) << radius;
+  }
+}
+
+TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
+  const test::Specimen& b = test::specimens()[2];
+  const std::vector<double> expected = estimate_looseness(b.mesh, Body(b.mesh, b.built), b.mesh.positions);
+
+  Body far(b.mesh, b.built);
+  const auto there = test::translated(b.mesh.positions, {1e6, -2e6, 5e5});
+  ASSERT_TRUE(far.update(there));
+  const std::vector<double> moved = estimate_looseness(b.mesh, far, there);
+
+  Body narrow(b.mesh, b.built);
+  std::vector<Vec3f> floats;
+  for (const Vec3& p : b.mesh.positions) floats.emplace_back(p);
+  ASSERT_TRUE(narrow.update(floats));
+  const std::vector<double> from_floats = estimate_looseness(b.mesh, narrow, floats);
+
+  Mesh turned = b.mesh;
+  for (Facet& f : turned.facets) std::swap(f[1], f[2]);
+  const std::vector<double> inside_out = estimate_looseness(turned, Body(b.mesh, b.built), b.mesh.positions);
+
+  for (std::size_t level = 0; level < expected.size(); ++level) {
+    EXPECT_GT(expected[level], 0);
+    EXPECT_NEAR(moved[level], expected[level], 1e-3 * expected[level]);
+    EXPECT_NEAR(from_floats[level], expected[level], 1e-3 * expected[level]);
+    EXPECT_NEAR(inside_out[level], expected[level], 0.02 * expected[level]);
+  }
+}
+
+TEST(LoosenessEstimate, gives_finite_figures_for_any_mesh_and_motion) {
+  for (const test::Specimen& b : test::specimens()) {
+    Body body(b.mesh, b.built);
+    for (const test::Motion& motion : test::motions()) {
+      const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
+      ASSERT_TRUE(body.update(positions));
+      for (const double looseness : estimate_looseness(b.mesh, body, positions))
+        EXPECT_TRUE(std::isfinite(looseness) && looseness >= 0) << b.name << ", " << motion.name;
+    }
+  }
+}
+
+// No inside: the space on both sides counts.
+TEST(LoosenessEstimate, finds_coarse_levels_of_open_meshes_looser) {
+  const test::Specimen& plate = test::specimens()[1];
+  const std::vector<double> looseness =
+      estimate_looseness(plate.mesh, Body(plate.mesh, plate.built), plate.mesh.positions);
+  for (std::size_t level = 1; level < looseness.size(); ++level) EXPECT_LT(looseness[level], looseness[level - 1]);
+  EXPECT_GT(looseness.back(), 0);
+}
+
+TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_between) {
+  const Mesh mesh = sample_body("limb", 20);
+  const Built built = build(mesh, {.method = Method::grid, .depth = 2});
+  const Body body(mesh, built), other(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
+  LoosenessEstimator estimator(mesh);
+  std::vector<double> first(3), second(3), longer(5);
+  estimator.estimate(body, first);
+  estimator.estimate(other, second);
+  EXPECT_NE(first, second);
+  estimator.pose(mesh.positions);
+  estimator.estimate(body, second);
+  EXPECT_EQ(first, second);
+  estimator.estimate(body, longer);
+  EXPECT_EQ(longer[4], first[2]);
+}
+
+TEST(LoosenessEstimate, refuses_what_it_cannot_sample) {
+  const Mesh mesh = test::icosphere(1);
+  EXPECT_THROW(LoosenessEstimator(mesh, 63), std::invalid_argument);
+  EXPECT_THROW(LoosenessEstimator(mesh, (std::size_t{1} << 20) + 1), std::invalid_argument);
+  EXPECT_THROW(LoosenessEstimator(Mesh{}), std::invalid_argument);
+  EXPECT_THROW(LoosenessEstimator(Mesh{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}}), std::invalid_argument);
+  EXPECT_EQ(LoosenessEstimator(mesh, 65).sample_count(), 80u);
+}
+
+}  // namespace
+}  // namespace morula
