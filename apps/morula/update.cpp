@@ -33,6 +33,7 @@ struct Options {
   RuleDetailNames details;
   std::string sph_origin = "none";
   std::string format;
+  bool conservative = false;
   bool check = true;
   bool measure = false;
   unsigned threads = 0;
@@ -177,7 +178,8 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
-  if (!std::all_of(rules.begin(), rules.end(), promises_cover)) {
+  const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
+  if (!std::all_of(rules.begin(), rules.end(), covers)) {
     fmt::print("note         rules other than exact and modal may leave surface bare: {} says how much\n",
                o.measure ? "the table" : "--measure");
   }
@@ -189,6 +191,7 @@ UpdateOptions update_options(const Options& o) {
   // Who gives a modal model wants it used; with positions `exact` is best.
   const Rule usual = o.files.are_modal() ? Rule::modal : Rule::exact;
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
+                        .conservative = o.conservative,
                         .details = parse_rule_details(o.details)};
   if (!o.files.are_modal() && std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0) {
     throw UsageError("--rule modal needs a modal model: give --modes and --coords instead of MOTION");
@@ -250,12 +253,14 @@ void add_update(CLI::App& app, Run& run) {
                    fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",
                                fmt::join(rule_names(), ", ")))
       ->type_name("RULE");
+  command->add_flag("--conservative", o->conservative,
+                    "Make any rule cover: radii grow to what each node has to contain, where that is more");
   add_rule_details(*command, o->details);
   add_sph_origin(*command, o->sph_origin);
   command->add_option("--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
       ->type_name("NAME");
   command->add_flag("--check,!--no-check", o->check,
-                    "Check the certificate of exact and modal levels in every frame (default: on)");
+                    "Check the certificate of levels that promise cover in every frame (default: on)");
   command->add_flag("--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

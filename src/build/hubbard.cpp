@@ -127,7 +127,7 @@ class Hubbard {
     return result;
   }
 
-  // How far a sample, going along its normal, travels inside the ball; the most of all (ALGORITHMS A.4).
+  // How far a sample, going along its normal, travels inside the ball; the most of all.
   double exit_distance(const SampleSet& samples, const Sphere& ball) const {
     double most = 0;
     samples.for_each([&](std::size_t k) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Dividing a region among spheres by power (ALGORITHMS B.2, steps 3–4).
+// Dividing a region among spheres by power.
 #pragma once
 
 #include "tree/region.hpp"

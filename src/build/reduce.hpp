@@ -48,7 +48,7 @@ struct ReduceSettings {
   bool all_on_root = false;            ///< whether every proposal is settled there, not just the best
   std::array<float, 2> balance{0, 0};  ///< on levels 1 and 2, when there is a demand
 };
-/// The divider made of a reducer (ALGORITHMS B.2, C.8): proposals are judged by the empty space they take in after a
+/// The divider made of a reducer: proposals are judged by the empty space they take in after a
 /// sweep; the best is settled and made exact. input: borrowed.
 Divider divide_by(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
                   Demand demand = {});

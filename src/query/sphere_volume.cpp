@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball ∩ object as a sum over facets of ball ∩ cone(centre, facet), ALGORITHMS A.5, arranged so that nothing is
+// Ball ∩ object as a sum over facets of ball ∩ cone(centre, facet), arranged so that nothing is
 // singular wherever the centre lies. In units of the radius, with the centre at the origin, a facet T in the plane n·x
 // = H cuts the ball in D = T ∩ disc. Its cone inside the ball has three times the volume
 //

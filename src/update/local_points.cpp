@@ -120,32 +120,40 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
   return frame;
 }
 
+// Arrays are named outside of these loops: a store of floats may change anything as far as the compiler knows.
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
-  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) move_edge_cut(i);
-  });
-  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) move_inner_cut(i);
-  });
+  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_edge_cuts(begin, end); });
+  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_inner_cuts(begin, end); });
 }
 
-inline void LocalPoints::move_edge_cut(std::size_t i) noexcept {
-  const EdgeCut& cut = edge_cuts_[i];
-  const Float4 v0 = Float4::load(points_[cut.point[0]]), v1 = Float4::load(points_[cut.point[1]]);
-  (v0 + Float4(cut.weight) * (v1 - v0)).store(points_[vertices_.size() + i]);
+void LocalPoints::move_edge_cuts(std::size_t begin, std::size_t end) noexcept {
+  LocalPoint* const points = points_.data();
+  LocalPoint* const out = points + vertices_.size();
+  const EdgeCut* const cuts = edge_cuts_.data();
+  for (std::size_t i = begin; i < end; ++i) {
+    const EdgeCut& cut = cuts[i];
+    const Float4 v0 = Float4::load(points[cut.point[0]]), v1 = Float4::load(points[cut.point[1]]);
+    (v0 + Float4(cut.weight) * (v1 - v0)).store(out[i]);
+  }
 }
 
-inline void LocalPoints::move_inner_cut(std::size_t i) noexcept {
-  const InnerCut& cut = inner_cuts_[i];
-  const Float4 v0 = Float4::load(points_[cut.point[0]]);
-  const Float4 v1 = Float4::load(points_[cut.point[1]]), v2 = Float4::load(points_[cut.point[2]]);
-  (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0))
-      .store(points_[vertices_.size() + edge_cuts_.size() + i]);
+void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
+  LocalPoint* const points = points_.data();
+  LocalPoint* const out = points + vertices_.size() + edge_cuts_.size();
+  const InnerCut* const cuts = inner_cuts_.data();
+  for (std::size_t i = begin; i < end; ++i) {
+    const InnerCut& cut = cuts[i];
+    const Float4 v0 = Float4::load(points[cut.point[0]]);
+    const Float4 v1 = Float4::load(points[cut.point[1]]), v2 = Float4::load(points[cut.point[2]]);
+    (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(out[i]);
+  }
 }
 
 void LocalPoints::move_cut_point(std::size_t cut) noexcept {
-  if (cut < edge_cuts_.size()) return move_edge_cut(cut);
-  move_inner_cut(cut - edge_cuts_.size());
+  if (cut < edge_cuts_.size()) return move_edge_cuts(cut, cut + 1);
+  move_inner_cuts(cut - edge_cuts_.size(), cut - edge_cuts_.size() + 1);
 }
 
 // The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.

@@ -78,8 +78,8 @@ class LocalPoints {
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
   void move_cut_point(std::size_t cut) noexcept;
-  void move_edge_cut(std::size_t i) noexcept;
-  void move_inner_cut(std::size_t i) noexcept;
+  void move_edge_cuts(std::size_t begin, std::size_t end) noexcept;
+  void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
 
   std::vector<std::uint32_t> vertices_;
   std::vector<std::uint32_t> point_of_;

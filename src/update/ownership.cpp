@@ -200,8 +200,8 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
   std::vector<std::uint32_t> number(mesh.vertex_count() + cover.cut_points.size(), none);
   std::vector<std::uint32_t> owner(mesh.vertex_count(), none);  // last leaf seen to own a vertex
   NeededCuts needed_cuts(mesh, cover);
-  std::vector<std::uint32_t> cuts, cut_begin{0};          // cover corners, leaf after leaf
-  std::vector<std::uint32_t> vertices;                    // of one leaf
+  std::vector<std::uint32_t> cuts, cut_begin{0};  // cover corners, leaf after leaf
+  std::vector<std::uint32_t> vertices;            // of one leaf
 
   // Vertices first: cut points get the numbers after the last of them.
   for (std::uint32_t k = 0; k < order.leaves.size(); ++k) {

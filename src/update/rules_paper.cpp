@@ -22,7 +22,7 @@ FourPoints gather(const LocalPoint* points, const std::uint32_t* index) {
 }
 
 constexpr std::size_t nodes_per_chunk = 16;
-// Distances below this share of the radius are no divisors (ALGORITHMS D.4).
+// Distances below this share of the radius are no divisors.
 constexpr float least_divisor = 1e-9f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -175,7 +175,7 @@ void PaperRules::bind_rest(const Binding& binding, Node& n) {
   }
 }
 
-// Adds (d' + k) / (d + k) with k = (floor r - d)+ to the ratios of a node [ALGORITHMS D.4]: 1 at rest, and never so
+// Adds (d' + k) / (d + k) with k = (floor r - d)+ to the ratios of a node: 1 at rest, and never so
 // large for a near vertex as d' / d. With floor 0 it is the paper's. What is too small to divide by never counts.
 void PaperRules::add_ratio(Node& n, float rest_distance) {
   const float raise = std::max(0.0f, static_cast<float>(distance_floor_) * n.rest.radius - rest_distance);

@@ -63,6 +63,18 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   }
 }
 
+TEST(UpdateCommand, conservative_makes_any_rule_cover_and_is_certified) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula --depth 2");
+  bench.require("deform limb.obj -o motion.npy --stretch 2 --frames 3");
+  const std::string command = "update limb.obj limb.morula motion.npy --rule approach2 --measure --json -o ";
+  const auto plain = bench.require(command + "plain").json();
+  const auto covering = bench.require(command + "covering --conservative").json();
+  EXPECT_TRUE(plain["certificate"].is_null());
+  EXPECT_TRUE(covering["certificate"]["covered"].get<bool>());
+}
+
 TEST(UpdateCommand, rules_can_be_mixed_by_level_and_the_certificate_follows_the_exact_ones) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 8");

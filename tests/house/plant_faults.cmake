@@ -40,7 +40,7 @@ run(check_licence passes "9 files carry their licence lines")
 run(check_references passes "2 papers cited")
 
 file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}# include <morula/build/build.hpp>  // up\n")
-file(WRITE "${FOLDER}/src/update/sideways.cpp" "${licence}#include <morula/build/build.hpp>\n")
+file(WRITE "${FOLDER}/src/update/sideways.cpp" "${licence}#include <morula/accuracy/measure.hpp>\n")
 file(WRITE "${FOLDER}/include/morula/geometry/private.hpp" "${licence}#include \"geometry/hash.hpp\"\n")
 file(WRITE "${FOLDER}/src/geometry/everything.cpp" "${licence}#include <morula/morula.hpp>\n")
 file(WRITE "${FOLDER}/src/novelty/new.cpp" "${licence}")
@@ -48,7 +48,7 @@ file(WRITE "${FOLDER}/apps/morula/private.cpp" "${licence}#include <tree/region.
 file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${licence}#include \"../../src/tree/region.hpp\"\n")
 run(check_layers fails
   "include/morula/tree/cover.hpp includes <morula/build/build.hpp>: build is not below tree"
-  "src/update/sideways.cpp includes <morula/build/build.hpp>: build is not below update"
+  "src/update/sideways.cpp includes <morula/accuracy/measure.hpp>: accuracy is not below update"
   "include/morula/geometry/private.hpp includes \"geometry/hash.hpp\": a public header may include public"
   "src/geometry/everything.cpp includes <morula/morula.hpp>: the library includes what it uses"
   "src/novelty/new.cpp: the folder novelty has no height"

@@ -231,6 +231,12 @@ const std::vector<Specimen>& specimens() {
   return bodies;
 }
 
+std::vector<Sphere> spheres_of(const Body& body) {
+  std::vector<Sphere> spheres;
+  body.copy_spheres(spheres);
+  return spheres;
+}
+
 const std::vector<Motion>& motions() {
   static const std::vector<Motion> motions = [] {
     using Positions = std::vector<Vec3>;

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <morula/tree/cover.hpp>
+#include <morula/update/body.hpp>
 #include <morula/update/modes.hpp>
 #include <span>
 #include <string>
@@ -36,6 +37,9 @@ struct Specimen {
 /// Ball, flat plate, bumpy ball with cut facets, soup of facets with unused vertices and facets without area, one
 /// facet.
 const std::vector<Specimen>& specimens();
+
+/// The current ones, in mesh coordinates.
+std::vector<Sphere> spheres_of(const Body& body);
 
 struct Motion {
   std::string name;

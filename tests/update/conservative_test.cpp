@@ -14,12 +14,7 @@ using test::Motion;
 using test::motions;
 using test::Specimen;
 using test::specimens;
-
-std::vector<Sphere> spheres_of(const Body& body) {
-  std::vector<Sphere> spheres;
-  body.copy_spheres(spheres);
-  return spheres;
-}
+using test::spheres_of;
 
 const std::vector<std::vector<Rule>> rule_lists{{Rule::traditional},
                                                 {Rule::weighted},

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the paper's rules lose surface, with the numbers (ALGORITHMS D.5), and that `exact` does not.
+// Where the paper's rules lose surface, with the numbers, and that `exact` does not.
 #include <gtest/gtest.h>
 
 #include <cmath>

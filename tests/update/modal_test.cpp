@@ -18,6 +18,7 @@ namespace {
 
 using test::Specimen;
 using test::specimens;
+using test::spheres_of;
 using Bound = RuleOptions::ModalBound;
 using Coordinates = std::vector<double>;
 
@@ -60,12 +61,6 @@ std::vector<Vec3> moved_backwards(const Mesh& mesh, const Modes& modes, const Co
     for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += modes.mode(j)[i] * q[j];
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += mesh.positions[i];
   return positions;
-}
-
-std::vector<Sphere> spheres_of(const Body& body) {
-  std::vector<Sphere> spheres;
-  body.copy_spheres(spheres);
-  return spheres;
 }
 
 // [james2004] over the corners that the node owns, as it is written.

@@ -14,12 +14,7 @@ namespace {
 using test::motions;
 using test::Specimen;
 using test::specimens;
-
-std::vector<Sphere> spheres_of(const Body& body) {
-  std::vector<Sphere> spheres;
-  body.copy_spheres(spheres);
-  return spheres;
-}
+using test::spheres_of;
 
 double size_of(const std::vector<Vec3>& positions, const Mesh& mesh) {
   Box box;

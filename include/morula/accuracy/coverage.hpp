@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Coverage: is any of the surface bare, how much, and how far out does it lie? Exact, not sampled (ALGORITHMS J.1).
+// Coverage: is any of the surface bare, how much, and how far out does it lie? Exact, not sampled.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Protrusion: how far spheres stick out of the object, in the sense of Hubbard's Hausdorff measure (ALGORITHMS A.4,
-// E.3).
+// Protrusion: how far spheres stick out of the object, in the sense of Hubbard's Hausdorff measure.
 #pragma once
 
 #include <morula/query/signed_distance.hpp>

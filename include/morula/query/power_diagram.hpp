@@ -4,8 +4,7 @@
 //
 // Cell i holds the points x with power |x − c_i|² − r_i² least for sphere i. The difference of two powers is affine, so
 // a facet falls apart into convex polygons. On its own cell a sphere's power is the least of all and it is convex,
-// hence (ALGORITHMS B.2): spheres cover a surface if and only if every polygon's corners lie in the polygon's own
-// sphere.
+// hence: spheres cover a surface if and only if every polygon's corners lie in the polygon's own sphere.
 #pragma once
 
 #include <cstdint>

@@ -33,7 +33,7 @@ class SignedDistance {
   Result at(const Vec3& p) const;
   bool is_inside(const Vec3& p) const { return at(p).distance < 0; }
 
-  /// Upper bound of how far the ball sticks out of the object, (r + φ(c))⁺: exact for convex objects (ALGORITHMS A.4).
+  /// Upper bound of how far the ball sticks out of the object, (r + φ(c))⁺: exact for convex objects.
   double protrusion_bound(const Sphere& ball) const { return std::max(0.0, ball.radius + (*this)(ball.center)); }
 
   SignMethod method() const { return method_; }

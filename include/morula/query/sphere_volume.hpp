@@ -8,7 +8,7 @@
 namespace morula {
 
 /// Volume of ball ∩ object by summing, over the facets that meet the ball, the signed volume of ball ∩ cone(centre,
-/// facet) in closed form; the far facets count through their total solid angle (ALGORITHMS A.5, J.8).
+/// facet) in closed form; the far facets count through their total solid angle.
 ///
 /// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the centre lies,
 /// on edges and vertices too, and as long as the ball is not smaller than the spacing of its coordinates. Of an open

@@ -28,7 +28,7 @@ std::span<const Rule> all_rules();
 /// Those that follow positions: all but `modal`, which follows coordinates and needs UpdateOptions::modes.
 std::span<const Rule> position_rules();
 
-/// Questions that the papers leave open (ALGORITHMS D.4). Defaults are the literal readings, but for modal_bound.
+/// Questions that the papers leave open. Defaults are the literal readings, but for modal_bound.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
   Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's centre
