@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exact_check.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "options.hpp"
@@ -9,7 +10,10 @@
 namespace morula::cli {
 
 bool promises_cover(const UpdateOptions& options, Rule rule) {
-  return options.conservative || rule == Rule::exact || rule == Rule::modal;
+  return options.conservative || rule == Rule::exact || rule == Rule::modal ||
+         (rule == Rule::wrapped && std::all_of(options.rules.begin(), options.rules.end(), [](Rule r) {
+            return r == Rule::exact || r == Rule::modal || r == Rule::wrapped;
+          }));
 }
 
 bool any_promises_cover(const Body& body) {

@@ -180,7 +180,7 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   }
   const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
   if (!std::all_of(rules.begin(), rules.end(), covers)) {
-    fmt::print("note         rules other than exact and modal may leave surface bare: {} says how much\n",
+    fmt::print("note         rules other than exact, wrapped and modal may leave surface bare: {} says how much\n",
                o.measure ? "the table" : "--measure");
   }
   fmt::print("written      {}\n", output.name());

@@ -31,21 +31,34 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   return rules;
 }
 
-// One flag per level: do its nodes look at the corners that they own?
-std::vector<std::uint8_t> measured_levels(std::span<const Rule> rule_of_level, bool conservative) {
+// What each node follows. A leaf has no children to wrap.
+std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> rule_of_level) {
+  std::vector<Rule> rules;
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    const Rule rule = rule_of_level[tree.level_of(node)];
+    rules.push_back(rule == Rule::wrapped && tree.is_leaf(node) ? Rule::exact : rule);
+  }
+  return rules;
+}
+
+// Nodes whose radii are raised to what they own.
+std::vector<std::uint8_t> raised_nodes(std::span<const Rule> rule_of_node) {
   std::vector<std::uint8_t> flags;
-  for (const Rule rule : rule_of_level)
-    flags.push_back(rule == Rule::exact || (conservative && rule != Rule::modal) ? 1 : 0);
+  for (const Rule rule : rule_of_node) flags.push_back(rule == Rule::exact || rule == Rule::modal ? 0 : 1);
   return flags;
 }
 
-// One flag per leaf of the order: is its level or one above it flagged?
-std::vector<std::uint8_t> leaves_below(const SphereTree& tree, const LeafOrder& order,
-                                       std::span<const std::uint8_t> levels) {
-  const auto top = std::find(levels.begin(), levels.end(), std::uint8_t{1}) - levels.begin();
-  std::vector<std::uint8_t> below;
-  for (const std::uint32_t leaf : order.leaves) below.push_back(tree.level_of(leaf) >= top ? 1 : 0);
-  return below;
+// One flag per leaf of the order: does it or a node above it look at the corners that it owns?
+std::vector<std::uint8_t> leaves_measured(const SphereTree& tree, const LeafOrder& order,
+                                          std::span<const Rule> rule_of_node, bool conservative) {
+  std::vector<std::uint8_t> flags;
+  for (const std::uint32_t leaf : order.leaves) {
+    bool measured = false;
+    for (std::uint32_t node = leaf; node != no_node && !measured; node = tree.parent[node])
+      measured = rule_of_node[node] == Rule::exact || (conservative && rule_of_node[node] != Rule::modal);
+    flags.push_back(measured ? 1 : 0);
+  }
+  return flags;
 }
 
 // The tree's spheres about an origin, narrowed so that each contains what it was.
@@ -108,8 +121,9 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
-  const std::vector<std::uint8_t> measured = measured_levels(rule_of_level, options.conservative);
-  const Ownership ownership = share_points(mesh, built.cover, order, leaves_below(built.tree, order, measured));
+  const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
+  const Ownership ownership =
+      share_points(mesh, built.cover, order, leaves_measured(built.tree, order, rule_of_node, options.conservative));
   state_ = std::make_unique<State>(
       State{built.tree, built.cover, std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;
@@ -123,8 +137,9 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
   s.spheres = narrowed(s.tree, rest.origin);
   const std::vector<Spheref> of_tree = s.spheres;
   const TriangleBvh bvh(mesh, workers);
-  const Binding binding{mesh, s.tree, rule_of_level, bvh, s.local, rest.rounding, of_tree, workers};
-  const auto exact_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::exact);
+  const Binding binding{mesh, s.tree, rule_of_node, bvh, s.local, rest.rounding, of_tree, workers};
+  const auto exact_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::exact);
+  const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
   const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
   if (!s.options.modes.empty()) {
     require_modes(s.options.modes, mesh);
@@ -136,7 +151,7 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
     const std::vector<double> at_rest(s.options.modes.mode_count, 0.0);
     s.modal->update(s.motion->pose(at_rest), s.spheres, workers);
   }
-  if (exact_levels > 0) {
+  if (exact_nodes > 0) {
     s.exact.emplace(binding, order, ownership);
     s.exact->update(s.local.points(), rest.rounding, s.spheres, workers);
     s.report.corners_owned = s.exact->walk().owned_points();
@@ -147,14 +162,12 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
       s.report.carried_centers += tie.carries && !tie.degenerate;
     }
   }
-  if (exact_levels + modal_levels < std::ssize(rule_of_level)) {
+  if (exact_nodes + modal_nodes < std::ssize(rule_of_node)) {
     s.paper.emplace(binding, s.options.details, s.spheres, s.report);
     s.work.points_tested += s.paper->tested_points();
   }
   if (s.options.conservative && s.paper) {
-    std::vector<std::uint8_t> others;
-    for (const Rule rule : rule_of_level) others.push_back(rule == Rule::exact || rule == Rule::modal ? 0 : 1);
-    s.raised.emplace(s.tree, order, ownership, others);
+    s.raised.emplace(s.tree, order, ownership, raised_nodes(rule_of_node));
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
@@ -188,7 +201,8 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
   if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   for (const VertexRange& range : changed)
     if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
-  if (s.paper || !s.followed || !s.local.keeps_origin(positions)) return update(positions, workers);
+  const bool all_local = s.exact && !s.raised && (!s.paper || s.paper->only_wraps());
+  if (!all_local || !s.followed || !s.local.keeps_origin(positions)) return update(positions, workers);
 
   const LocalPoints::Frame frame = s.local.move_changed(positions, changed);
   s.followed = frame.finite;
@@ -198,6 +212,9 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
   status.vertices_read = s.local.changed_vertices();
   status.cut_points_moved = s.local.changed_cut_points();
   status.points_tested = s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
+  if (s.paper)
+    for (std::size_t level = s.tree.level_count(); level-- > 0;)
+      s.paper->update_level(level, s.local.points(), frame.rounding, s.spheres, workers);
   return status;
 }
 

@@ -18,16 +18,14 @@ constexpr float unknown = -1;
 
 CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
                        std::span<const std::uint8_t> measured) {
-  std::vector<std::uint32_t> number(tree.node_count());
-  std::uint32_t slot = 0;
-  for (std::size_t level = 0; level < tree.level_count(); ++level) {
-    if (measured[level] == 0) continue;
-    for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
-      number[node] = static_cast<std::uint32_t>(nodes_.size());
-      nodes_.push_back(node);
-      below_.push_back({order.begin[node], order.end[node], slot});
-    }
-    ++slot;
+  std::vector<std::uint32_t> number(tree.node_count()), above(tree.node_count());  // above: measured ones
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    if (const std::uint32_t parent = tree.parent[node]; parent != no_node)
+      above[node] = above[parent] + measured[parent];
+    if (measured[node] == 0) continue;
+    number[node] = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back(node);
+    below_.push_back({order.begin[node], order.end[node], above[node]});
   }
 
   std::vector<std::uint32_t> chain;
@@ -36,9 +34,8 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   chain_begin_.push_back(0);
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
     chain.clear();
-    std::uint32_t level = tree.level_of(order.leaves[k]);
-    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node], --level)
-      if (measured[level] != 0) chain.push_back(number[node]);
+    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node])
+      if (measured[node] != 0) chain.push_back(number[node]);
     chain_.insert(chain_.end(), chain.rbegin(), chain.rend());
     chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
     const auto owned = ownership.of_leaf(k);

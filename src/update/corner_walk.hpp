@@ -17,14 +17,14 @@ namespace morula {
 
 class CornerWalk {
  public:
-  /// measured: one flag per level of the tree, for those whose nodes are measured.
+  /// measured: one flag per node of the tree.
   CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
              std::span<const std::uint8_t> measured);
 
   /// Takes the largest squared distance from the centre of each node to a point that it owns.
   void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
 
-  /// The same after a change, where every level is measured. leaf_changed: leaves, by their order, that own points
+  /// The same after a change, where every leaf is measured. leaf_changed: leaves, by their order, that own points
   /// which moved. node_moved: nodes, by their number in nodes(), whose centres moved; flags all whose reach may differ
   /// on return. Leaves that cannot decide the reach of a node above are not walked for it. Returns how many points were
   /// tested.
@@ -41,7 +41,7 @@ class CornerWalk {
   std::size_t tested_points() const { return tested_points_; }
 
  private:
-  // The leaves below a node, and its place in their chains: one of level l has the same slot in all of them.
+  // The leaves below a node, and its place in their chains: the same in all of them.
   struct Below {
     std::uint32_t leaf_begin, leaf_end, slot;
   };

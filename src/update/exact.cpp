@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t nodes_per_chunk = 64;
 
-// One flag per level.
-std::vector<std::uint8_t> levels_with(std::span<const Rule> rule_of_level, Rule rule) {
+// One flag per node.
+std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule rule) {
   std::vector<std::uint8_t> flags;
-  for (const Rule r : rule_of_level) flags.push_back(r == rule ? 1 : 0);
+  for (const Rule r : rule_of_node) flags.push_back(r == rule ? 1 : 0);
   return flags;
 }
 
@@ -40,7 +40,7 @@ void find_candidates(const Binding& binding, std::uint32_t node, std::span<const
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership)
-    : walk_(binding.tree, order, ownership, levels_with(binding.rule_of_level, Rule::exact)) {
+    : walk_(binding.tree, order, ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   core_.resize(core_size * node_count);

@@ -22,7 +22,7 @@ namespace morula {
 struct Binding {
   const Mesh& mesh;
   const SphereTree& tree;
-  std::span<const Rule> rule_of_level;
+  std::span<const Rule> rule_of_node;
   const TriangleBvh& bvh;
   const LocalPoints& local;  ///< at rest
   const Rounding& rest_rounding;
@@ -32,14 +32,14 @@ struct Binding {
 
 class ExactRule {
  public:
-  /// Ties the centre of every node on a level with this rule.
+  /// Ties the centre of every node with this rule.
   ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership);
 
   /// Writes the spheres of its nodes. Nodes and leaves are independent.
   void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
               Workers& workers) noexcept;
 
-  /// The same spheres, where every level follows the rule and only these blocks of vertices differ from the update
+  /// The same spheres, where every leaf follows the rule and only these blocks of vertices differ from the update
   /// before. Returns the points tested.
   std::size_t update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
                              const Rounding& rounding, std::span<Spheref> spheres) noexcept;

@@ -24,6 +24,8 @@ class PaperRules {
                     std::span<Spheref> spheres, Workers& workers) const noexcept;
 
   std::size_t tested_points() const { return tested_points_; }
+  /// No node of any other rule.
+  bool only_wraps() const { return only_wraps_; }
 
  private:
   struct Node {
@@ -54,6 +56,8 @@ class PaperRules {
   Vec3 weighted_sum(const Node& n, std::span<const LocalPoint> points) const noexcept;
   Vec3f moved_by_links(const Node& n, std::span<const LocalPoint> points) const noexcept;
   Spheref traditional(const Node& n, std::span<const LocalPoint> points, const Rounding& rounding) const noexcept;
+  Spheref wrapped(const Node& n, const Rounding& rounding, std::span<const Spheref> spheres) const noexcept;
+  Vec3f moved_by_children(const Node& n, std::span<const Spheref> spheres) const noexcept;
   Spheref approach1(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
   Spheref approach2(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
   Boxf box_of(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
@@ -65,7 +69,7 @@ class PaperRules {
   std::vector<float> weights_;
   std::vector<float> divisors_, raises_;  // d + k and k of (d' + k) / (d + k)
   std::vector<Spheref> rest_spheres_;     // of all nodes: what each rule makes of the rest positions
-  bool boxes_of_centers_ = false;
+  bool boxes_of_centers_ = false, only_wraps_ = true;
   double distance_floor_ = 0;
   std::size_t tested_points_ = 0;
 };

@@ -50,6 +50,13 @@ struct Rounding {
 
   bool operator==(const Rounding&) const = default;
 
+  /// The radius of a sphere about `center` that contains spheres, which reach `reach` from it: taken in double.
+  float wrapping_radius(double reach, const Vec3f& center) const {
+    const double mesh_coordinate =
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+    return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
+  }
+
   /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
   /// is.
   float covering_radius(float squared_distance, const Vec3f& center) const {

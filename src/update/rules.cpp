@@ -7,8 +7,8 @@ namespace morula {
 namespace {
 
 // Those that follow positions first.
-constexpr std::array rules{Rule::traditional, Rule::weighted, Rule::approach1,
-                           Rule::approach2,   Rule::exact,    Rule::modal};
+constexpr std::array rules{Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2,
+                           Rule::exact,       Rule::wrapped,  Rule::modal};
 
 }  // namespace
 
@@ -24,6 +24,8 @@ std::string_view name(Rule rule) {
       return "approach2";
     case Rule::exact:
       return "exact";
+    case Rule::wrapped:
+      return "wrapped";
     case Rule::modal:
       return "modal";
   }

@@ -88,14 +88,15 @@ PaperRules::PaperRules(const Binding& binding, const RuleOptions& options, std::
   const SphereTree& tree = binding.tree;
   level_begin_.push_back(0);
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
-    if (is_paper_rule(binding.rule_of_level[level]))
-      for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
-        Node n{.node = node, .rule = binding.rule_of_level[level]};
-        n.first_child = tree.first_child[node];
-        n.child_count = tree.child_count[node];
-        n.rest = binding.rest_spheres[node];
-        nodes_.push_back(n);
-      }
+    for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
+      if (!is_paper_rule(binding.rule_of_node[node])) continue;
+      Node n{.node = node, .rule = binding.rule_of_node[node]};
+      n.first_child = tree.first_child[node];
+      n.child_count = tree.child_count[node];
+      n.rest = binding.rest_spheres[node];
+      nodes_.push_back(n);
+      only_wraps_ = only_wraps_ && n.rule == Rule::wrapped;
+    }
     level_begin_.push_back(static_cast<std::uint32_t>(nodes_.size()));
   }
   bind_links(binding, options, report);
@@ -106,7 +107,8 @@ PaperRules::PaperRules(const Binding& binding, const RuleOptions& options, std::
   for (auto n = nodes_.rbegin(); n != nodes_.rend(); ++n) {
     n->rest_sum = weighted_sum(*n, binding.local.points());
     if (n->rule == Rule::approach1 || n->rule == Rule::approach2) continue;
-    rest_spheres_[n->node] = traditional(*n, binding.local.points(), binding.rest_rounding);
+    rest_spheres_[n->node] = n->rule == Rule::wrapped ? wrapped(*n, binding.rest_rounding, rest_spheres_)
+                                                      : traditional(*n, binding.local.points(), binding.rest_rounding);
   }
   for (Node& n : nodes_) bind_rest(binding, n);
   std::copy(rest_spheres_.begin(), rest_spheres_.end(), spheres.begin());
@@ -194,6 +196,7 @@ void PaperRules::update_level(std::size_t level, std::span<const LocalPoint> poi
       const Node& n = nodes_[k];
       spheres[n.node] = n.rule == Rule::approach1   ? approach1(n, points, spheres)
                         : n.rule == Rule::approach2 ? approach2(n, points, spheres)
+                        : n.rule == Rule::wrapped   ? wrapped(n, rounding, spheres)
                                                     : traditional(n, points, rounding);
     }
   });
@@ -224,19 +227,26 @@ Spheref PaperRules::traditional(const Node& n, std::span<const LocalPoint> point
   return {center, rounding.covering_radius(squared, center)};
 }
 
+Vec3f PaperRules::moved_by_children(const Node& n, std::span<const Spheref> spheres) const noexcept {
+  Vec3 sum{};
+  for (std::uint32_t c = n.first_child; c < n.first_child + n.child_count; ++c)
+    sum += Vec3(spheres[c].center) - Vec3(rest_spheres_[c].center);
+  return n.rest.center + Vec3f(sum / static_cast<double>(n.child_count));
+}
+
+// Bottom up: around the children's spheres.
+Spheref PaperRules::wrapped(const Node& n, const Rounding& rounding, std::span<const Spheref> spheres) const noexcept {
+  const Vec3f center = moved_by_children(n, spheres);
+  double reach = 0;
+  for (std::uint32_t c = n.first_child; c < n.first_child + n.child_count; ++c)
+    reach = std::max(reach, distance(Vec3(center), Vec3(spheres[c].center)) + static_cast<double>(spheres[c].radius));
+  return {center, bounded(rounding.wrapping_radius(reach, center))};
+}
+
 // Equations 2 to 4 [garcia2005].
 Spheref PaperRules::approach1(const Node& n, std::span<const LocalPoint> points,
                               std::span<const Spheref> spheres) const noexcept {
-  Vec3f center = n.rest.center;
-  if (n.link_begin < n.link_end) {
-    center = moved_by_links(n, points);
-  } else {
-    Vec3 sum{};
-    for (std::uint32_t c = n.first_child; c < n.first_child + n.child_count; ++c)
-      sum += Vec3(spheres[c].center) - Vec3(rest_spheres_[c].center);
-    center = center + Vec3f(sum / static_cast<double>(n.child_count));
-  }
-
+  const Vec3f center = n.link_begin < n.link_end ? moved_by_links(n, points) : moved_by_children(n, spheres);
   float largest_ratio = 0, largest_reach = 0;
   if (n.child_count > 0) {
     for (std::uint32_t c = 0; c < n.child_count; ++c) {

@@ -35,16 +35,20 @@ std::vector<VertexRange> move_some(std::vector<Vec3>& positions, Random& random)
 TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
   Workers three(3);
   for (const Specimen& b : specimens()) {
-    Random random(7);
-    Body full(b.mesh, b.built), partial(b.mesh, b.built), parallel(b.mesh, b.built);
-    std::vector<Vec3> positions = b.mesh.positions;
-    for (int frame = 0; frame < 40; ++frame) {
-      const std::vector<VertexRange> ranges = move_some(positions, random);
-      ASSERT_TRUE(full.update(positions));
-      ASSERT_TRUE(partial.update(positions, ranges));
-      ASSERT_TRUE(parallel.update(positions, ranges, three));
-      ASSERT_EQ(partial.hash(), full.hash()) << b.name << ", frame " << frame;
-      ASSERT_EQ(parallel.hash(), full.hash()) << b.name << ", frame " << frame;
+    for (const std::vector<Rule>& rules :
+         {std::vector{Rule::exact}, std::vector{Rule::wrapped}, std::vector{Rule::wrapped, Rule::exact}}) {
+      Random random(7);
+      Body full(b.mesh, b.built, {.rules = rules}), partial(b.mesh, b.built, {.rules = rules});
+      Body parallel(b.mesh, b.built, {.rules = rules});
+      std::vector<Vec3> positions = b.mesh.positions;
+      for (int frame = 0; frame < 40; ++frame) {
+        const std::vector<VertexRange> ranges = move_some(positions, random);
+        ASSERT_TRUE(full.update(positions));
+        ASSERT_TRUE(partial.update(positions, ranges));
+        ASSERT_TRUE(parallel.update(positions, ranges, three));
+        ASSERT_EQ(partial.hash(), full.hash()) << b.name << ", frame " << frame;
+        ASSERT_EQ(parallel.hash(), full.hash()) << b.name << ", frame " << frame;
+      }
     }
   }
 }

@@ -170,6 +170,24 @@ TEST(Exact, centers_inside_their_anchors_follow_affine_motion) {
   EXPECT_GE(followed, nodes - report.degenerate_anchors - report.carried_centers);
 }
 
+TEST(Wrapped, covers_every_level_in_every_motion_and_contains_the_children) {
+  for (const Specimen& b : specimens()) {
+    Body body(b.mesh, b.built, {.rules = {Rule::wrapped}});
+    const std::uint64_t rest = body.hash();
+    for (const test::Motion& motion : test::motions()) {
+      const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
+      ASSERT_TRUE(body.update(positions));
+      EXPECT_TRUE(certified(body, positions).covered) << b.name << ", " << motion.name;
+      for (std::uint32_t i = 1; i < b.built.tree.node_count(); ++i) {
+        const Sphere child = body.sphere(i), parent = body.sphere(b.built.tree.parent[i]);
+        EXPECT_GE(parent.radius, distance(parent.center, child.center) + child.radius) << b.name << ", node " << i;
+      }
+    }
+    ASSERT_TRUE(body.update(b.mesh.positions));
+    EXPECT_EQ(body.hash(), rest);
+  }
+}
+
 TEST(Exact, centers_of_spheres_that_grow_are_pulled_to_where_they_grow_less) {
   const Specimen& b = specimens()[2];
   Body body(b.mesh, b.built);

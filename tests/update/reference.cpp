@@ -30,6 +30,17 @@ class PlainRules {
     return {center, radius};
   }
 
+  Sphere wrapped(std::uint32_t node, const std::vector<Sphere>& rest_spheres,
+                 const std::vector<Sphere>& spheres) const {
+    Vec3 center = tree_.spheres[node].center;
+    for (const std::uint32_t c : facts_.children[node])
+      center += (spheres[c].center - rest_spheres[c].center) / tree_.child_count[node];
+    double radius = 0;
+    for (const std::uint32_t c : facts_.children[node])
+      radius = std::max(radius, distance(center, spheres[c].center) + spheres[c].radius);
+    return {center, radius};
+  }
+
   Sphere approach1(std::uint32_t node, const std::vector<Vec3>& now, const std::vector<Sphere>& rest_spheres,
                    const std::vector<Sphere>& spheres) const {
     const Sphere& rest = tree_.spheres[node];
@@ -148,7 +159,12 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
   Reference result{{tree.spheres.begin(), tree.spheres.end()}, tree.spheres};
   for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
     const std::size_t level = tree.level_of(node);
-    switch (options.rules[std::min(level, options.rules.size() - 1)]) {
+    const Rule rule = options.rules[std::min(level, options.rules.size() - 1)];
+    switch (rule == Rule::wrapped && tree.is_leaf(node) ? Rule::exact : rule) {
+      case Rule::wrapped:
+        result.rest[node] = plain.wrapped(node, result.rest, result.rest);
+        result.now[node] = plain.wrapped(node, result.rest, result.now);
+        break;
       case Rule::exact:
       case Rule::modal:
         result.rest[node] = body_rest[node];
@@ -156,7 +172,7 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
         break;
       case Rule::traditional:
       case Rule::weighted: {
-        const bool by_area = options.rules[std::min(level, options.rules.size() - 1)] == Rule::weighted;
+        const bool by_area = rule == Rule::weighted;
         result.rest[node] = plain.traditional(node, by_area, mesh.positions);
         result.now[node] = plain.traditional(node, by_area, positions);
         break;

@@ -71,10 +71,11 @@ class Body {
 
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.
   ///
-  /// positions: of all vertices. With `exact` on all levels, the cost follows what moved: the leaves that own something
-  /// of it, and the leaves below nodes whose centres hang on it. Everything is updated where that is not possible:
-  /// other rules, after an update that failed, and when the vertex moved that the origin follows (the first one that a
-  /// facet uses). A range that ends before it begins or behind the last vertex gives bad_range and changes nothing.
+  /// positions: of all vertices. With `exact` or `wrapped` on all levels, the cost follows what moved: the leaves that
+  /// own something of it, and the leaves below nodes whose centres hang on it. Everything is updated where that is not
+  /// possible: other rules, after an update that failed, and when the vertex moved that the origin follows (the first
+  /// one that a facet uses). A range that ends before it begins or behind the last vertex gives bad_range and changes
+  /// nothing.
   UpdateStatus update(const PositionView& positions, std::span<const VertexRange> changed,
                       Workers& workers = serial_workers()) noexcept;
 

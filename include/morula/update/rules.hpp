@@ -12,14 +12,15 @@
 
 namespace morula {
 
-/// How a node's sphere follows the deformed surface. `exact` and `modal` cover it by construction, the others may leave
-/// surface bare [garcia2005, sec. 3].
+/// How a node's sphere follows the deformed surface. `exact`, `modal` and `wrapped` over these cover it by
+/// construction, the others may leave surface bare [garcia2005, sec. 3].
 enum class Rule : std::uint8_t {
   traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
   weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
   exact,        ///< Morula's: owned patches, every corner inside; covers by construction
+  wrapped,      ///< bottom-up: a sphere around the children's; covers when they do. Leaves follow `exact`
   modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers likewise
 };
 std::string_view name(Rule rule);
