@@ -141,7 +141,7 @@ constexpr std::array shown_methods{Method::octree, Method::morula};
 
 std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path& folder, Workers& workers,
                                const std::function<void(double, std::string)>& progress) {
-  const std::size_t per_tree = 1 + plan.motions.size() * position_rules().size();
+  const std::size_t per_tree = 1 + plan.motions.size() * demo_rules.size();
   Counter counter{0, plan.bodies.size() * shown_methods.size() * per_tree, progress};
   std::vector<DemoTree> trees;
   for (const DemoBody& body : plan.bodies) {
@@ -171,7 +171,7 @@ std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path
       tree.skipped = skipped;
       write_tree(folder / fmt::format("{}-{}.morula", body.name, name(method)), built);
       for (const DemoMotion& motion : motions) {
-        for (const Rule rule : position_rules()) {
+        for (const Rule rule : demo_rules) {
           counter.next(fmt::format("{} {} {} {}", body.name, name(method), motion.name, name(rule)));
           tree.cells.push_back(run_cell(body, built, motion, tree, rule, plan, folder, workers));
         }

@@ -3,6 +3,7 @@
 // The demo's experiment: bodies × methods × motions × rules, measured at a few frames of each motion.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <morula/accuracy/coverage.hpp>
@@ -27,6 +28,10 @@ struct FrameFigures {
   Looseness looseness;
   Coverage coverage;
 };
+
+/// The rules that are compared. On leaves, which the figures are of, `wrapped` would be `exact` once more.
+inline constexpr std::array demo_rules{Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2,
+                                       Rule::exact};
 
 /// One rule following one motion with one tree; figures are of the leaves (the last level set).
 struct DemoCell {

@@ -166,7 +166,7 @@ std::string cost_finding(const std::vector<DemoTree>& trees) {
 
 std::string demo_table(const std::vector<DemoTree>& trees) {
   std::vector<std::string> header{"body", "method", "motion"};
-  for (const Rule rule : position_rules()) header.emplace_back(name(rule));
+  for (const Rule rule : demo_rules) header.emplace_back(name(rule));
   Table table(header, 3);
   for (const DemoTree& tree : trees) {
     table.add_rule();
@@ -174,7 +174,7 @@ std::string demo_table(const std::vector<DemoTree>& trees) {
     std::vector<std::string> rest{tree.body, std::string(name(tree.method)), "at rest"};
     std::vector<std::string> back{"", "", "back at rest"};
     std::vector<std::string> times{"", "", "time per frame"};
-    for (const Rule rule : position_rules()) {
+    for (const Rule rule : demo_rules) {
       bool returns = true;
       const DemoCell* any = nullptr;
       for (const DemoCell& cell : tree.cells) {
