@@ -7,14 +7,7 @@
 #include <bit>
 #include <cmath>
 
-// Wider registers than the compiler may assume are asked for region by region.
-#if defined(__GNUC__) && !defined(MORULA_SCALAR)
-#define MORULA_VECTORS 1
-#if defined(__x86_64__)
-#define MORULA_DISPATCH 1
-#include <immintrin.h>
-#endif
-#endif
+#include "update/processors.hpp"
 
 namespace morula {
 
@@ -68,49 +61,8 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
 
 }  // namespace plain
 
-#ifdef MORULA_VECTORS
-namespace baseline {
-#define MORULA_LANES 4
-#include "update/kernels.inl"
-#undef MORULA_LANES
-}  // namespace baseline
-#endif
-
-#ifdef MORULA_DISPATCH
-
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
-namespace avx2 {
-#define MORULA_LANES 8
-#include "update/kernels.inl"
-#undef MORULA_LANES
-}  // namespace avx2
-
-#ifdef __clang__
-#pragma clang attribute pop
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"))), apply_to = function)
-#else
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx512vl,avx512bw,prefer-vector-width=512")
-#endif
-namespace avx512 {
-#define MORULA_LANES 16
-#include "update/kernels.inl"
-#undef MORULA_LANES
-}  // namespace avx512
-
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
-
-#endif
+#define MORULA_KERNELS "update/kernels.inl"
+#include "update/every_processor.inl"
 
 std::span<const Kernels> all_kernels() {
   static constexpr Kernels all[]{
@@ -123,13 +75,7 @@ std::span<const Kernels> all_kernels() {
       {"AVX-512", avx512::farthest, avx512::pull, avx512::narrow_floats},
 #endif
   };
-#ifdef MORULA_DISPATCH
-  if (!__builtin_cpu_supports("avx2")) return std::span(all).first(2);
-  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512dq") ||
-      !__builtin_cpu_supports("avx512vl") || !__builtin_cpu_supports("avx512bw"))
-    return std::span(all).first(3);
-#endif
-  return all;
+  return std::span(all).first(runnable_kinds());
 }
 
 const Kernels& kernels() {

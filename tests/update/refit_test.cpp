@@ -28,6 +28,12 @@ const Built& home() {
   static const Built built = build(limb(), {.depth = 2, .quality = Quality::fast});
   return built;
 }
+// A rebuild in every frame, run by the test, and every result taken.
+RefitOptions hosted(std::function<void(Job)> executor) {
+  RefitOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RefitThread::host};
+  options.executor = std::move(executor);
+  return options;
+}
 std::vector<Vec3> stretched(double t) {
   return deform(limb(), {Stretch{2}}, t);
 }
@@ -128,9 +134,7 @@ TEST(Refit, returns_home_near_rest_when_home_is_tighter) {
 
 TEST(Refit, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_rebuild) {
   Job waiting;
-  RefitOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RefitThread::host};
-  options.executor = [&](Job job) { waiting = std::move(job); };
-  RefittedBody body(limb(), home(), options);
+  RefittedBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
   ASSERT_TRUE(body.update(stretched(0.5)));
   ASSERT_TRUE(body.is_rebuilding());
   const std::uint64_t before = body.body().hash();
@@ -151,9 +155,7 @@ TEST(Refit, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_reb
 
 TEST(Refit, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
   std::vector<Job> jobs;
-  RefitOptions options{.gain = always, .look_ahead_frames = 0, .thread = RefitThread::host};
-  options.rebuild_every = 1;
-  options.executor = [&](Job job) { jobs.push_back(std::move(job)); };
+  const RefitOptions options = hosted([&](Job job) { jobs.push_back(std::move(job)); });
   {
     RefittedBody first(limb(), home(), options);
     ASSERT_TRUE(first.update(stretched(0.5)));
@@ -172,9 +174,7 @@ TEST(Refit, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
 
 TEST(Refit, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   Job waiting;
-  RefitOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RefitThread::host};
-  options.executor = [&](Job job) { waiting = std::move(job); };
-  RefittedBody body(limb(), home(), options);
+  RefittedBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
   ASSERT_TRUE(body.update(stretched(0.5)));
   ASSERT_TRUE(body.update(limb().positions));
   waiting();

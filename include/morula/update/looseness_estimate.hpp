@@ -17,7 +17,8 @@ namespace morula {
 /// there (Steiner's formula), V the volume of the object. Between facing parts of the surface each side counts up to
 /// the middle.
 ///
-/// Within 15 % of the voxel measure up to a looseness of 1.5, mostly within 5 %, also on deformed and rough bodies.
+/// Mostly within 5 % of the voxel measure up to a looseness of 1.5, within 15 % in all poses of the tests, deformed and
+/// rough bodies among them; 20 % was seen once, on a limb stretched to twice its length.
 /// Surface that no sphere contains counts as perfectly tight: read looseness beside the certificate. An open mesh has
 /// no inside: both sides count, and V is the volume of the ball with the mesh's area; only ratios mean something then.
 class LoosenessEstimator {
