@@ -77,6 +77,17 @@ std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
   return narrow;
 }
 
+// Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
+// mesh.
+std::uint64_t ownership_stamp(const Built& built) {
+  Hasher hash;
+  hash.add(tree_hash(built.tree));
+  hash.add(built.cover.vertex_count);
+  hash.add(built.cover.facet_count);
+  for (const std::uint32_t end : built.cover.region_end) hash.add(end);
+  return hash.value();
+}
+
 }  // namespace
 
 struct Body::State {
@@ -93,8 +104,20 @@ struct Body::State {
   std::optional<CornerWalk> raised{};   // conservative: the nodes of the papers' rules
   std::optional<ModalMotion> motion{};  // of a body with modes
   std::optional<ModalRule> modal{};
-  std::vector<Vec3> rest_positions{}, positions{};  // of a body with modes and levels that follow vertices
-  bool followed = true;                             // the points are those of the spheres: the last update was good
+  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes and levels that follow vertices
+  bool followed = true;  // the points are those of the spheres: the last update was good
+  std::uint64_t ownership = 0;
+  std::uint64_t frames = 0;  // good updates
+  bool current = true;       // the last update was good
+
+  UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
+  UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
+  UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
+  UpdateStatus counted(const UpdateStatus& status) noexcept {
+    current = static_cast<bool>(status);
+    frames += current;
+    return status;
+  }
 
   // The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
   // upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
@@ -145,7 +168,7 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
     require_modes(s.options.modes, mesh);
     s.motion.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
     if (modal_levels > 0) s.modal.emplace(mesh, built, rule_of_level, s.options, *s.motion, workers);
-    if (modal_levels < std::ssize(rule_of_level)) s.rest_positions = s.positions = mesh.positions;
+    if (modal_levels < std::ssize(rule_of_level)) s.rest_positions = s.moved_positions = mesh.positions;
   }
   if (s.modal) {
     const std::vector<double> at_rest(s.options.modes.mode_count, 0.0);
@@ -171,6 +194,7 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
+  s.ownership = ownership_stamp(built);
   s.work.nodes_updated = s.tree.node_count();
   if (modal_levels < std::ssize(rule_of_level)) {
     s.work.vertices_read = s.local.vertex_count();
@@ -182,62 +206,69 @@ Body::~Body() = default;
 Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
+UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
+  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
+  if (positions.size() != cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  const LocalPoints::Frame at = local.move(positions, workers);
+  followed = at.finite;
+  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  write_spheres(at, workers);
+  return work;
+}
+
+UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
+                                 Workers& workers) noexcept {
+  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
+  if (positions.size() != cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  for (const VertexRange& range : changed)
+    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
+  const bool all_local = exact && !raised && (!paper || paper->only_wraps());
+  if (!all_local || !followed || !local.keeps_origin(positions)) return follow(positions, workers);
+
+  const LocalPoints::Frame at = local.move_changed(positions, changed);
+  followed = at.finite;
+  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  UpdateStatus status = work;
+  status.vertices_read = local.changed_vertices();
+  status.cut_points_moved = local.changed_cut_points();
+  status.points_tested = exact->update_changed(local.points(), local.changed_blocks(), at.rounding, spheres);
+  if (paper)
+    for (std::size_t level = tree.level_count(); level-- > 0;)
+      paper->update_level(level, local.points(), at.rounding, spheres, workers);
+  return status;
+}
+
+UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
+  if (!motion) return {.code = UpdateStatus::Code::no_modes};
+  if (coordinates.size() != motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
+  if (std::size_t bad = 0; !motion->accepts(coordinates, bad))
+    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
+  const ModalPose pose = motion->pose(coordinates);
+  if (moved_positions.empty()) {
+    modal->update(pose, spheres, workers);
+    origin = pose.origin;
+    return work;
+  }
+  move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers);
+  const LocalPoints::Frame at = local.move(moved_positions, workers);
+  followed = at.finite;
+  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  if (modal) modal->update(pose, spheres, workers);
+  write_spheres(at, workers);
+  return work;
+}
+
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
-  State& s = *state_;
-  if (s.modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
-  const LocalPoints::Frame frame = s.local.move(positions, workers);
-  s.followed = frame.finite;
-  if (!frame.finite)
-    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
-  s.write_spheres(frame, workers);
-  return s.work;
+  return state_->counted(state_->follow(positions, workers));
 }
 
 UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
                           Workers& workers) noexcept {
-  State& s = *state_;
-  if (s.modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != s.cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
-  for (const VertexRange& range : changed)
-    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
-  const bool all_local = s.exact && !s.raised && (!s.paper || s.paper->only_wraps());
-  if (!all_local || !s.followed || !s.local.keeps_origin(positions)) return update(positions, workers);
-
-  const LocalPoints::Frame frame = s.local.move_changed(positions, changed);
-  s.followed = frame.finite;
-  if (!frame.finite)
-    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
-  UpdateStatus status = s.work;
-  status.vertices_read = s.local.changed_vertices();
-  status.cut_points_moved = s.local.changed_cut_points();
-  status.points_tested = s.exact->update_changed(s.local.points(), s.local.changed_blocks(), frame.rounding, s.spheres);
-  if (s.paper)
-    for (std::size_t level = s.tree.level_count(); level-- > 0;)
-      s.paper->update_level(level, s.local.points(), frame.rounding, s.spheres, workers);
-  return status;
+  return state_->counted(state_->follow(positions, changed, workers));
 }
 
 UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
-  State& s = *state_;
-  if (!s.motion) return {.code = UpdateStatus::Code::no_modes};
-  if (coordinates.size() != s.motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
-  if (std::size_t bad = 0; !s.motion->accepts(coordinates, bad))
-    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
-  const ModalPose pose = s.motion->pose(coordinates);
-  if (s.positions.empty()) {
-    s.modal->update(pose, s.spheres, workers);
-    s.origin = pose.origin;
-    return s.work;
-  }
-  move_by_modes(s.options.modes, s.rest_positions, coordinates, s.positions, workers);
-  const LocalPoints::Frame frame = s.local.move(s.positions, workers);
-  s.followed = frame.finite;
-  if (!frame.finite)
-    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
-  if (s.modal) s.modal->update(pose, s.spheres, workers);
-  s.write_spheres(frame, workers);
-  return s.work;
+  return state_->counted(state_->follow(coordinates, workers));
 }
 
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
@@ -280,6 +311,18 @@ std::uint64_t Body::hash() const {
   hash.add(state_->origin);
   for (const Spheref& s : state_->spheres) hash.add(s);
   return hash.value();
+}
+
+std::uint64_t Body::frame() const {
+  return state_->frames;
+}
+
+bool Body::is_current() const {
+  return state_->current;
+}
+
+std::uint64_t Body::ownership() const {
+  return state_->ownership;
 }
 
 const SphereTree& Body::rest_tree() const {

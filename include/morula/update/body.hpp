@@ -106,6 +106,13 @@ class Body {
   /// 64-bit FNV-1a over origin and spheres.
   std::uint64_t hash() const;
 
+  /// Good updates so far: tells one set of spheres from the next. 0 at rest, before the first.
+  std::uint64_t frame() const;
+  /// False after an update that was refused, until the next good one: the spheres are then those of an older frame.
+  bool is_current() const;
+  /// Tells trees and their regions apart: equal for bodies made from the same tree, whatever their positions.
+  std::uint64_t ownership() const;
+
   const SphereTree& rest_tree() const;
   const Cover& cover() const;
   const UpdateOptions& options() const;

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Rotation and translation: where a body is, on top of its deformation.
+#pragma once
+
+#include <array>
+#include <morula/geometry/vector.hpp>
+
+namespace morula {
+
+/// x ↦ rotation x + translation, in double.
+struct RigidTransform {
+  std::array<Vec3, 3> rows{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< of the rotation matrix
+  Vec3 translation{};
+
+  /// By a unit quaternion (w, x, y, z); one of another length is normalised, zero gives no rotation.
+  static RigidTransform from_quaternion(double w, double x, double y, double z, const Vec3& translation = {});
+  /// By an angle about an axis through the origin, right-handed; an axis of zero gives no rotation.
+  static RigidTransform from_axis(const Vec3& axis, double angle_radians, const Vec3& translation = {});
+
+  Vec3 turn(const Vec3& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
+  /// The rotation undone: that by the transposed matrix.
+  Vec3 turn_back(const Vec3& v) const { return v.x * rows[0] + v.y * rows[1] + v.z * rows[2]; }
+  Vec3 operator()(const Vec3& p) const { return turn(p) + translation; }
+
+  bool operator==(const RigidTransform&) const = default;
+};
+
+/// What p does in the frame of `frame`: frame⁻¹ ∘ p.
+RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p);
+RigidTransform inverse(const RigidTransform& t);
+
+/// Largest |(R Rᵀ − I)_ij|: 0 for a perfect rotation; infinity when an entry or the translation is not finite, or when
+/// R is a reflection.
+double deviation_from_rigid(const RigidTransform& t);
+/// What queries accept: anything made by the functions above, and products of thousands of such.
+inline constexpr double largest_rigid_deviation = 1e-9;
+
+}  // namespace morula

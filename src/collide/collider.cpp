@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/collide/collider.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace morula {
+
+Collider::Collider(const Mesh& mesh, const Body& body) : mesh_(&mesh), body_(&body), positions_(mesh.positions) {
+  const SphereTree& tree = body.rest_tree();
+  const Cover& cover = body.cover();
+  if (mesh.vertex_count() != cover.vertex_count || mesh.facet_count() != cover.facet_count)
+    throw std::invalid_argument("the body is of another mesh: " + std::to_string(cover.facet_count) + " facets, not " +
+                                std::to_string(mesh.facet_count()));
+  facet_begin_.assign(tree.node_count(), 0);
+  facet_end_.assign(tree.node_count(), 0);
+
+  // Patches are in depth-first order of leaves: so are the lists, and an inner node's is one range.
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node)
+    if (tree.is_leaf(node)) leaves.push_back(node);
+  std::stable_sort(leaves.begin(), leaves.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return cover.region_begin[a] < cover.region_begin[b]; });
+  for (const std::uint32_t leaf : leaves) {
+    const auto begin = static_cast<std::ptrdiff_t>(facets_.size());
+    facets_.insert(facets_.end(), cover.patch_facet.begin() + cover.region_begin[leaf],
+                   cover.patch_facet.begin() + cover.region_end[leaf]);
+    std::sort(facets_.begin() + begin, facets_.end());
+    facets_.erase(std::unique(facets_.begin() + begin, facets_.end()), facets_.end());
+    facet_begin_[leaf] = static_cast<std::uint32_t>(begin);
+    facet_end_[leaf] = static_cast<std::uint32_t>(facets_.size());
+  }
+  for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
+    if (tree.is_leaf(node)) continue;
+    facet_begin_[node] = facet_begin_[tree.first_child[node]];
+    facet_end_[node] = facet_end_[tree.first_child[node] + tree.child_count[node] - 1];
+  }
+}
+
+void Collider::place(const RigidTransform& placement) {
+  const double deviation = deviation_from_rigid(placement);
+  if (!(deviation <= largest_rigid_deviation))
+    throw std::invalid_argument(
+        "the placement of a body is not a finite rotation and translation: its rows deviate by " +
+        std::to_string(deviation) + " from unit vectors at right angles");
+  placement_ = placement;
+}
+
+void Collider::set_positions(const PositionView& positions) {
+  if (positions.size() != mesh_->vertex_count())
+    throw std::invalid_argument(std::to_string(positions.size()) + " positions for a mesh of " +
+                                std::to_string(mesh_->vertex_count()) + " vertices");
+  positions_ = positions;
+  positions_frame_ = body_->frame();
+}
+
+}  // namespace morula

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <morula/geometry/rigid_transform.hpp>
+#include <morula/geometry/trigonometry.hpp>
+
+namespace morula {
+
+RigidTransform RigidTransform::from_quaternion(double w, double x, double y, double z, const Vec3& translation) {
+  const double square = w * w + x * x + y * y + z * z;
+  RigidTransform t;
+  t.translation = translation;
+  if (!(square > 0)) return t;
+  const double s = 2 / square;
+  t.rows = {Vec3{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
+            Vec3{s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
+            Vec3{s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
+  return t;
+}
+
+RigidTransform RigidTransform::from_axis(const Vec3& axis, double angle_radians, const Vec3& translation) {
+  const double size = length(axis);
+  if (!(size > 0)) return from_quaternion(1, 0, 0, 0, translation);
+  const SinCos half = sin_cos(0.5 * angle_radians);
+  const Vec3 v = (half.sin / size) * axis;
+  return from_quaternion(half.cos, v.x, v.y, v.z, translation);
+}
+
+RigidTransform inverse(const RigidTransform& t) {
+  RigidTransform back;
+  for (int row = 0; row < 3; ++row)
+    back.rows[static_cast<std::size_t>(row)] = {t.rows[0][row], t.rows[1][row], t.rows[2][row]};
+  back.translation = -t.turn_back(t.translation);
+  return back;
+}
+
+RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p) {
+  RigidTransform t;
+  const RigidTransform back = inverse(frame);
+  const RigidTransform columns = inverse({p.rows, {}});  // its rows are p's columns
+  for (std::size_t row = 0; row < 3; ++row)
+    t.rows[row] = {dot(back.rows[row], columns.rows[0]), dot(back.rows[row], columns.rows[1]),
+                   dot(back.rows[row], columns.rows[2])};
+  t.translation = frame.turn_back(p.translation - frame.translation);
+  return t;
+}
+
+double deviation_from_rigid(const RigidTransform& t) {
+  constexpr double bad = std::numeric_limits<double>::infinity();
+  double worst = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!is_finite(t.rows[i])) return bad;
+    for (std::size_t j = 0; j <= i; ++j)
+      worst = std::max(worst, std::abs(dot(t.rows[i], t.rows[j]) - (i == j ? 1 : 0)));
+  }
+  if (!is_finite(t.translation) || !(dot(cross(t.rows[0], t.rows[1]), t.rows[2]) > 0)) return bad;
+  return worst;
+}
+
+}  // namespace morula
