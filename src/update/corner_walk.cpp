@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "update/point_runs.hpp"
 
@@ -12,7 +13,8 @@ namespace morula {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;
-constexpr float unknown = -1;
+constexpr double unknown = -1;
+constexpr float rounding = 1 + 0x1p-18f;  // of bounds, upwards
 
 }  // namespace
 
@@ -49,15 +51,26 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
     point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
   squared_.resize(chain_.size());
+  path_then_.resize(chain_.size());
+  path_.resize(nodes_.size());
+  squared_reach_.resize(nodes_.size());
 }
 
 void CornerWalk::measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                          Workers& workers) noexcept {
+  std::fill(path_.begin(), path_.end(), 0.0);
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t leaf = begin; leaf < end; ++leaf)
       for (std::size_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; entry += most_centers)
         walk(leaf, entry, std::min(most_centers, chain_begin_[leaf + 1] - entry), points, spheres);
   });
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const Below& below = below_[k];
+    float farthest = 0;
+    for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf)
+      farthest = std::max(farthest, squared_[chain_begin_[leaf] + below.slot]);
+    squared_reach_[k] = farthest;
+  }
 }
 
 std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
@@ -67,71 +80,69 @@ std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t co
   const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
   const auto index = std::span(points_).subspan(point_begin_[leaf], point_begin_[leaf + 1] - point_begin_[leaf]);
   kernels().farthest(points.data(), runs, index, std::span(centers).first(count), &squared_[entry]);
+  for (std::size_t i = 0; i < count; ++i) path_then_[entry + i] = path_[chain_[entry + i]];
   return count * owned_by_leaf_[leaf];
 }
 
 std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                                      std::span<const std::uint8_t> leaf_changed,
-                                      std::span<std::uint8_t> node_moved) noexcept {
+                                      std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept {
   std::size_t tested = 0;
-  // What is known of nodes that moved is no longer true.
+  // Rounded up, so that every move makes it longer.
   for (std::size_t k = 0; k < nodes_.size(); ++k)
-    if (node_moved[k] != 0)
-      for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
-        squared_[chain_begin_[leaf] + below_[k].slot] = unknown;
+    if (moved[k] >= 0)
+      path_[k] = std::nextafter(path_[k] + static_cast<double>(moved[k]), std::numeric_limits<double>::infinity());
   for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
     const std::uint32_t own = chain_begin_[leaf + 1] - 1;
-    if (leaf_changed[leaf] == 0 && node_moved[chain_[own]] == 0) continue;
+    if (leaf_changed[leaf] == 0 && moved[chain_[own]] < 0) continue;
     tested += walk(leaf, own, 1, points, spheres);
     if (leaf_changed[leaf] == 0) continue;
-    for (std::uint32_t entry = chain_begin_[leaf]; entry < own; ++entry) squared_[entry] = unknown;
-    for (std::uint32_t entry = chain_begin_[leaf]; entry <= own; ++entry) node_moved[chain_[entry]] = 1;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry < own; ++entry) path_then_[entry] = unknown;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry <= own; ++entry)
+      moved[chain_[entry]] = std::max(moved[chain_[entry]], 0.0f);
   }
   for (std::size_t k = 0; k < nodes_.size(); ++k)
-    if (node_moved[k] != 0) tested += search(k, points, spheres);
+    if (moved[k] >= 0) tested += search(k, points, spheres);
   return tested;
 }
 
-// Walks the leaves that may hold a node's farthest point: no leaf reaches farther than its own sphere.
+// Walks the leaves that may hold a node's farthest point. No leaf reaches farther than its own sphere, and none that
+// has not changed farther than before plus the node's way since.
 std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points,
                                std::span<const Spheref> spheres) noexcept {
   const Below& below = below_[k];
   const Vec3f& center = spheres[nodes_[k]].center;
   const auto entry = [&](std::uint32_t leaf) { return chain_begin_[leaf] + below.slot; };
+  const auto is_known = [&](std::uint32_t leaf) { return path_then_[entry(leaf)] == path_[k]; };
   const auto bound = [&](std::uint32_t leaf) {
+    if (const double then = path_then_[entry(leaf)]; then != unknown)
+      return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(path_[k] - then)) * rounding;
     const std::uint32_t own = chain_begin_[leaf + 1] - 1;
-    constexpr float rounding = 1 + 0x1p-18f;
     return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding;
   };
   float farthest = 0;  // known
   float highest = -1;  // of the bounds of leaves not walked
   std::uint32_t most_promising = below.leaf_end;
   for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
-    if (squared_[entry(leaf)] != unknown) {
+    if (is_known(leaf)) {
       farthest = std::max(farthest, squared_[entry(leaf)]);
     } else if (const float b = bound(leaf); b > highest) {
       highest = b, most_promising = leaf;
     }
   }
-  if (most_promising == below.leaf_end || highest * highest < farthest) return 0;
-  std::size_t tested = walk(most_promising, entry(most_promising), 1, points, spheres);
-  farthest = std::max(farthest, squared_[entry(most_promising)]);
-  for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
-    if (squared_[entry(leaf)] != unknown) continue;
-    const float b = bound(leaf);
-    if (b * b < farthest) continue;
-    tested += walk(leaf, entry(leaf), 1, points, spheres);
-    farthest = std::max(farthest, squared_[entry(leaf)]);
+  std::size_t tested = 0;
+  if (most_promising != below.leaf_end && highest * highest >= farthest) {
+    tested += walk(most_promising, entry(most_promising), 1, points, spheres);
+    farthest = std::max(farthest, squared_[entry(most_promising)]);
+    for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
+      if (is_known(leaf)) continue;
+      const float b = bound(leaf);
+      if (b * b < farthest) continue;
+      tested += walk(leaf, entry(leaf), 1, points, spheres);
+      farthest = std::max(farthest, squared_[entry(leaf)]);
+    }
   }
+  squared_reach_[k] = farthest;
   return tested;
-}
-
-float CornerWalk::squared_reach(std::size_t k) const noexcept {
-  const Below& b = below_[k];
-  float squared = 0;
-  for (std::uint32_t leaf = b.leaf_begin; leaf < b.leaf_end; ++leaf)
-    squared = std::max(squared, squared_[chain_begin_[leaf] + b.slot]);
-  return squared;
 }
 
 }  // namespace morula

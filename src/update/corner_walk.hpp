@@ -25,17 +25,17 @@ class CornerWalk {
   void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
 
   /// The same after a change, where every leaf is measured. leaf_changed: leaves, by their order, that own points
-  /// which moved. node_moved: nodes, by their number in nodes(), whose centres moved; flags all whose reach may differ
-  /// on return. Leaves that cannot decide the reach of a node above are not walked for it. Returns how many points were
-  /// tested.
+  /// which moved. moved: how far the centre of each of nodes() has moved, negative where it has not; not negative on
+  /// return for all whose reach may differ. Leaves that cannot decide the reach of a node above are not walked for it.
+  /// Returns how many points were tested.
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                            std::span<const std::uint8_t> leaf_changed, std::span<std::uint8_t> node_moved) noexcept;
+                            std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
 
   /// The nodes that are measured, ascending.
   std::span<const std::uint32_t> nodes() const { return nodes_; }
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
   /// Of nodes()[k], as measured last.
-  float squared_reach(std::size_t k) const noexcept;
+  float squared_reach(std::size_t k) const noexcept { return squared_reach_[k]; }
 
   std::size_t owned_points() const { return owned_points_; }
   std::size_t tested_points() const { return tested_points_; }
@@ -57,9 +57,12 @@ class CornerWalk {
   std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
-  // Of the leaf's points, parallel to chain_; unknown where the leaf cannot be the one that reaches farthest. Of the
-  // leaf's own node always known.
+  // How far the leaf's points reach from a node, parallel to chain_, as measured when the node's path was path_then_;
+  // of points that have moved since, path_then_ is unknown. Of the leaf's own node always measured.
   std::vector<float> squared_;
+  std::vector<double> path_then_;
+  std::vector<float> squared_reach_;  // of each node
+  std::vector<double> path_;          // of each node's centre, through all updates since all was measured
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 

@@ -88,7 +88,7 @@ void ExactRule::find_dependents(const Binding& binding, const Ownership& ownersh
   leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
   nodes_of_block_ = BlockLists(std::move(nodes), binding.local.block_count());
   leaf_changed_.resize(walk_.leaf_count());
-  node_moved_.resize(walk_.nodes().size());
+  moved_.resize(walk_.nodes().size());
 }
 
 void ExactRule::update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
@@ -105,24 +105,26 @@ void ExactRule::update(std::span<const LocalPoint> points, const Rounding& round
 
 std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
                                       const Rounding& rounding, std::span<Spheref> spheres) noexcept {
+  constexpr float hangs_on_a_block = 0, stays = -1;
   const bool rounding_changed = rounding != rounding_;
   rounding_ = rounding;
   std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
-  std::fill(node_moved_.begin(), node_moved_.end(), std::uint8_t{0});
+  std::fill(moved_.begin(), moved_.end(), stays);
   for (const std::uint32_t block : changed_blocks) {
     for (const std::uint32_t leaf : leaves_of_block_.of(block)) leaf_changed_[leaf] = 1;
-    for (const std::uint32_t k : nodes_of_block_.of(block)) node_moved_[k] = 1;
+    for (const std::uint32_t k : nodes_of_block_.of(block)) moved_[k] = hangs_on_a_block;
   }
-  for (std::size_t k = 0; k < node_moved_.size(); ++k) {
-    if (node_moved_[k] == 0) continue;
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    if (moved_[k] == stays) continue;
     Vec3f& kept = spheres[walk_.nodes()[k]].center;
     const Vec3f now = center(k, points);
-    node_moved_[k] = now == kept ? 0 : 1;
+    constexpr float rounded_up = 1 + 0x1p-20f, underflow = 0x1p-60f;
+    moved_[k] = now == kept ? stays : distance(now, kept) * rounded_up + underflow;
     kept = now;
   }
-  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, node_moved_);
-  for (std::size_t k = 0; k < node_moved_.size(); ++k)
-    if (node_moved_[k] != 0 || rounding_changed) set_radius(k, rounding, spheres);
+  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, moved_);
+  for (std::size_t k = 0; k < moved_.size(); ++k)
+    if (moved_[k] >= 0 || rounding_changed) set_radius(k, rounding, spheres);
   return tested;
 }
 

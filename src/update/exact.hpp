@@ -60,7 +60,8 @@ class ExactRule {
   std::vector<float> core_radius_;
   BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
   BlockLists nodes_of_block_;   // nodes whose centres look at it
-  std::vector<std::uint8_t> leaf_changed_, node_moved_;
+  std::vector<std::uint8_t> leaf_changed_;
+  std::vector<float> moved_;
   Rounding rounding_;  // of the last update
 };
 
