@@ -3,10 +3,12 @@
 // Scenario update: every rule over a bend and back, beside the least that any rule can do, which is to read the
 // vertices.
 #include <cstring>
+#include <memory>
 #include <morula/build/build.hpp>
 #include <morula/update/body.hpp>
 
 #include "frames.hpp"
+#include "resources.hpp"
 
 namespace morula::bench {
 namespace {
@@ -78,14 +80,62 @@ Result update_by(Rule rule, const Input& input, const Built& built, const std::v
   return result;
 }
 
+/// Bodies of one model, each in another frame of the motion: a body is a chunk, so workers share bodies, not vertices.
+Result twenty_bodies(const Input& input, const Built& built, const std::vector<Frame>& frames,
+                     const Settings& settings) {
+  constexpr std::size_t count = 20;
+  Result result{.scenario = "update", .item = "20 bodies, exact", .mesh = input.name};
+  const auto shared = std::make_shared<const Built>(built);
+  const Body first(input.mesh, shared);
+  const auto before = allocated_bytes();
+  std::vector<Body> bodies(count, first);
+  const auto after = allocated_bytes();
+  const auto frame_of = [&](std::size_t body) -> const Frame& { return frames[body % frames.size()]; };
+  const auto update_all = [&](Workers& workers) {
+    parallel_for(workers, count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) bodies[i].update(frame_of(i));
+    });
+  };
+  std::vector<std::uint64_t> alone;
+  UpdateStatus status;
+  for (std::size_t i = 0; i < count; ++i) {
+    Body body = first;
+    status = body.update(frame_of(i));
+    alone.push_back(body.hash());
+  }
+  std::vector<double> one_thread;
+  result.seconds = timed(settings, [&] {  // in turn, so that both meet the machine in the same mood
+    one_thread.push_back(seconds_of([&] { update_all(serial_workers()); }));
+    update_all(*settings.workers);
+  });
+  for (std::size_t k = 0; k < one_thread.size(); ++k) result.seconds[k] -= one_thread[k];
+  for (std::size_t i = 0; i < count; ++i)
+    result.expect(bodies[i].hash() == alone[i], "a body among others has other spheres than alone");
+
+  const double vertices = static_cast<double>(count * input.mesh.vertex_count());
+  result.figures = {{"threads", static_cast<double>(settings.workers->thread_count())},
+                    {"ns/vertex", 1e9 * median(result.seconds) / vertices},
+                    {"times one thread", median(one_thread) / median(result.seconds)}};
+  if (before && after) {
+    const double bytes = static_cast<double>(*after - *before) / count;
+    const double allowed = 600.0 * static_cast<double>(built.tree.node_count()) +
+                           24.0 * static_cast<double>(input.mesh.vertex_count()) +
+                           40.0 * static_cast<double>(status.cut_points_moved);
+    result.figures.push_back({"bytes of a body", bytes});
+    result.figures.push_back({"of 600 a node + 24 a vertex + 40 a cut point", bytes / allowed});
+  }
+  return result;
+}
+
 }  // namespace
 
 std::vector<Result> run_update(const Input& input, const Settings& settings) {
-  const Built built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const Built built = build(input.mesh, tree_options(settings), *settings.workers);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   std::vector<Result> results{floor_of_update(input, frames, settings)};
   const double floor = results.front().figures.front().value;
   for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
+  results.push_back(twenty_bodies(input, built, frames, settings));
   return results;
 }
 

@@ -27,16 +27,26 @@ void sort_unique(Indices& indices) {
 // would win in every direction, so distances below a fifth of the radius count as that.
 Indices best_by_direction(const Vec3& center, double radius, std::span<const LocalPoint> points,
                           std::span<const std::uint32_t> candidates) {
-  Indices chosen;
-  for (const Vec3& direction : fibonacci_directions(16)) {
-    std::uint32_t best = candidates[0];
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t i : candidates) {
-      const Vec3 offset = as_double(points[i]) - center;
-      const double cost = 7 * std::max(length(offset), 0.2 * radius) - 6 * dot(offset, direction);
-      if (cost < least) least = cost, best = i;
+  constexpr int count = 16;
+  const std::vector<Vec3> directions = fibonacci_directions(count);
+  double x[count], y[count], z[count], least[count];
+  Indices chosen(count, candidates[0]);
+  for (int k = 0; k < count; ++k) {
+    const Vec3& d = directions[static_cast<std::size_t>(k)];
+    x[k] = d.x, y[k] = d.y, z[k] = d.z, least[k] = std::numeric_limits<double>::infinity();
+  }
+  for (const std::uint32_t i : candidates) {
+    const Vec3 offset = as_double(points[i]) - center;
+    const double away = 7 * std::max(length(offset), 0.2 * radius);
+    double cost[count];
+    bool better = false;
+    for (int k = 0; k < count; ++k) {
+      cost[k] = away - 6 * (offset.x * x[k] + offset.y * y[k] + offset.z * z[k]);
+      better |= cost[k] < least[k];
     }
-    chosen.push_back(best);
+    if (!better) continue;
+    for (int k = 0; k < count; ++k)
+      if (cost[k] < least[k]) least[k] = cost[k], chosen[static_cast<std::size_t>(k)] = i;
   }
   sort_unique(chosen);
   return chosen;

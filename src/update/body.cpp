@@ -91,8 +91,7 @@ std::uint64_t ownership_stamp(const Built& built) {
 }  // namespace
 
 struct Body::State {
-  SphereTree tree;
-  Cover cover;
+  std::shared_ptr<const Built> built;
   UpdateOptions options;
   LocalPoints local;
   std::vector<Spheref> spheres{};
@@ -125,7 +124,7 @@ struct Body::State {
   void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
     if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
     if (paper)
-      for (std::size_t level = tree.level_count(); level-- > 0;)
+      for (std::size_t level = built->tree.level_count(); level-- > 0;)
         paper->update_level(level, local.points(), frame.rounding, spheres, workers);
     if (raised) raise(frame.rounding, workers);
     origin = frame.origin;
@@ -140,15 +139,23 @@ struct Body::State {
   }
 };
 
-Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers) {
+Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const Built>(built), std::move(options), workers) {}
+
+Body::Body(const Mesh& mesh, Built&& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const Built>(std::move(built)), std::move(options), workers) {}
+
+Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions options, Workers& workers) {
+  if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
+  const Built& built = *shared;
   require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
   const Ownership ownership =
       share_points(mesh, built.cover, order, leaves_measured(built.tree, order, rule_of_node, options.conservative));
-  state_ = std::make_unique<State>(
-      State{built.tree, built.cover, std::move(options), LocalPoints(mesh, built.cover, ownership)});
+  state_ =
+      std::make_unique<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;
 
   const LocalPoints::Frame rest = s.local.move(mesh.positions, workers);
@@ -157,13 +164,16 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
                                 " is too far from the centre for an update: scale mesh and tree so that coordinates "
                                 "about it stay below 1e17");
   s.origin = rest.origin;
-  s.spheres = narrowed(s.tree, rest.origin);
+  s.spheres = narrowed(built.tree, rest.origin);
   const std::vector<Spheref> of_tree = s.spheres;
-  const TriangleBvh bvh(mesh, workers);
-  const Binding binding{mesh, s.tree, rule_of_node, bvh, s.local, rest.rounding, of_tree, workers};
   const auto exact_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::exact);
   const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
   const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
+  const bool has_paper_nodes = exact_nodes + modal_nodes < std::ssize(rule_of_node);
+  std::optional<TriangleBvh> bvh;
+  if (has_paper_nodes) bvh.emplace(mesh, workers);
+  const Binding binding{mesh,    built.tree,    rule_of_node, bvh ? &*bvh : nullptr,
+                        s.local, rest.rounding, of_tree,      workers};
   if (!s.options.modes.empty()) {
     require_modes(s.options.modes, mesh);
     s.motion.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
@@ -185,17 +195,17 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
       s.report.carried_centers += tie.carries && !tie.degenerate;
     }
   }
-  if (exact_nodes + modal_nodes < std::ssize(rule_of_node)) {
+  if (has_paper_nodes) {
     s.paper.emplace(binding, s.options.details, s.spheres, s.report);
     s.work.points_tested += s.paper->tested_points();
   }
   if (s.options.conservative && s.paper) {
-    s.raised.emplace(s.tree, order, ownership, raised_nodes(rule_of_node));
+    s.raised.emplace(built.tree, order, ownership, raised_nodes(rule_of_node));
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
   s.ownership = ownership_stamp(built);
-  s.work.nodes_updated = s.tree.node_count();
+  s.work.nodes_updated = built.tree.node_count();
   if (modal_levels < std::ssize(rule_of_level)) {
     s.work.vertices_read = s.local.vertex_count();
     s.work.cut_points_moved = s.local.cut_point_count();
@@ -203,12 +213,17 @@ Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers&
 }
 
 Body::~Body() = default;
+Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {}
+Body& Body::operator=(const Body& other) {
+  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
 Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
 UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
   if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = at.finite;
   if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
@@ -219,7 +234,7 @@ UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers
 UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
                                  Workers& workers) noexcept {
   if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   for (const VertexRange& range : changed)
     if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
   const bool all_local = exact && !raised && (!paper || paper->only_wraps());
@@ -233,7 +248,7 @@ UpdateStatus Body::State::follow(const PositionView& positions, std::span<const 
   status.cut_points_moved = local.changed_cut_points();
   status.points_tested = exact->update_changed(local.points(), local.changed_blocks(), at.rounding, spheres);
   if (paper)
-    for (std::size_t level = tree.level_count(); level-- > 0;)
+    for (std::size_t level = built->tree.level_count(); level-- > 0;)
       paper->update_level(level, local.points(), at.rounding, spheres, workers);
   return status;
 }
@@ -276,7 +291,7 @@ Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinate
   std::size_t bad = 0;
   if (!s.modal || !s.modal->serves(node) || coordinates.size() != s.motion->mode_count() ||
       !s.motion->accepts(coordinates, bad))
-    return {s.tree.spheres[node].center, std::numeric_limits<double>::infinity()};
+    return {s.built->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
   const ModalPose pose = s.motion->pose(coordinates);
   const Spheref sphere = s.modal->sphere(node, pose);
   return {pose.origin + Vec3(sphere.center), static_cast<double>(sphere.radius)};
@@ -301,7 +316,7 @@ void Body::copy_spheres(std::vector<Sphere>& spheres) const {
 }
 
 SphereTree Body::current_tree() const {
-  SphereTree tree = state_->tree;
+  SphereTree tree = state_->built->tree;
   copy_spheres(tree.spheres);
   return tree;
 }
@@ -326,11 +341,11 @@ std::uint64_t Body::ownership() const {
 }
 
 const SphereTree& Body::rest_tree() const {
-  return state_->tree;
+  return state_->built->tree;
 }
 
 const Cover& Body::cover() const {
-  return state_->cover;
+  return state_->built->cover;
 }
 
 const UpdateOptions& Body::options() const {
@@ -342,7 +357,7 @@ const BindReport& Body::bind_report() const {
 }
 
 std::size_t Body::vertex_count() const {
-  return state_->cover.vertex_count;
+  return state_->built->cover.vertex_count;
 }
 
 }  // namespace morula

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "update/kernels.hpp"
+#include "update/nearby_points.hpp"
 #include "update/outermost.hpp"
 
 namespace morula {
@@ -20,23 +21,6 @@ std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule ru
   return flags;
 }
 
-// Points that may anchor a centre: those the node owns, and vertices not much farther off than its sphere reaches, so
-// that a centre inside the body finds anchors on all sides.
-void find_candidates(const Binding& binding, std::uint32_t node, std::span<const std::uint32_t> owned,
-                     std::vector<std::uint32_t>& facets, std::vector<std::uint32_t>& candidates) {
-  constexpr double reach = 1.3;
-  const Sphere& rest = binding.tree.spheres[node];
-  const Sphere around{rest.center, reach * rest.radius};
-  candidates.assign(owned.begin(), owned.end());
-  binding.bvh.facets_touching(around, facets);
-  for (const std::uint32_t f : facets)
-    for (const std::uint32_t v : binding.mesh.facets[f])
-      if (distance(binding.mesh.positions[v], around.center) <= around.radius)
-        candidates.push_back(binding.local.point_of(v));
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-}
-
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership)
@@ -46,14 +30,22 @@ ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Owner
   core_.resize(core_size * node_count);
   core_radius_.resize(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
+  const NearbyPoints nearby(binding.mesh, binding.tree, order, ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> facets, candidates;
+    PointSet points(binding.local.points().size());
+    std::vector<std::uint32_t> candidates;
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t node = walk_.nodes()[k];
       const std::uint32_t first = ownership.begin[order.begin[node]], last = ownership.begin[order.end[node]];
       const auto owned = std::span(ownership.points).subspan(first, last - first);
       choose_core(k, binding, owned);
-      find_candidates(binding, node, owned, facets, candidates);
+      // What the node owns, and vertices not much farther off than its sphere reaches, so that a centre inside the body
+      // finds anchors on all sides.
+      constexpr double reach = 1.3;
+      const Sphere& at_rest = binding.tree.spheres[node];
+      for (const std::uint32_t p : owned) points.add(p);
+      nearby.add({at_rest.center, reach * at_rest.radius}, points);
+      points.take(candidates);
       const Spheref& rest = binding.rest_spheres[node];
       chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
     }

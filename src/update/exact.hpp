@@ -23,7 +23,7 @@ struct Binding {
   const Mesh& mesh;
   const SphereTree& tree;
   std::span<const Rule> rule_of_node;
-  const TriangleBvh& bvh;
+  const TriangleBvh* bvh;    ///< of the mesh; none where no node follows a link
   const LocalPoints& local;  ///< at rest
   const Rounding& rest_rounding;
   std::span<const Spheref> rest_spheres;  ///< the tree's, about the rest origin

@@ -34,7 +34,9 @@ class LocalPoints {
   /// had this origin. Cost: what is in the ranges, and a few operations per block of the rest.
   Frame move_changed(const PositionView& positions, std::span<const VertexRange> changed) noexcept;
   /// Blocks of vertices that the last move_changed looked at.
-  std::span<const std::uint32_t> changed_blocks() const { return changed_blocks_; }
+  std::span<const std::uint32_t> changed_blocks() const {
+    return std::span(changed_blocks_).first(changed_block_count_);
+  }
   std::size_t changed_vertices() const noexcept;
   std::size_t changed_cut_points() const noexcept;
   std::size_t block_count() const { return block_largest_.size(); }
@@ -42,8 +44,8 @@ class LocalPoints {
   template <class Visit>
   void each_block(std::uint32_t point, const Visit& visit) const {
     constexpr auto block = static_cast<std::uint32_t>(vertices_per_block);
-    if (point < vertices_.size()) return visit(point / block);
-    const std::size_t cut = point - vertices_.size();
+    if (point < vertex_count_) return visit(point / block);
+    const std::size_t cut = point - vertex_count_;
     if (cut < edge_cuts_.size()) {
       for (const std::uint32_t p : edge_cuts_[cut].point) visit(p / block);
     } else {
@@ -57,10 +59,10 @@ class LocalPoints {
 
   /// Vertices in the ownership's order, then cut points.
   std::span<const LocalPoint> points() const { return points_; }
-  std::size_t vertex_count() const { return vertices_.size(); }
+  std::size_t vertex_count() const { return vertex_count_; }
   std::size_t cut_point_count() const { return edge_cuts_.size() + inner_cuts_.size(); }
   /// Point of a mesh vertex that facets use.
-  std::uint32_t point_of(std::uint32_t vertex) const { return point_of_[vertex]; }
+  std::uint32_t point_of(std::uint32_t vertex) const { return mesh_order_ ? vertex : point_of_[vertex]; }
 
  private:
   // The first point has the largest weight; each other one is `weight` of the way from it.
@@ -72,6 +74,9 @@ class LocalPoints {
     std::array<std::uint32_t, 3> point;
     float weight1, weight2;
   };
+  std::uint32_t vertex_of(std::size_t point) const {
+    return mesh_order_ ? static_cast<std::uint32_t>(point) : vertices_[point];
+  }
   std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
   Vec3 origin_of(const PositionView& positions) const noexcept;
   void narrow_block(const PositionView& positions, std::size_t block) noexcept;
@@ -81,6 +86,8 @@ class LocalPoints {
   void move_edge_cuts(std::size_t begin, std::size_t end) noexcept;
   void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
 
+  std::size_t vertex_count_;
+  bool mesh_order_;  // point i is mesh vertex i; the next two are empty then
   std::vector<std::uint32_t> vertices_;
   std::vector<std::uint32_t> point_of_;
   std::vector<EdgeCut> edge_cuts_;    // points vertices_.size() …
@@ -89,14 +96,14 @@ class LocalPoints {
   std::vector<float> block_largest_;  // largest |coordinate|; infinity when something in it is not finite
   BlockLists cuts_of_block_;
   std::vector<std::uint8_t> block_changed_;
-  std::vector<std::uint32_t> changed_blocks_;
+  std::vector<std::uint32_t> changed_blocks_;  // the first changed_block_count_
+  std::size_t changed_block_count_ = 0;
   Vec3 origin_;       // of the last frame
   Vec3 rest_origin_;  // the centre of the rest box
   Vec3 guide_rest_;   // the vertex that the origin moves with
   std::uint32_t guide_ = 0;
   double weight_slack_ = 0;
-  double size_ = 0;          // of the rest box, its largest side
-  bool mesh_order_ = false;  // point i is mesh vertex i
+  double size_ = 0;  // of the rest box, its largest side
 };
 
 }  // namespace morula

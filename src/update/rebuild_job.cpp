@@ -78,9 +78,9 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
-  const Built built = build(snapshot_, build_, one);
+  Built built = build(snapshot_, build_, one);
   if (build_.stop.stop_requested()) throw BuildStopped();
-  auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, built, {}, one), std::vector<double>(levels_)});
+  auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, std::move(built), {}, one), std::vector<double>(levels_)});
   estimator_.pose(snapshot_.positions);
   estimator_.estimate(epoch->body, epoch->looseness_at_build);
   return epoch;

@@ -123,10 +123,10 @@ void PaperRules::bind_links(const Binding& binding, const RuleOptions& options, 
     for (std::size_t k = begin; k < end; ++k) {
       const Node& n = nodes_[k];
       if (is_traditional(n))
-        found[k] = enclosed_vertices(mesh, binding.bvh, tree, n.node);
+        found[k] = enclosed_vertices(mesh, *binding.bvh, tree, n.node);
       else if (n.child_count == 0 || (n.rule == Rule::approach1 &&
                                       options.approach1_inner_center == RuleOptions::InnerCenter::linked_vertices))
-        found[k] = linked_vertices(mesh, binding.bvh, tree.spheres[n.node]);
+        found[k] = linked_vertices(mesh, *binding.bvh, tree.spheres[n.node]);
     }
   });
 

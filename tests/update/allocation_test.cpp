@@ -90,7 +90,8 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
     all_options.push_back({.rules = {Rule::approach1, Rule::exact, Rule::approach2}, .details = {}});
     all_options.push_back({.rules = {Rule::approach2}, .conservative = true, .details = {}});
     for (const UpdateOptions& options : all_options) {
-      Body body(b.mesh, b.built, options);
+      const Body made(b.mesh, b.built, options);
+      Body body = made;  // a copy has the same room
       for (Workers* workers : {&serial_workers(), &three}) {
         const VertexRange range{1, 3};
         const std::size_t before = allocations;

@@ -6,6 +6,9 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <morula/build/build.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 
 #include "bodies.hpp"
@@ -244,6 +247,38 @@ TEST(Rest, a_body_moves_as_a_value) {
   third = std::move(second);
   EXPECT_EQ(third.hash(), hash);
   EXPECT_TRUE(third.update(b.mesh.positions));
+}
+
+TEST(Body, copies_are_independent_and_share_the_model) {
+  const Mesh mesh = sample_body("limb");
+  const auto built = std::make_shared<const Built>(build(mesh, {.method = Method::octree}));
+  Body body(mesh, built);
+  EXPECT_EQ(&body.cover(), &built->cover) << "no copy";
+  const std::vector<Vec3> bent = deform(mesh, {Bend{90}}, 1.0), twisted = deform(mesh, {Twist{90}}, 1.0);
+  ASSERT_TRUE(body.update(bent));
+
+  Body copy = body;
+  EXPECT_EQ(&copy.cover(), &built->cover);
+  EXPECT_EQ(copy.hash(), body.hash()) << "in the same pose";
+  ASSERT_TRUE(copy.update(twisted));
+  Body alone(mesh, *built);
+  ASSERT_TRUE(alone.update(twisted));
+  EXPECT_EQ(copy.hash(), alone.hash());
+  ASSERT_TRUE(alone.update(bent));
+  EXPECT_EQ(body.hash(), alone.hash()) << "the original has not moved";
+
+  // Partial updates lean on what a body remembers of its last frame: that is copied too.
+  std::vector<Vec3> poked = twisted;
+  poked[mesh.vertex_count() - 1] += Vec3{0.01, 0, 0};
+  const VertexRange last{static_cast<std::uint32_t>(mesh.vertex_count() - 1),
+                         static_cast<std::uint32_t>(mesh.vertex_count())};
+  Body second = copy;
+  ASSERT_TRUE(second.update(poked, std::span(&last, 1)));
+  ASSERT_TRUE(alone.update(poked));
+  EXPECT_EQ(second.hash(), alone.hash());
+  body = second;
+  EXPECT_EQ(body.hash(), alone.hash());
+  EXPECT_THROW(Body(mesh, std::shared_ptr<const Built>()), std::invalid_argument);
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ struct BindReport {
   std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
 };
 
-/// Reads positions, writes spheres, nothing else. Every update starts from the rest state, so the result depends only
+/// Reads positions, writes spheres, nothing else. A value: copies are independent.
+/// Every update starts from the rest state, so the result depends only
 /// on the positions: back at rest the spheres are those of rest, bit for bit.
 class Body {
  public:
@@ -55,7 +56,15 @@ class Body {
   /// the rule `modal`, or coordinates about the centre reach 2^57 (1.4e17): their squares would leave the range of
   /// float.
   Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, Built&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
+  Body(const Mesh& mesh, std::shared_ptr<const Built> built, UpdateOptions options = {},
+       Workers& workers = serial_workers());
   ~Body();
+  /// Another body of the same model in the same pose, independent from now on; tree and cover are shared. Making one
+  /// this way is a copy of some arrays, while the constructors work out anchors and owned corners.
+  Body(const Body&);
+  Body& operator=(const Body&);
   Body(Body&&) noexcept;
   Body& operator=(Body&&) noexcept;
 
