@@ -8,11 +8,8 @@
 #include <string>
 
 #include "geometry/hash.hpp"
-#include "update/exact.hpp"
-#include "update/local_points.hpp"
-#include "update/modal.hpp"
+#include "update/body_state.hpp"
 #include "update/ownership.hpp"
-#include "update/paper_rules.hpp"
 
 namespace morula {
 namespace {
@@ -90,55 +87,6 @@ std::uint64_t ownership_stamp(const Built& built) {
 
 }  // namespace
 
-struct Body::State {
-  std::shared_ptr<const Built> built;
-  UpdateOptions options;
-  LocalPoints local;
-  std::vector<Spheref> spheres{};
-  Vec3 origin{};
-  BindReport report{};
-  UpdateStatus work{};  // of a good update: the same every time
-  std::optional<ExactRule> exact{};
-  std::optional<PaperRules> paper{};
-  std::optional<CornerWalk> raised{};   // conservative: the nodes of the papers' rules
-  std::optional<ModalMotion> motion{};  // of a body with modes
-  std::optional<ModalRule> modal{};
-  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes and levels that follow vertices
-  bool followed = true;  // the points are those of the spheres: the last update was good
-  std::uint64_t ownership = 0;
-  std::uint64_t frames = 0;  // good updates
-  bool current = true;       // the last update was good
-
-  UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
-  UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
-  UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
-  UpdateStatus counted(const UpdateStatus& status) noexcept {
-    current = static_cast<bool>(status);
-    frames += current;
-    return status;
-  }
-
-  // The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
-  // upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
-  // rules' own.
-  void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
-    if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
-    if (paper)
-      for (std::size_t level = built->tree.level_count(); level-- > 0;)
-        paper->update_level(level, local.points(), frame.rounding, spheres, workers);
-    if (raised) raise(frame.rounding, workers);
-    origin = frame.origin;
-  }
-
-  void raise(const Rounding& rounding, Workers& workers) noexcept {
-    raised->measure(local.points(), spheres, workers);
-    for (std::size_t k = 0; k < raised->nodes().size(); ++k) {
-      Spheref& sphere = spheres[raised->nodes()[k]];
-      sphere.radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
-    }
-  }
-};
-
 Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers)
     : Body(mesh, std::make_shared<const Built>(built), std::move(options), workers) {}
 
@@ -205,6 +153,8 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
     s.raise(rest.rounding, workers);
   }
   s.ownership = ownership_stamp(built);
+  s.reached.resize(built.tree.node_count());
+  s.coordinates_reached.resize(s.options.modes.mode_count);
   s.work.nodes_updated = built.tree.node_count();
   if (modal_levels < std::ssize(rule_of_level)) {
     s.work.vertices_read = s.local.vertex_count();
@@ -221,58 +171,6 @@ Body& Body::operator=(const Body& other) {
 Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
-UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
-  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
-  const LocalPoints::Frame at = local.move(positions, workers);
-  followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  write_spheres(at, workers);
-  return work;
-}
-
-UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
-                                 Workers& workers) noexcept {
-  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
-  for (const VertexRange& range : changed)
-    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
-  const bool all_local = exact && !raised && (!paper || paper->only_wraps());
-  if (!all_local || !followed || !local.keeps_origin(positions)) return follow(positions, workers);
-
-  const LocalPoints::Frame at = local.move_changed(positions, changed);
-  followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  UpdateStatus status = work;
-  status.vertices_read = local.changed_vertices();
-  status.cut_points_moved = local.changed_cut_points();
-  status.points_tested = exact->update_changed(local.points(), local.changed_blocks(), at.rounding, spheres);
-  if (paper)
-    for (std::size_t level = built->tree.level_count(); level-- > 0;)
-      paper->update_level(level, local.points(), at.rounding, spheres, workers);
-  return status;
-}
-
-UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
-  if (!motion) return {.code = UpdateStatus::Code::no_modes};
-  if (coordinates.size() != motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
-  if (std::size_t bad = 0; !motion->accepts(coordinates, bad))
-    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
-  const ModalPose pose = motion->pose(coordinates);
-  if (moved_positions.empty()) {
-    modal->update(pose, spheres, workers);
-    origin = pose.origin;
-    return work;
-  }
-  move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers);
-  const LocalPoints::Frame at = local.move(moved_positions, workers);
-  followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  if (modal) modal->update(pose, spheres, workers);
-  write_spheres(at, workers);
-  return work;
-}
-
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
   return state_->counted(state_->follow(positions, workers));
 }
@@ -284,6 +182,29 @@ UpdateStatus Body::update(const PositionView& positions, std::span<const VertexR
 
 UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
   return state_->counted(state_->follow(coordinates, workers));
+}
+
+UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {
+  State& s = *state_;
+  const bool all_exact = s.exact && !s.paper && !s.modal;
+  if (!all_exact) return update(positions, workers);
+  return s.counted_lazily(s.follow_lazily(positions, s.nodes_to_level(level), workers), s.nodes_to_level(level));
+}
+
+UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std::size_t level,
+                                       Workers& workers) noexcept {
+  State& s = *state_;
+  const bool all_modal = s.modal && !s.paper && !s.exact;
+  if (!all_modal) return update_modal(coordinates, workers);
+  return s.counted_lazily(s.follow_lazily(coordinates, s.nodes_to_level(level)), s.nodes_to_level(level));
+}
+
+std::size_t Body::reach(std::uint32_t node) noexcept {
+  return state_->reach(node);
+}
+
+bool Body::is_reached(std::uint32_t node) const {
+  return !state_->lazy || state_->reached[node] != 0;
 }
 
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {

@@ -56,21 +56,39 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   squared_reach_.resize(nodes_.size());
 }
 
-void CornerWalk::measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                         Workers& workers) noexcept {
+void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                               Workers& workers) noexcept {
   std::fill(path_.begin(), path_.end(), 0.0);
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t leaf = begin; leaf < end; ++leaf)
-      for (std::size_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; entry += most_centers)
-        walk(leaf, entry, std::min(most_centers, chain_begin_[leaf + 1] - entry), points, spheres);
+    for (std::size_t leaf = begin; leaf < end; ++leaf) {
+      std::size_t chain_end = chain_begin_[leaf + 1];
+      while (chain_end > chain_begin_[leaf] && chain_[chain_end - 1] >= count) --chain_end;
+      for (std::size_t entry = chain_begin_[leaf]; entry < chain_end; entry += most_centers)
+        walk(leaf, entry, std::min(most_centers, chain_end - entry), points, spheres);
+    }
   });
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const Below& below = below_[k];
-    float farthest = 0;
-    for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf)
-      farthest = std::max(farthest, squared_[chain_begin_[leaf] + below.slot]);
-    squared_reach_[k] = farthest;
-  }
+  for (std::size_t k = 0; k < count; ++k) squared_reach_[k] = farthest(k);
+}
+
+void CornerWalk::measure_one(std::size_t k, std::span<const LocalPoint> points,
+                             std::span<const Spheref> spheres) noexcept {
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+    walk(leaf, chain_begin_[leaf] + below_[k].slot, 1, points, spheres);
+  squared_reach_[k] = farthest(k);
+}
+
+std::size_t CornerWalk::points_of(std::size_t k) const noexcept {
+  std::size_t count = 0;
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf) count += owned_by_leaf_[leaf];
+  return count;
+}
+
+// Of what was measured last of each leaf below.
+float CornerWalk::farthest(std::size_t k) const noexcept {
+  float farthest = 0;
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+    farthest = std::max(farthest, squared_[chain_begin_[leaf] + below_[k].slot]);
+  return farthest;
 }
 
 std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,

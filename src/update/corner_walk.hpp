@@ -22,7 +22,14 @@ class CornerWalk {
              std::span<const std::uint8_t> measured);
 
   /// Takes the largest squared distance from the centre of each node to a point that it owns.
-  void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept;
+  void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept {
+    measure_first(nodes_.size(), points, spheres, workers);
+  }
+  /// Of the first `count` of nodes() alone: whole levels.
+  void measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                     Workers& workers) noexcept;
+  /// Of nodes()[k] alone.
+  void measure_one(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   /// The same after a change, where every leaf is measured. leaf_changed: leaves, by their order, that own points
   /// which moved. moved: how far the centre of each of nodes() has moved, negative where it has not; not negative on
@@ -37,6 +44,8 @@ class CornerWalk {
   /// Of nodes()[k], as measured last.
   float squared_reach(std::size_t k) const noexcept { return squared_reach_[k]; }
 
+  /// Those that nodes()[k] owns.
+  std::size_t points_of(std::size_t k) const noexcept;
   std::size_t owned_points() const { return owned_points_; }
   std::size_t tested_points() const { return tested_points_; }
 
@@ -48,6 +57,7 @@ class CornerWalk {
   // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
   std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
                    std::span<const Spheref> spheres) noexcept;
+  float farthest(std::size_t k) const noexcept;
   std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   std::vector<std::uint32_t> nodes_;

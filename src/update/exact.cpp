@@ -83,16 +83,22 @@ void ExactRule::find_dependents(const Binding& binding, const Ownership& ownersh
   moved_.resize(walk_.nodes().size());
 }
 
-void ExactRule::update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
-                       Workers& workers) noexcept {
-  parallel_for(workers, walk_.nodes().size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+void ExactRule::update_first(std::size_t count, std::span<const LocalPoint> points, const Rounding& rounding,
+                             std::span<Spheref> spheres, Workers& workers) noexcept {
+  parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, points);
   });
-  walk_.measure(points, spheres, workers);
+  walk_.measure_first(count, points, spheres, workers);
   rounding_ = rounding;
-  parallel_for(workers, walk_.nodes().size(), 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, count, 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding, spheres);
   });
+}
+
+void ExactRule::update_one(std::size_t k, std::span<const LocalPoint> points, std::span<Spheref> spheres) noexcept {
+  spheres[walk_.nodes()[k]].center = center(k, points);
+  walk_.measure_one(k, points, spheres);
+  set_radius(k, rounding_, spheres);
 }
 
 std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,

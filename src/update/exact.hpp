@@ -37,7 +37,14 @@ class ExactRule {
 
   /// Writes the spheres of its nodes. Nodes and leaves are independent.
   void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
-              Workers& workers) noexcept;
+              Workers& workers) noexcept {
+    update_first(walk_.nodes().size(), points, rounding, spheres, workers);
+  }
+  /// Of the first `count` nodes of the walk alone: whole levels. The others can follow one by one.
+  void update_first(std::size_t count, std::span<const LocalPoint> points, const Rounding& rounding,
+                    std::span<Spheref> spheres, Workers& workers) noexcept;
+  /// One node of the walk, at the points and with the rounding of update_first.
+  void update_one(std::size_t k, std::span<const LocalPoint> points, std::span<Spheref> spheres) noexcept;
 
   /// The same spheres, where every leaf follows the rule and only these blocks of vertices differ from the update
   /// before. Returns the points tested.

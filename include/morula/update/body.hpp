@@ -98,6 +98,24 @@ class Body {
   /// update().
   UpdateStatus update_modal(std::span<const double> coordinates, Workers& workers = serial_workers()) noexcept;
 
+  /// As update(), but only of the nodes of levels 0…level. Those below keep the spheres of an older frame, about an
+  /// older origin, until reach() is asked for them; nobody may read them before.
+  ///
+  /// Where all levels follow `exact`; other bodies are updated in full. It pays where few nodes are asked for and
+  /// leaves are many: every vertex is read all the same, because the root's sphere depends on it. Once all nodes have
+  /// been reached, the spheres are those of update(), bit for bit.
+  UpdateStatus update_lazily(const PositionView& positions, std::size_t level,
+                             Workers& workers = serial_workers()) noexcept;
+  /// As update_modal(), lazily; where all levels follow `modal`, the cost is that of the nodes asked for.
+  UpdateStatus update_modal_lazily(std::span<const double> coordinates, std::size_t level,
+                                   Workers& workers = serial_workers()) noexcept;
+  /// Brings the children of a node, which must be current itself, to the frame of the last lazy update. Not to be
+  /// called by several threads at once. No allocation. Cost: what the children own, or modes; nothing when they are
+  /// current. Returns how many were brought; none when an update was refused since.
+  std::size_t reach(std::uint32_t node) noexcept;
+  /// Does the node's sphere belong to this frame? All do after an update that was not lazy.
+  bool is_reached(std::uint32_t node) const;
+
   /// One node's sphere at the given coordinates, in mesh coordinates; the current spheres stay as they are. What a
   /// traversal from the root asks for, node by node: those that it never reaches cost nothing. The same bits as
   /// sphere() after update_modal(). Coordinates that update_modal() would refuse, and nodes on levels of other rules,

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a body is made of, and how it follows its frames.
+#pragma once
+
+#include <morula/update/body.hpp>
+#include <optional>
+
+#include "update/exact.hpp"
+#include "update/local_points.hpp"
+#include "update/modal.hpp"
+#include "update/paper_rules.hpp"
+
+namespace morula {
+
+struct Body::State {
+  std::shared_ptr<const Built> built;
+  UpdateOptions options;
+  LocalPoints local;
+  std::vector<Spheref> spheres{};
+  Vec3 origin{};
+  BindReport report{};
+  UpdateStatus work{};  // of a good update: the same every time
+  std::optional<ExactRule> exact{};
+  std::optional<PaperRules> paper{};
+  std::optional<CornerWalk> raised{};   // conservative: the nodes of the papers' rules
+  std::optional<ModalMotion> motion{};  // of a body with modes
+  std::optional<ModalRule> modal{};
+  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes and levels that follow vertices
+  std::uint64_t ownership = 0;
+  std::uint64_t frames = 0;  // good updates
+  bool current = true;       // the last update was good
+  bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
+  // After a lazy update: one flag per node that belongs to its frame, and the coordinates if it was by modes.
+  bool lazy = false;
+  std::vector<std::uint8_t> reached{};
+  std::vector<double> coordinates_reached{};
+
+  // Each moves the spheres, or says why not; what they return is to be counted.
+  UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
+  UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
+  UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
+  UpdateStatus counted(const UpdateStatus& status) noexcept;
+
+  // The same for the first `nodes` nodes, whole levels.
+  UpdateStatus follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept;
+  UpdateStatus follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept;
+  UpdateStatus counted_lazily(UpdateStatus status, std::size_t nodes) noexcept;
+  std::size_t nodes_to_level(std::size_t level) const noexcept;
+  std::size_t reach(std::uint32_t node) noexcept;
+
+  // Takes the largest of a rule's own radius and what the node owns.
+  void raise(const Rounding& rounding, Workers& workers) noexcept;
+
+ private:
+  UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
+  void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept;
+};
+
+}  // namespace morula
