@@ -64,5 +64,7 @@ struct PlacedPair {
 
 /// margin: finite, not negative.
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin);
+/// Of M and u; coordinates: A.
+PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin);
 
 }  // namespace morula
