@@ -13,40 +13,40 @@ namespace morula {
 // on that side of the centre, points of a cap grow farther towards its rim. With x the rim's distance from a's centre
 // along the axis, |rim - p|^2 = R_a^2 - 2 x s + s^2 = delta^2 / 4 + s delta (R_b + D - R_a) / D.
 // One inside the other: p is the middle of the smaller, nothing is farther than its radius.
-Contact contact_of(const PlacedPair& placed, const Spheref& a, const Spheref& b) {
-  Contact contact;
-  const Vec3 center_a(a.center), center_b = placed.moved(b.center);
+void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact) {
+  const auto turned = [](const std::array<Vec3, 3>& rows, const Vec3f& center) {
+    const Vec3 c(center);
+    return Vec3{dot(rows[0], c), dot(rows[1], c), dot(rows[2], c)};
+  };
+  const Vec3 center_a = turned(placed.world_a, a.center);
+  const Vec3 center_b = turned(placed.world_b, b.center) + placed.world_shift;
   const double radius_a = a.radius, radius_b = b.radius;
-  const double smaller = std::min(radius_a, radius_b);
+  const double smaller = std::min(radius_a, radius_b), sum = radius_a + radius_b;
   const Vec3 between = center_a - center_b;
   const double distance = length(between);
+  contact.depth = std::min(sum - distance, 2 * smaller);
+
   const double growth = 0.5 * placed.margin + placed.growth(a, b);
-
-  // Where centres coincide but for rounding, any direction is as good.
-  const bool coincide = !(distance > 0x1p-20 * (radius_a + radius_b));
-  contact.normal = coincide ? Vec3{1, 0, 0} : placed.world.turn(between / distance);
-  contact.depth = std::min(radius_a + radius_b - distance, 2 * smaller);
-
   const double grown_a = radius_a + growth, grown_b = radius_b + growth;
-  const double overlap = grown_a + grown_b - distance;
-  double bound;
-  if (coincide || distance <= std::abs(grown_a - grown_b)) {
-    const bool a_inside = radius_a < radius_b;
-    contact.point = placed.world(a_inside ? center_a : center_b);
-    bound = std::min(grown_a, grown_b);
+  // Where centres coincide but for rounding, any direction is as good.
+  const bool coincide = !(distance > 0x1p-20 * sum);
+  if (coincide || distance <= std::abs(radius_a - radius_b)) {
+    contact.normal = coincide ? Vec3{1, 0, 0} : between / distance;
+    contact.point = placed.world_origin + (radius_a < radius_b ? center_a : center_b);
+    contact.error_bound = std::min(grown_a, grown_b) * (1 + 0x1p-30);
     contact.lens_volume = 4.0 / 3.0 * std::numbers::pi * smaller * smaller * smaller;
-  } else {
-    contact.point = placed.world(center_b + between * (0.5 * (distance + radius_b - radius_a) / distance));
-    const double from_a = grown_a - 0.5 * overlap;
-    bound = std::sqrt(
-        std::max(0.0, 0.25 * overlap * overlap + from_a * overlap * (grown_b + distance - grown_a) / distance));
-    const double depth = contact.depth, difference = radius_a - radius_b, sum = radius_a + radius_b;
-    if (depth > 0)
-      contact.lens_volume = std::numbers::pi * depth * depth *
-                            (distance * distance + 2 * distance * sum - 3 * difference * difference) / (12 * distance);
+    return;
   }
-  contact.error_bound = bound * (1 + 0x1p-30);
-  return contact;
+  const double inverse = 1 / distance;
+  contact.normal = between * inverse;
+  contact.point = placed.world_origin + (center_b + contact.normal * (0.5 * (distance + radius_b - radius_a)));
+  const double overlap = grown_a + grown_b - distance;
+  const double from_a = grown_a - 0.5 * overlap;
+  const double squared_bound = overlap * (0.25 * overlap + from_a * (grown_b + distance - grown_a) * inverse);
+  contact.error_bound = std::sqrt(std::max(0.0, squared_bound)) * (1 + 0x1p-30);
+  const double depth = std::max(0.0, contact.depth), difference = radius_a - radius_b;
+  contact.lens_volume = std::numbers::pi / 12 * depth * depth * inverse *
+                        (distance * distance + 2 * distance * sum - 3 * difference * difference);
 }
 
 float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b) {

@@ -9,8 +9,8 @@
 
 namespace morula {
 
-/// All but Contact::bodies, the nodes and `finished`. [hubbard1996; dingliana2000]
-Contact contact_of(const PlacedPair& placed, const Spheref& a, const Spheref& b);
+/// Writes all but Contact::bodies, the nodes and `finished`. [hubbard1996; dingliana2000]
+void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact);
 
 /// (r_a + r_b + margin - distance) over r_a + r_b + margin: above 0 where spheres overlap, 1 where centres coincide.
 float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b);

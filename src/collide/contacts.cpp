@@ -27,7 +27,8 @@ class Descent {
  private:
   void enter(std::uint32_t a, std::uint32_t b, std::uint32_t depth) {
     if (trees_.is_final(a, b, depth)) {
-      Contact& contact = contacts_.emplace_back(contact_of(trees_.placed(), trees_.sphere_a(a), trees_.sphere_b(b)));
+      Contact& contact = contacts_.emplace_back();
+      describe(trees_.placed(), trees_.sphere_a(a), trees_.sphere_b(b), contact);
       contact.node_a = a;
       contact.node_b = b;
       contact.finished = true;

@@ -113,8 +113,7 @@ void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
   place(options);
   result.contacts.clear();
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
-    if (overlapping && trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth))
-      result.contacts.push_back(contact(pair, true));
+    if (overlapping && trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth)) report(pair, true, result);
   });
   result.finished_count = result.contacts.size();
 }
@@ -183,20 +182,20 @@ bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting&
   return since == 0 || since + front.bodies[pair.bodies].rounding < before.clearance;
 }
 
-Contact FrontWalk::contact(const Front::Waiting& pair, bool finished) const {
+void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& result) const {
   const TreePair& trees = trees_[pair.bodies];
-  Contact contact = contact_of(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b));
+  Contact& contact = result.contacts.emplace_back();
+  describe(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b), contact);
   contact.bodies = pair.bodies;
   contact.node_a = pair.a;
   contact.node_b = pair.b;
   contact.finished = finished;
-  return contact;
 }
 
 void FrontWalk::admit(const Front::Waiting& found, const CollideOptions& options, Contacts& result) {
   const TreePair& trees = trees_[found.bodies];
   if (trees.is_final(found.a, found.b, found.depth)) {
-    result.contacts.push_back(contact(found, true));
+    report(found, true, result);
     return;
   }
   Front::Waiting& pair = front.waiting.emplace_back(found);
@@ -347,10 +346,10 @@ void FrontWalk::finish(const CollideOptions& options, Contacts& result) {
     if (front.bodies[i].roots != Front::Verdict::untested) continue;
     result.finished = false;
     result.achieved_level[i] = 0;
-    result.contacts.push_back(contact({0, 0, i, 0, 0, 0, none, none}, false));
+    report({0, 0, i, 0, 0, 0, none, none}, false, result);
   }
   for (const Front::Waiting& pair : front.waiting) {
-    result.contacts.push_back(contact(pair, false));
+    report(pair, false, result);
     result.achieved_level[pair.bodies] = std::min(result.achieved_level[pair.bodies], pair.depth);
   }
   result.facets.clear();

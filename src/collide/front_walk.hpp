@@ -51,7 +51,7 @@ class FrontWalk {
   double travelled(const Front::Waiting& pair) const;
   void take_in(const Slot& slot, const std::uint64_t* masks, const CollideOptions& options, Contacts& result);
   void admit(const Front::Waiting& found, const CollideOptions& options, Contacts& result);
-  Contact contact(const Front::Waiting& pair, bool finished) const;
+  void report(const Front::Waiting& pair, bool finished, Contacts& result) const;
 
   bool keeps_ = false;
   std::vector<TreePair> trees_;

@@ -32,13 +32,15 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
   const RigidTransform &place_a = a.placement(), &place_b = b.placement();
   const Vec3 origin_a = a.body().origin(), origin_b = b.body().origin();
-  const RigidTransform world{place_a.rows, place_a(origin_a)};
-  const RigidTransform relative{relative_to(place_a, place_b).rows,
-                                place_a.turn_back(place_b(origin_b) - world.translation)};
+  const Vec3 world_a = place_a(origin_a), shift = place_b(origin_b) - world_a;
+  const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.turn_back(shift)};
   const double coordinates = largest_component(origin_a) + largest_component(origin_b) +
                              largest_component(place_a.translation) + largest_component(place_b.translation);
   PlacedPair pair = placed_pair(relative, coordinates, margin);
-  pair.world = world;
+  pair.world_a = place_a.rows;
+  pair.world_b = place_b.rows;
+  pair.world_shift = shift;
+  pair.world_origin = world_a;
   return pair;
 }
 

@@ -43,7 +43,10 @@ struct PairFrame {
 struct PlacedPair {
   std::array<Vec3, 3> rows;  ///< of M
   Vec3 translation;          ///< u
-  RigidTransform world;      ///< from a's local frame: its rotation, W_a
+  // To the world, about W_a: R_a c_a and R_b c_b + W_b - W_a. Distances there differ by 2 d of themselves, see above.
+  std::array<Vec3, 3> world_a, world_b;
+  Vec3 world_shift;   ///< W_b - W_a
+  Vec3 world_origin;  ///< W_a
   double margin = 0;
   double pad = 0;       ///< without margin
   double rounding = 0;  ///< of it, what the world's coordinates cost
