@@ -66,6 +66,7 @@ std::vector<Result> run_modal(const Input& input, const Settings& settings);
 std::vector<Result> run_refit(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
+std::vector<Result> run_collide(const Input& input, const Settings& settings);
 std::vector<Result> run_volumes(const Input& input, const Settings& settings);
 std::vector<Result> run_peers(const Input& input, const Settings& settings);
 

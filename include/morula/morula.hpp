@@ -6,6 +6,9 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/build/build.hpp>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
+#include <morula/collide/overlap.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>

@@ -74,6 +74,10 @@ inline WidePoints columns(const Rows& rows) {
   const Wide z_ab = MORULA_PICK(a, b, 2, 3, 2, 3), z_cd = MORULA_PICK(c, d, 2, 3, 2, 3);
   return {MORULA_PICK(ab, cd, 0, 1, 0, 1), MORULA_PICK(ab, cd, 2, 3, 2, 3), MORULA_PICK(z_ab, z_cd, 0, 2, 0, 2)};
 }
+// What stands behind z in each row: the radius of a sphere.
+inline Wide last_column(const Rows& rows) {
+  return MORULA_PICK(MORULA_PICK(rows.a, rows.b, 2, 3, 2, 3), MORULA_PICK(rows.c, rows.d, 2, 3, 2, 3), 1, 3, 1, 3);
+}
 #undef MORULA_PICK
 
 // Points by index; their columns are in the order of the list.

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide_sweep.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/overlap.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+
+namespace morula::bench {
+namespace {
+
+struct Small {
+  Small(std::string_view name, int resolution, int branching, int depth)
+      : mesh(sample_body(name, resolution)),
+        built(build(mesh, {.method = Method::octree, .branching = branching, .depth = depth})) {}
+  Mesh mesh;
+  Built built;
+};
+
+// A body on its way through frames.
+struct Actor {
+  explicit Actor(const Small& small)
+      : mesh(small.mesh), body(small.mesh, small.built), collider(small.mesh, body), positions(small.mesh.positions) {}
+  void deform(Random& random, double amplitude) {
+    const double size = bounding_box(mesh).diagonal();
+    Vec3 stretch;
+    for (int axis = 0; axis < 3; ++axis) stretch[axis] = 1 + random.uniform(-4, 4) * amplitude;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        positions[i][axis] = stretch[axis] * mesh.positions[i][axis] + random.uniform(-1, 1) * 0.1 * amplitude * size;
+    follow();
+  }
+  void shake(Random& random, double amplitude) {
+    for (Vec3& p : positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] += random.uniform(-amplitude, amplitude);
+    follow();
+  }
+  void follow() {
+    body.update(positions);
+    collider.set_positions(positions);
+  }
+  const Mesh& mesh;
+  Body body;
+  Collider collider;
+  std::vector<Vec3> positions;
+};
+
+struct Crossing {
+  std::uint32_t facet_a, facet_b;
+  Vec3 point;
+};
+
+bool goes_through(const Vec3& from, const Vec3& to, const Triangle& t, Vec3& point) {
+  const Vec3 normal = area_vector(t);
+  const double start = dot(normal, from - t[0]), end = dot(normal, to - t[0]);
+  if ((start > 0) == (end > 0) || start == end) return false;
+  point = from + (to - from) * (start / (start - end));
+  for (std::size_t k = 0; k < 3; ++k)
+    if (dot(normal, cross(t[(k + 1) % 3] - t[k], point - t[k])) < 0) return false;
+  return true;
+}
+
+struct Boxed {
+  Triangle triangle;
+  Box box;
+};
+std::vector<Boxed> boxed(const Collider& c) {
+  std::vector<Boxed> all(c.mesh().facet_count());
+  for (std::uint32_t f = 0; f < all.size(); ++f) {
+    all[f].triangle = c.triangle(f);
+    for (const Vec3& p : all[f].triangle) all[f].box.add(p);
+  }
+  return all;
+}
+
+std::vector<Crossing> crossings_by_brute_force(const Collider& a, const Collider& b) {
+  const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
+  std::vector<Crossing> found;
+  for (std::uint32_t i = 0; i < all_a.size(); ++i)
+    for (std::uint32_t j = 0; j < all_b.size(); ++j) {
+      const Boxed &x = all_a[i], &y = all_b[j];
+      if (x.box.lower.x > y.box.upper.x || y.box.lower.x > x.box.upper.x || x.box.lower.y > y.box.upper.y ||
+          y.box.lower.y > x.box.upper.y || x.box.lower.z > y.box.upper.z || y.box.lower.z > x.box.upper.z)
+        continue;
+      Vec3 point;
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (goes_through(x.triangle[k], x.triangle[(k + 1) % 3], y.triangle, point)) found.push_back({i, j, point});
+        if (goes_through(y.triangle[k], y.triangle[(k + 1) % 3], x.triangle, point)) found.push_back({i, j, point});
+      }
+    }
+  return found;
+}
+
+bool has(const Collider& c, std::uint32_t node, std::uint32_t facet) {
+  const auto list = c.facets(node);
+  return std::find(list.begin(), list.end(), facet) != list.end();
+}
+
+std::size_t missed(const std::vector<Crossing>& crossings, const Collider& a, const Collider& b,
+                   const std::vector<Contact>& contacts) {
+  std::size_t count = 0;
+  for (const Crossing& x : crossings)
+    count += std::none_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+      return squared_distance(x.point, c.point) <= (1 + 1e-9) * c.error_bound * c.error_bound &&
+             has(a, c.node_a, x.facet_a) && has(b, c.node_b, x.facet_b);
+    });
+  return count;
+}
+
+RigidTransform anywhere(Random& random, double reach) {
+  const auto any = [&] { return random.uniform(-1, 1); };
+  const Vec3 shift{reach * any(), reach * any(), reach * any()};
+  return RigidTransform::from_quaternion(any(), any(), any(), any(), shift);
+}
+
+struct Tally {
+  std::atomic<std::size_t> crossings{0}, poses_crossing{0}, answers{0}, missed{0}, refused{0}, other_end{0};
+};
+
+void try_pose(Actor& a, Actor& b, std::uint64_t seed, Tally& tally) {
+  Random random(seed);
+  const double amplitude = random.uniform(0, 0.12);
+  a.deform(random, amplitude);
+  b.deform(random, amplitude);
+  a.collider.place(anywhere(random, 1.2));
+  b.collider.place(anywhere(random, 1.2));
+
+  const Priority priority = std::array{Priority::level, Priority::overlap, Priority::importance}[seed % 3];
+  std::vector<Crossing> crossings;
+  std::size_t all_tests = 0, all_contacts = 0;
+  const auto judge = [&](const Contacts& contacts) {
+    ++tally.answers;
+    tally.missed += missed(crossings, a.collider, b.collider, contacts.contacts);
+  };
+  const auto see = [&] {
+    crossings = crossings_by_brute_force(a.collider, b.collider);
+    tally.crossings += crossings.size();
+    tally.poses_crossing += !crossings.empty();
+    const Contacts contacts = collide(a.collider, b.collider);
+    all_tests = contacts.pair_tests, all_contacts = contacts.contacts.size();
+    judge(contacts);
+    tally.missed += !crossings.empty() && !overlap(a.collider, b.collider);
+  };
+  ContactQuery query;
+  query.add(a.collider, b.collider);
+  const auto interrupt = [&] { query.set_options({.budget = random.next() % (all_tests + 1), .priority = priority}); };
+  const auto done = [&](const ContactStatus& status) {
+    tally.refused += !status;
+    judge(query.contacts());
+  };
+  const auto to_the_end = [&] {
+    query.set_options({.priority = priority});
+    done(query.resume());
+    tally.other_end += query.contacts().contacts.size() != all_contacts || !query.contacts().finished;
+  };
+
+  see();
+  interrupt();
+  done(query.start());
+  interrupt();
+  done(query.resume());
+  if (random.next() % 2 == 0) to_the_end();
+  // A small or a large step to the next frame, by deformation, placement or both.
+  const double step = random.next() % 2 == 0 ? 0.002 : 0.1;
+  if (random.next() % 3 != 0) a.shake(random, step);
+  if (random.next() % 3 != 0) {
+    RigidTransform place = b.collider.placement();
+    place.translation += step * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    b.collider.place(place);
+  }
+  see();
+  interrupt();
+  done(query.carry());
+  to_the_end();
+}
+
+}  // namespace
+
+Result sweep_poses(std::size_t poses, const Settings& settings) {
+  Result result{.scenario = "collide", .item = "no crossing is missed", .mesh = "small bodies"};
+  const std::vector<Small> bodies{{"limb", 8, 8, 3}, {"torus", 7, 4, 4}, {"bar", 5, 8, 2}, {"blob", 7, 16, 2}};
+  Tally tally;
+  result.seconds.push_back(seconds_of([&] {
+    parallel_for(*settings.workers, poses, 64, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::unique_ptr<Actor>> left, right;
+      for (const Small& small : bodies) {
+        left.push_back(std::make_unique<Actor>(small));
+        right.push_back(std::make_unique<Actor>(small));
+      }
+      for (std::size_t pose = begin; pose < end; ++pose)
+        try_pose(*left[pose % bodies.size()], *right[pose / bodies.size() % bodies.size()], pose + 1, tally);
+    });
+  }));
+  result.expect(tally.missed == 0, std::to_string(tally.missed) + " crossings missed");
+  result.expect(tally.refused == 0, "a query was refused");
+  result.expect(tally.other_end == 0, "an interrupted query ended elsewhere");
+  result.expect(tally.crossings > poses, "hardly anything crossed");
+  result.figures = {{"poses", static_cast<double>(2 * poses)},
+                    {"of them crossing", static_cast<double>(tally.poses_crossing)},
+                    {"crossings", static_cast<double>(tally.crossings)},
+                    {"answers", static_cast<double>(tally.answers)},
+                    {"missed", static_cast<double>(tally.missed)}};
+  return result;
+}
+
+}  // namespace morula::bench

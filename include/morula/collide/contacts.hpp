@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Where two bodies touch: sphere contacts, at the leaves or at a level, at once or as far as a budget reaches.
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <morula/collide/collider.hpp>
+#include <morula/collide/surface_point.hpp>
+#include <optional>
+#include <vector>
+
+namespace morula {
+
+/// A pair of nodes, one of each body, whose spheres overlap or are no farther apart than the margin.
+struct Contact {
+  std::uint32_t bodies = 0;  ///< which pair of bodies, of a query about several
+  std::uint32_t node_a = 0, node_b = 0;
+  /// Both nodes are final: leaves or on the level asked for. Otherwise the budget ended before the pair was looked
+  /// into; there may be any number of contacts below it, or none.
+  bool finished = false;
+  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centres
+  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centres coincide
+  double depth = 0;        ///< r_a + r_b - distance of centres, at most 2 min(r_a, r_b); minus the gap if there is one
+  double lens_volume = 0;  ///< of the overlap of both spheres
+  /// No common point of both regions is farther from `point`. With a margin: take any point of a's region and one of
+  /// b's that are no farther apart than the margin; the middle between them is no farther from `point`. Of the current
+  /// spheres, rounding included.
+  double error_bound = 0;
+};
+
+/// On each body the surface point nearest to Contact::point, among the facets of which the contact's node has a part.
+struct ContactFacets {
+  SurfacePoint a, b;
+};
+
+/// How much work a query may do.
+class Budget {
+ public:
+  /// All there is to do.
+  Budget() = default;
+  /// Pair tests. The result has the same bits for any number of workers.
+  template <std::integral Count>
+  Budget(Count pair_tests) : unit_(Unit::tests), amount_(static_cast<std::int64_t>(pair_tests)) {}
+  /// Time from the call on, by CollideOptions::clock.
+  template <std::integral Rep, class Period>
+  Budget(std::chrono::duration<Rep, Period> time)
+      : unit_(Unit::time), amount_(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()) {}
+
+  bool is_unlimited() const { return unit_ == Unit::none; }
+  bool is_time() const { return unit_ == Unit::time; }
+  bool is_tests() const { return unit_ == Unit::tests; }
+  std::int64_t tests() const { return amount_; }
+  std::chrono::nanoseconds time() const { return std::chrono::nanoseconds(amount_); }
+
+ private:
+  enum class Unit : std::uint8_t { none, tests, time };
+  Unit unit_ = Unit::none;
+  std::int64_t amount_ = 0;
+};
+
+/// Which pair is looked into next, when there is a budget.
+enum class Priority : std::uint8_t {
+  level,       ///< the coarsest, all bodies in turn: contacts become equally fine
+  overlap,     ///< that of the deepest overlap, as a share of both radii
+  importance,  ///< the same times the weight of the bodies
+};
+
+/// Monotone; called from the thread of the query alone.
+using Clock = std::function<std::chrono::nanoseconds()>;
+
+struct CollideOptions {
+  /// Contacts at this level set of both trees; nothing: at the leaves. Below the level count of one of the trees.
+  std::optional<std::uint32_t> level{};
+  double margin = 0;  ///< pairs this far apart count too; mesh units, finite, not negative
+  Budget budget{};    ///< not negative
+  Priority priority = Priority::overlap;
+  /// Fill Contacts::facets. Needs current positions of both bodies (Collider::set_positions).
+  bool facets = false;
+  Clock clock{};  ///< of a budget of time; none: std::chrono::steady_clock
+  /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
+  /// tested, from the thread of the query, perhaps more than once per node. True: they are current. False: they
+  /// cannot be had now, and the pairs that need them stay unfinished. None: everything is current.
+  std::function<bool(const Collider& collider, std::uint32_t node)> reach{};
+};
+
+/// Memory that a query uses again. A copy is empty.
+class ContactScratch {
+ public:
+  ContactScratch();
+  ContactScratch(const ContactScratch&);
+  ContactScratch(ContactScratch&&) noexcept;
+  ContactScratch& operator=(const ContactScratch&);
+  ContactScratch& operator=(ContactScratch&&) noexcept;
+  ~ContactScratch();
+
+  struct State;
+  State& state();  ///< made on first use
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+struct Contacts {
+  /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
+  std::vector<Contact> contacts;
+  std::vector<ContactFacets> facets;  ///< one per contact when asked for, else none
+  std::size_t finished_count = 0;     ///< of contacts
+  bool finished = false;              ///< nothing was left undone: finished_count is all
+  std::size_t pair_tests = 0;         ///< done by this call
+  /// Per pair of bodies: no pair is above this level set of both trees.
+  std::vector<std::uint32_t> achieved_level;
+
+  ContactScratch scratch;
+};
+
+/// Contacts of two bodies.
+///
+/// Sound where the spheres cover (rules exact, wrapped, modal, or conservative): surfaces that cross, or come as near
+/// as the margin, do so within a pair that is reported, with or without a budget. Order: depth-first, by the nodes of
+/// b, then of a, when there is no budget; else as found, the same every time for a budget of pair tests.
+///
+/// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or facets are
+/// asked for without current positions; `reused` is unchanged then. A reused result allocates nothing once its memory
+/// suffices.
+Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
+void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused);
+
+}  // namespace morula

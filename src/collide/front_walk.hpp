@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The queue that refines a front: what ContactQuery and collide() with a budget run.
+#pragma once
+
+#include <morula/collide/contacts.hpp>
+#include <morula/collide/front.hpp>
+#include <morula/parallel/workers.hpp>
+#include <vector>
+
+#include "collide/contact_surface.hpp"
+#include "collide/tree_pair.hpp"
+
+namespace morula {
+
+class FrontWalk {
+ public:
+  struct Pair {
+    const Collider *a, *b;
+    double weight;
+  };
+  std::vector<Pair> pairs;
+  Front front;
+
+  /// Arguments have been checked. keeps: the front is to be carried into the next frame, which costs a little.
+  void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
+  void resume(const CollideOptions& options, Workers& workers, Contacts& result);
+  void carry(const CollideOptions& options, Workers& workers, Contacts& result);
+  /// A front from outside.
+  void adopt(Front other);
+  /// Only what is finished in the front, which is of the present frame.
+  void list_finished(const CollideOptions& options, Contacts& result);
+  void cut(std::vector<FrontPair>& list);
+
+ private:
+  // An opened pair on its way: tested by any thread, then taken in, in order.
+  struct Slot {
+    Front::Waiting pair;
+    NodeRange below_a, below_b;
+    bool knows_verdicts;  // from the previous frame
+    double clearance;
+  };
+
+  template <class F>
+  void each_verdict(const F& f) const;
+  void place(const CollideOptions& options);
+  void refine(const CollideOptions& options, Workers& workers, Contacts& result);
+  void finish(const CollideOptions& options, Contacts& result);
+  bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
+  bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
+  double travelled(const Front::Waiting& pair) const;
+  void take_in(const Slot& slot, const std::uint64_t* masks, const CollideOptions& options, Contacts& result);
+  void admit(const Front::Waiting& found, const CollideOptions& options, Contacts& result);
+  void report(const Front::Waiting& pair, bool finished, Contacts& result) const;
+
+  bool keeps_ = false;
+  std::vector<TreePair> trees_;
+  // The previous frame's, while its verdicts may serve.
+  std::vector<Front::Opened> opened_before_;
+  std::vector<std::uint64_t> masks_before_;
+  std::vector<std::uint32_t> roots_before_;
+  std::vector<Slot> round_;
+  std::vector<std::uint64_t> round_masks_;
+  std::vector<Front::Waiting> aside_;
+  std::vector<std::uint32_t> before_of_child_;  // a table by place in a block; all none between uses
+  std::vector<double> motion_;
+  SurfaceScratch surface_;
+};
+
+}  // namespace morula

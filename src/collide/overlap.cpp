@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <morula/collide/contacts.hpp>
+#include <morula/collide/overlap.hpp>
+
+#include "collide/require.hpp"
+#include "collide/tree_pair.hpp"
+
+namespace morula {
+namespace {
+
+bool any_leaves(const TreePair& trees, std::uint32_t a, std::uint32_t b, std::uint32_t depth) {
+  if (trees.is_final(a, b, depth)) return true;
+  const NodeRange below_a = trees.below_a(a, depth), below_b = trees.below_b(b, depth);
+  std::uint64_t masks[max_branching];
+  trees.test(below_a, below_b, masks);
+  return any_overlapping(below_a, below_b, masks, [&](std::uint32_t child_a, std::uint32_t child_b) {
+    return any_leaves(trees, child_a, child_b, depth + 1);
+  });
+}
+
+}  // namespace
+
+bool overlap(const Collider& a, const Collider& b) {
+  require_current(a, "the first body");
+  require_current(b, "the second body");
+  const TreePair trees(a, b, 0, leaf_level);
+  return trees.overlaps(0, 0) && any_leaves(trees, 0, 0, 0);
+}
+
+}  // namespace morula

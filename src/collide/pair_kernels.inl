@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The source of the pair kernels, on registers of wide.inl.
+
+struct WideSpheres {
+  Wide x, y, z, r;
+};
+
+inline Wide absolute(Wide x) {
+  return larger(x, -x);
+}
+
+// Rows p, p + 4, p + 8 ...: one quarter of a register each.
+inline Wide quarters(const Spheref* p) {
+  const LocalPoint* rows = reinterpret_cast<const LocalPoint*>(p);
+#if MORULA_LANES == 4
+  return load_point(rows[0]);
+#else
+  typedef float Eight __attribute__((vector_size(32)));
+  const Four a = load_point(rows[0]), b = load_point(rows[4]);
+  const Eight ab = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+#if MORULA_LANES == 8
+  return ab;
+#else
+  const Four c = load_point(rows[8]), d = load_point(rows[12]);
+  const Eight cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#endif
+#endif
+}
+
+// Spheres [first, first + lanes) of a list, as columns, in order. Those from `readable` on are not touched.
+inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::size_t readable) {
+  alignas(64) float copy[4 * lanes];
+  const Spheref* p = list + first;
+  if (first + lanes > readable) {
+    const std::size_t left = readable - first;
+    for (std::size_t i = 0; i < 4 * lanes; ++i) copy[i] = 0;
+    __builtin_memcpy(copy, p, 16 * left);
+    p = reinterpret_cast<const Spheref*>(copy);
+  }
+  const Rows rows{quarters(p), quarters(p + 1), quarters(p + 2), quarters(p + 3)};
+  const WidePoints centers = columns(rows);
+  return {centers.x, centers.y, centers.z, last_column(rows)};
+}
+
+// Bit i: lane i of a is at most lane i of b.
+inline std::uint64_t at_most(Wide a, Wide b) {
+#if defined(MORULA_DISPATCH) && MORULA_LANES == 16
+  return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OQ);
+#elif defined(MORULA_DISPATCH) && MORULA_LANES == 8
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(a <= b)));
+#elif defined(MORULA_DISPATCH)
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(a <= b)));
+#else
+  const auto chosen = a <= b;
+  std::uint64_t bits = 0;
+  for (int i = 0; i < lanes; ++i) bits |= static_cast<std::uint64_t>(chosen[i] & 1) << i;
+  return bits;
+#endif
+}
+
+template <bool measured>
+float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+  // All of b, moved, as many at once as there are lanes.
+  alignas(64) float moved_x[most_spheres], moved_y[most_spheres], moved_z[most_spheres], radius[most_spheres];
+  for (std::size_t j = 0; j < block.count_b; j += lanes) {
+    const WideSpheres b = load_spheres(block.b, j, block.readable_b);
+    *reinterpret_cast<Wide*>(moved_x + j) =
+        (f.rows[0][0] * b.x + f.rows[0][1] * b.y) + (f.rows[0][2] * b.z + f.translation[0]);
+    *reinterpret_cast<Wide*>(moved_y + j) =
+        (f.rows[1][0] * b.x + f.rows[1][1] * b.y) + (f.rows[1][2] * b.z + f.translation[1]);
+    *reinterpret_cast<Wide*>(moved_z + j) =
+        (f.rows[2][0] * b.x + f.rows[2][1] * b.y) + (f.rows[2][2] * b.z + f.translation[2]);
+    const Wide size = (absolute(b.x) + absolute(b.y)) + absolute(b.z);
+    *reinterpret_cast<Wide*>(radius + j) = b.r * grown_b + (size * center_share + f.pad);
+  }
+
+  Wide least = all(infinity);
+  for (std::size_t i = 0; i < block.count_a; i += lanes) {
+    const WideSpheres a = load_spheres(block.a, i, block.readable_a);
+    const Wide grown = a.r * grown_a;
+    const std::size_t left = block.count_a - i;
+    const std::uint64_t counted = left < lanes ? (std::uint64_t{1} << left) - 1 : (std::uint64_t{1} << lanes) - 1;
+    Wide unmeasured{};  // infinity in lanes that do not count
+    if constexpr (measured)
+      for (std::size_t lane = left; lane < lanes; ++lane) unmeasured[lane] = infinity;
+    for (std::size_t j = 0; j < block.count_b; ++j) {
+      const Wide dx = a.x - moved_x[j], dy = a.y - moved_y[j], dz = a.z - moved_z[j];
+      const Wide squared = (dx * dx + dy * dy) + dz * dz;
+      const Wide sum = grown + radius[j];
+      const Wide square = sum * sum;
+      const std::uint64_t mask = (at_most(squared, square) & counted) << i;
+      masks[j] = i == 0 ? mask : masks[j] | mask;
+      if constexpr (measured) {
+        const Wide t = squared - square;
+        least = smaller(larger(t * (t / ((squared + square) + tiny)), unmeasured), least);
+      }
+    }
+  }
+  return -largest_lane(-least);
+}
+
+// Its own function, so that tables hold one kind of pointer.
+inline void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+  test_pairs<false>(f, block, masks);
+}

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// No query allocates once its memory suffices: counted by this program's own operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/overlap.hpp>
+#include <new>
+
+#include "specimens.hpp"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+void* counted(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const auto a = static_cast<std::size_t>(alignment);
+  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  ++allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  ++allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+
+namespace morula {
+namespace {
+
+TEST(Allocation, no_query_allocates_with_a_reused_result) {
+  const BuildOptions options{.method = Method::octree};
+  test::Specimen a("limb", 9, options), b("torus", 8, options);
+  a.place(RigidTransform::from_axis({1, 2, 3}, 1));
+  std::size_t time = 0;
+  CollideOptions timed{.budget = std::chrono::nanoseconds(20)};
+  timed.clock = [&time] { return std::chrono::nanoseconds(time++); };
+  const CollideOptions cases[]{{}, {.level = 2, .margin = 0.1}, {.budget = 500}, {.facets = true}, timed};
+  Workers three(3);
+  for (const CollideOptions& each : cases) {
+    Contacts contacts;
+    ContactQuery query(each);
+    query.add(*a.collider, *b.collider);
+    const auto all = [&] {
+      collide(*a.collider, *b.collider, each, contacts);
+      bool good = overlap(*a.collider, *b.collider);
+      good = query.start() && query.resume(three) && query.carry(three) && query.carry() && good;
+      return good && !contacts.contacts.empty();
+    };
+    const bool first = all() && all();
+    const std::size_t before = allocations;
+    const bool again = all();
+    const std::size_t after = allocations;
+    EXPECT_TRUE(first && again);
+    EXPECT_EQ(after - before, 0u);
+  }
+  EXPECT_GT(allocations, 0u) << "the counter counts";
+}
+
+}  // namespace
+}  // namespace morula

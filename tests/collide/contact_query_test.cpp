@@ -1,0 +1,424 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The front: complete and sound wherever it is interrupted, the same for any number of workers, and of use next frame.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/overlap.hpp>
+#include <set>
+#include <tuple>
+
+#include "specimens.hpp"
+
+namespace morula {
+namespace {
+
+using test::Specimen;
+using Code = ContactStatus::Code;
+
+const BuildOptions quick{.method = Method::octree};
+const BuildOptions narrow{.method = Method::octree, .branching = 4, .depth = 4};
+constexpr Priority priorities[]{Priority::level, Priority::overlap, Priority::importance};
+
+using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
+std::set<Key> finished_nodes(const Contacts& contacts) {
+  std::set<Key> keys;
+  for (const Contact& c : contacts.contacts)
+    if (c.finished) {
+      EXPECT_TRUE(keys.insert({c.bodies, c.node_a, c.node_b}).second) << "twice";
+    }
+  return keys;
+}
+
+struct TwoBodies : ::testing::Test {
+  Specimen a{"limb", 9, quick}, b{"torus", 8, narrow};
+  Random random{3};
+  void SetUp() override { pose(); }
+  void pose(double amplitude = 0.05) {
+    a.deform(random, amplitude);
+    b.deform(random, amplitude);
+    a.place(test::random_placement(random, 0.6));
+    b.place(test::random_placement(random, 0.6));
+  }
+};
+
+// Every pair of leaves is in or below exactly one pair of the cut: counted by leaves below nodes, and never twice.
+void expect_complete(const ContactQuery& query, const Specimen& a, const Specimen& b) {
+  std::vector<FrontPair> cut;
+  query.cut(cut);
+  const auto leaves_below = [](const SphereTree& tree) {
+    std::vector<std::set<std::uint32_t>> below(tree.node_count());
+    for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
+      if (tree.is_leaf(node)) below[node].insert(node);
+      if (node > 0) below[tree.parent[node]].insert(below[node].begin(), below[node].end());
+    }
+    return below;
+  };
+  const auto below_a = leaves_below(a.body->rest_tree()), below_b = leaves_below(b.body->rest_tree());
+  std::set<std::pair<std::uint32_t, std::uint32_t>> covered;
+  std::size_t count = 0;
+  for (const FrontPair& pair : cut) {
+    count += below_a[pair.a].size() * below_b[pair.b].size();
+    for (const std::uint32_t i : below_a[pair.a])
+      for (const std::uint32_t j : below_b[pair.b]) covered.insert({i, j});
+  }
+  EXPECT_EQ(count, below_a[0].size() * below_b[0].size());
+  EXPECT_EQ(covered.size(), count);
+}
+
+TEST_F(TwoBodies, every_interruption_is_complete_and_misses_nothing) {
+  std::size_t crossings_seen = 0;
+  for (const Priority priority : priorities) {
+    pose();
+    const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+    crossings_seen += crossings.size();
+    const std::set<Key> all = finished_nodes(collide(*a.collider, *b.collider));
+    std::set<Key> before;
+    bool finished = false;
+    for (std::int64_t budget = 0; !finished; budget = budget * 3 / 2 + 40) {
+      ContactQuery query({.budget = budget, .priority = priority});
+      query.add(*a.collider, *b.collider);
+      const ContactStatus status = query.start();
+      ASSERT_TRUE(status);
+      const Contacts& contacts = query.contacts();
+      EXPECT_LE(static_cast<std::int64_t>(status.pair_tests), budget);
+      EXPECT_EQ(status.finished, contacts.finished);
+      EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, contacts.contacts), 0u) << budget;
+      if (budget < 5000) expect_complete(query, a, b);
+      // More budget only refines.
+      const std::set<Key> now = finished_nodes(contacts);
+      EXPECT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end()));
+      EXPECT_TRUE(std::includes(all.begin(), all.end(), now.begin(), now.end()));
+      before = now;
+      finished = status.finished;
+      // By the same budget in one call.
+      const Contacts once = collide(*a.collider, *b.collider, {.budget = budget, .priority = priority});
+      EXPECT_EQ(finished_nodes(once), now);
+      EXPECT_EQ(once.pair_tests, contacts.pair_tests);
+    }
+    EXPECT_EQ(before, all);
+  }
+  EXPECT_GT(crossings_seen, 50u);
+}
+
+TEST_F(TwoBodies, resuming_ends_where_one_call_does) {
+  const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+  for (const Priority priority : priorities) {
+    ContactQuery query({.budget = 300, .priority = priority}), whole({.priority = priority});
+    query.add(*a.collider, *b.collider);
+    whole.add(*a.collider, *b.collider);
+    ASSERT_TRUE(whole.start());
+    ASSERT_TRUE(whole.contacts().finished);
+    ContactStatus status = query.start();
+    std::size_t calls = 1, tests = status.pair_tests;
+    for (; !status.finished && calls < 1000; ++calls) {
+      const std::uint32_t level = query.contacts().achieved_level[0];
+      if (calls % 3 == 0) {
+        // By way of a copy, in another query.
+        ContactQuery other({.budget = 300, .priority = priority});
+        other.add(*a.collider, *b.collider);
+        other.set_front(query.front());
+        ASSERT_TRUE(other.resume());
+        const auto in_other = finished_nodes(other.contacts());
+        status = query.resume();
+        EXPECT_EQ(in_other, finished_nodes(query.contacts()));
+      } else {
+        status = query.resume();
+      }
+      ASSERT_TRUE(status);
+      tests += status.pair_tests;
+      EXPECT_GE(query.contacts().achieved_level[0], level);
+      EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, query.contacts().contacts), 0u);
+    }
+    EXPECT_GT(calls, 5u);
+    EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(whole.contacts()));
+    EXPECT_EQ(tests, whole.contacts().pair_tests) << "nothing is tested twice";
+    EXPECT_EQ(query.contacts().contacts.size(), query.contacts().finished_count);
+  }
+}
+
+TEST_F(TwoBodies, any_number_of_workers_gives_the_same_front) {
+  Specimen c("blob", 8, quick);
+  c.place(test::random_placement(random, 0.5));
+  for (const Priority priority : priorities)
+    for (const std::int64_t budget : {700, 6000, 1000000}) {
+      Front expected;
+      std::vector<Contact> contacts;
+      for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+        Workers workers(threads);
+        ContactQuery query({.budget = budget, .priority = priority});
+        query.add(*a.collider, *b.collider, 2);
+        query.add(*c.collider, *b.collider, 0.5);
+        query.add(*a.collider, *c.collider);
+        ASSERT_TRUE(query.start(workers));
+        if (threads == 1) {
+          expected = query.front();
+          contacts = query.contacts().contacts;
+        }
+        EXPECT_EQ(query.front(), expected) << threads;
+        ASSERT_EQ(query.contacts().contacts.size(), contacts.size());
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+          const Contact &x = query.contacts().contacts[i], &y = contacts[i];
+          EXPECT_TRUE(x.bodies == y.bodies && x.node_a == y.node_a && x.node_b == y.node_b && x.point == y.point &&
+                      x.normal == y.normal && x.depth == y.depth && x.error_bound == y.error_bound);
+        }
+      }
+    }
+}
+
+TEST_F(TwoBodies, carried_front_has_the_contacts_of_a_fresh_one) {
+  ContactQuery carried, fresh;
+  carried.add(*a.collider, *b.collider);
+  fresh.add(*a.collider, *b.collider);
+  ASSERT_TRUE(carried.start());
+  ASSERT_TRUE(fresh.start());
+  std::size_t crossings_seen = 0, largest_fresh = 0, largest_carried = 0, saved = 0;
+  std::vector<Vec3> start_a = a.positions;
+  const RigidTransform home = a.collider->placement();
+  for (int frame = 0; frame < 60; ++frame) {
+    const double t = 0.1 * frame;
+    // Slow, then fast, then at rest; now deforming, now placed elsewhere, now both; out of contact and back.
+    const double speed = frame % 20 < 10 ? 0.002 : frame % 20 < 15 ? 0.3 : 0;
+    if (frame % 3 != 1) {
+      for (std::size_t i = 0; i < start_a.size(); ++i)
+        a.positions[i] = start_a[i] + speed * std::sin(t) * Vec3{start_a[i].y, 1, std::cos(start_a[i].x)};
+      ASSERT_TRUE(a.body->update(a.positions));
+      a.collider->set_positions(a.positions);
+    }
+    if (frame % 3 != 0) {
+      RigidTransform place = home;
+      place.translation += speed * 5 * std::sin(2 * t) * Vec3{1, 1, 0};
+      a.place(place);
+    }
+    if (frame == 30) b.deform(random, 0.05);
+    ASSERT_TRUE(carried.carry());
+    ASSERT_TRUE(fresh.start());
+    EXPECT_EQ(finished_nodes(carried.contacts()), finished_nodes(fresh.contacts())) << frame;
+    EXPECT_LE(carried.contacts().pair_tests, fresh.contacts().pair_tests);
+    if (frame % 6 == 0) {
+      const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+      crossings_seen += crossings.size();
+      EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, carried.contacts().contacts), 0u);
+    }
+    largest_fresh = std::max(largest_fresh, fresh.front().opened.size());
+    largest_carried = std::max(largest_carried, carried.front().opened.size());
+    saved += fresh.contacts().pair_tests - carried.contacts().pair_tests;
+  }
+  EXPECT_GT(crossings_seen, 100u);
+  EXPECT_GT(saved, 1000u);
+  EXPECT_EQ(largest_carried, largest_fresh) << "a front does not grow with time";
+}
+
+TEST_F(TwoBodies, at_rest_nothing_but_the_roots_is_tested_again) {
+  ContactQuery query;
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.start());
+  const std::size_t fresh = query.contacts().pair_tests;
+  const auto before = finished_nodes(query.contacts());
+  ASSERT_TRUE(a.body->update(a.positions));  // another frame, the same place
+  a.collider->set_positions(a.positions);
+  ASSERT_TRUE(query.carry());
+  EXPECT_EQ(query.contacts().pair_tests, 1u);
+  EXPECT_EQ(finished_nodes(query.contacts()), before);
+  EXPECT_GT(fresh, 1000u);
+  // Both placed elsewhere, together.
+  const RigidTransform shift = RigidTransform::from_axis({1, 2, 0}, 0.3, {4, 5, 6});
+  const auto moved = [&](const RigidTransform& t) {
+    RigidTransform m = t;
+    const RigidTransform columns = inverse({t.rows, {}});
+    for (std::size_t r = 0; r < 3; ++r)
+      m.rows[r] = {dot(shift.rows[r], columns.rows[0]), dot(shift.rows[r], columns.rows[1]),
+                   dot(shift.rows[r], columns.rows[2])};
+    m.translation = shift(t.translation);
+    return m;
+  };
+  a.place(moved(a.collider->placement()));
+  b.place(moved(b.collider->placement()));
+  ASSERT_TRUE(query.carry());
+  EXPECT_LT(query.contacts().pair_tests, fresh / 3);
+  EXPECT_EQ(finished_nodes(query.contacts()), before);
+}
+
+TEST_F(TwoBodies, carried_and_interrupted_misses_nothing) {
+  std::size_t crossings_seen = 0;
+  for (const std::int64_t budget : {1, 100, 500, 2000}) {
+    ContactQuery query({.budget = budget});
+    query.add(*a.collider, *b.collider);
+    ASSERT_TRUE(query.start());
+    for (int frame = 0; frame < 12; ++frame) {
+      if (frame % 4 < 2) {
+        for (Vec3& p : a.positions) p += 0.05 * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 1};
+        ASSERT_TRUE(a.body->update(a.positions));
+        a.collider->set_positions(a.positions);
+      }
+      ASSERT_TRUE(frame % 3 == 2 && frame % 4 >= 2 ? query.resume() : query.carry());
+      EXPECT_LE(static_cast<std::int64_t>(query.contacts().pair_tests), budget);
+      if (frame % 2 == 0) expect_complete(query, a, b);
+      const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+      crossings_seen += crossings.size();
+      EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, query.contacts().contacts), 0u);
+    }
+  }
+  EXPECT_GT(crossings_seen, 100u);
+}
+
+// At rest, a small budget per frame gets as far as a large one at once.
+TEST_F(TwoBodies, work_adds_up_over_frames_at_rest) {
+  ContactQuery query({.budget = 400});
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.start());
+  int frames = 1;
+  for (; !query.contacts().finished && frames < 500; ++frames) ASSERT_TRUE(query.carry());
+  EXPECT_GT(frames, 3);
+  EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(collide(*a.collider, *b.collider)));
+}
+
+TEST_F(TwoBodies, several_pairs_share_one_budget) {
+  Specimen c("blob", 8, quick);
+  c.place(a.collider->placement());
+  ContactQuery query({.budget = 2000, .priority = Priority::importance});
+  EXPECT_EQ(query.add(*a.collider, *b.collider, 1), 0u);
+  EXPECT_EQ(query.add(*a.collider, *c.collider, 0), 1u) << "of no importance";
+  ASSERT_TRUE(query.start());
+  EXPECT_LE(query.contacts().pair_tests, 2000u);
+  const auto of = [&](std::uint32_t bodies) {
+    return std::count_if(query.contacts().contacts.begin(), query.contacts().contacts.end(),
+                         [&](const Contact& contact) { return contact.bodies == bodies && contact.finished; });
+  };
+  EXPECT_GT(of(0), 0);
+  EXPECT_EQ(of(1), 0);
+  query.set_options({.budget = 2000, .priority = Priority::level});
+  ASSERT_TRUE(query.start());
+  EXPECT_GT(query.contacts().achieved_level[0], 0u);
+  EXPECT_GT(query.contacts().achieved_level[1], 0u);
+  query.set_options({});
+  ASSERT_TRUE(query.start());
+  std::set<Key> expected = finished_nodes(collide(*a.collider, *b.collider));
+  for (const Key& k : finished_nodes(collide(*a.collider, *c.collider)))
+    expected.insert({1, std::get<1>(k), std::get<2>(k)});
+  EXPECT_EQ(finished_nodes(query.contacts()), expected);
+}
+
+TEST_F(TwoBodies, time_is_looked_at_before_every_64_tests) {
+  const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+  // A clock that counts its readings: so many looks, so many blocks of tests.
+  for (const int looks : {0, 1, 2, 5, 20, 100000}) {
+    std::int64_t time = 1000;
+    CollideOptions options{.budget = std::chrono::nanoseconds(looks)};
+    options.clock = [&time] { return std::chrono::nanoseconds(time++); };
+    const Contacts contacts = collide(*a.collider, *b.collider, options);
+    EXPECT_LE(contacts.pair_tests, 64u * static_cast<std::size_t>(looks));
+    EXPECT_EQ(contacts.finished, looks == 100000);
+    EXPECT_LE(time - 1000, looks + 3);
+    EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, contacts.contacts), 0u);
+  }
+  // Wide nodes: up to 4,096 tests in a pair, stopped half way.
+  const BuildOptions wide{.method = Method::octree, .branching = 64, .depth = 1};
+  Specimen c("limb", 12, wide), d("limb", 12, wide);
+  for (const int looks : {2, 5, 10, 1000}) {
+    std::int64_t time = 0;
+    CollideOptions options{.budget = std::chrono::nanoseconds(looks)};
+    options.clock = [&time] { return std::chrono::nanoseconds(time++); };
+    ContactQuery query(options);
+    query.add(*c.collider, *d.collider);
+    ASSERT_TRUE(query.start());
+    EXPECT_LE(query.contacts().pair_tests, 64u * static_cast<std::size_t>(looks));
+    expect_complete(query, c, d);
+    // What was stopped half way is done again.
+    query.set_options({});
+    ASSERT_TRUE(query.resume());
+    EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(collide(*c.collider, *d.collider)));
+  }
+}
+
+TEST_F(TwoBodies, what_cannot_be_reached_stays_unfinished) {
+  const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+  const SphereTree& tree = a.body->rest_tree();
+  std::set<std::uint32_t> reached;
+  bool all = false;
+  CollideOptions options;
+  options.reach = [&](const Collider& collider, std::uint32_t node) {
+    if (&collider != a.collider.get()) return true;
+    reached.insert(node);
+    return all || node < tree.level_begin[2];
+  };
+  ContactQuery query(options);
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.start());
+  EXPECT_FALSE(query.contacts().finished);
+  EXPECT_LE(query.contacts().achieved_level[0], 2u);
+  for (const Contact& c : query.contacts().contacts)
+    if (!c.finished) {
+      EXPECT_EQ(tree.level_of(c.node_a), 2u);
+    }
+  expect_complete(query, a, b);
+  EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, query.contacts().contacts), 0u);
+  EXPECT_FALSE(reached.empty());
+  EXPECT_LT(reached.size(), tree.node_count()) << "only where the query goes";
+  all = true;
+  ASSERT_TRUE(query.resume());
+  EXPECT_TRUE(query.contacts().finished);
+  EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(collide(*a.collider, *b.collider)));
+}
+
+TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
+  ContactQuery query({.budget = 500});
+  query.add(*a.collider, *b.collider);
+  EXPECT_EQ(query.resume().code, Code::no_front);
+  EXPECT_EQ(query.carry().code, Code::no_front);
+  ASSERT_TRUE(query.start());
+  const Front front = query.front();
+  const std::size_t contacts = query.contacts().contacts.size();
+  const auto refused = [&](const ContactStatus& status, Code code) {
+    EXPECT_EQ(status.code, code) << message(status);
+    EXPECT_FALSE(message(status).empty());
+    EXPECT_EQ(query.front(), front);
+    EXPECT_EQ(query.contacts().contacts.size(), contacts);
+  };
+
+  const RigidTransform home = b.collider->placement();
+  b.place(RigidTransform::from_axis({1, 0, 0}, 0.1));
+  refused(query.resume(), Code::other_placement);
+  b.place(home);
+  query.set_options({.margin = 0.1, .budget = 500});
+  refused(query.resume(), Code::other_options);
+  refused(query.carry(), Code::other_options);
+  query.set_options({.level = 1, .budget = 500});
+  refused(query.carry(), Code::other_options);
+  query.set_options({.level = 9});
+  refused(query.start(), Code::bad_level);
+  query.set_options({.budget = 500});
+
+  ASSERT_TRUE(a.body->update(a.positions));
+  refused(query.resume(), Code::other_frame);
+  query.set_options({.budget = 500, .facets = true});
+  refused(query.carry(), Code::positions_not_current);
+  query.set_options({.budget = 500});
+  ASSERT_FALSE(a.body->update(std::vector<Vec3>(2)));
+  refused(query.start(), Code::body_not_current);
+  refused(query.resume(), Code::body_not_current);
+  refused(query.carry(), Code::body_not_current);
+  ASSERT_TRUE(a.body->update(a.positions));
+  EXPECT_TRUE(query.carry());
+
+  // A front of another body, of another tree on the same mesh, of another number of pairs.
+  Specimen other("limb", 9, narrow);
+  ContactQuery stranger;
+  stranger.add(*other.collider, *b.collider);
+  stranger.set_front(query.front());
+  EXPECT_EQ(stranger.carry().code, Code::other_bodies);
+  EXPECT_EQ(stranger.resume().code, Code::other_bodies);
+  EXPECT_THROW(query.add(*a.collider, *b.collider, -1), std::invalid_argument);
+  EXPECT_THROW(query.set_options({.margin = -1}), std::invalid_argument);
+  EXPECT_THROW(ContactQuery({.budget = -1}), std::invalid_argument);
+  const Front of_one = query.front();
+  query.add(*b.collider, *a.collider);
+  EXPECT_EQ(query.carry().code, Code::no_front);
+  query.set_front(of_one);
+  EXPECT_EQ(query.carry().code, Code::other_bodies);
+  EXPECT_TRUE(query.start());
+}
+
+}  // namespace
+}  // namespace morula

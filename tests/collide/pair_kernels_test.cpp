@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The pair test against double arithmetic, and every kind of processor against plain loops.
+#include "collide/pair_kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <morula/geometry/random.hpp>
+#include <vector>
+
+#include "collide/pair_frame.hpp"
+#include "specimens.hpp"
+
+namespace morula {
+namespace {
+
+std::vector<Spheref> random_spheres(std::size_t count, Random& random, double scale) {
+  std::vector<Spheref> spheres(count);
+  for (Spheref& s : spheres) {
+    for (int axis = 0; axis < 3; ++axis) s.center[axis] = static_cast<float>(random.uniform(-scale, scale));
+    s.radius = static_cast<float>(random.uniform(0, scale));
+  }
+  return spheres;
+}
+
+PairFrame random_frame(Random& random, double scale) {
+  const RigidTransform t = test::random_placement(random, scale);
+  PairFrame frame{};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (int axis = 0; axis < 3; ++axis) frame.rows[row][axis] = static_cast<float>(t.rows[row][axis]);
+  for (int axis = 0; axis < 3; ++axis) frame.translation[axis] = static_cast<float>(t.translation[axis]);
+  frame.pad = static_cast<float>(0x1p-20 * scale);
+  return frame;
+}
+
+TEST(PairKernels, all_processors_give_the_bits_of_plain_loops) {
+  const auto kernels = all_pair_kernels();
+  ASSERT_FALSE(kernels.empty());
+  Random random(1);
+  for (const double scale : {1.0, 1e-12, 0x1p57})
+    for (std::size_t round = 0; round < 400; ++round) {
+      const std::size_t count_a = 1 + random.next() % 64, count_b = 1 + random.next() % 64;
+      const std::size_t more = random.next() % 20;
+      const auto a = random_spheres(count_a + more, random, scale), b = random_spheres(count_b + more, random, scale);
+      const PairFrame frame = random_frame(random, scale);
+      // Exactly as much memory as may be read.
+      const PairBlock block{a.data(), count_a, a.size(), b.data(), count_b, b.size()};
+      std::uint64_t expected[64], masks[64];
+      const float least = kernels[0].test_and_measure(frame, block, expected);
+      EXPECT_TRUE(std::isfinite(least));
+      for (const PairKernels& kernel : kernels) {
+        std::fill(masks, masks + 64, 0x5555u);
+        kernel.test(frame, block, masks);
+        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kernel.instructions;
+        std::fill(masks, masks + 64, 0x5555u);
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(kernel.test_and_measure(frame, block, masks)),
+                  std::bit_cast<std::uint32_t>(least))
+            << kernel.instructions;
+        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kernel.instructions;
+      }
+    }
+}
+
+TEST(PairKernels, what_is_measured_is_below_the_least_difference) {
+  Random random(2);
+  for (int round = 0; round < 200; ++round) {
+    const auto a = random_spheres(8, random, 1), b = random_spheres(8, random, 1);
+    const PairFrame frame = random_frame(random, 1);
+    std::uint64_t masks[8];
+    const double least = all_pair_kernels()[0].test_and_measure(frame, {a.data(), 8, 8, b.data(), 8, 8}, masks);
+    double expected = 1e9;
+    for (const Spheref& s : a)
+      for (const Spheref& t : b) {
+        const Vec3 c(t.center);
+        Vec3 moved;
+        for (int row = 0; row < 3; ++row)
+          moved[row] = frame.rows[row][0] * c.x + frame.rows[row][1] * c.y + frame.rows[row][2] * c.z +
+                       static_cast<double>(frame.translation[row]);
+        expected = std::min(expected, std::abs(distance(Vec3(s.center), moved) -
+                                               (static_cast<double>(s.radius) + static_cast<double>(t.radius))));
+      }
+    EXPECT_LE(std::sqrt(0.5 * least), expected + 1e-5);
+    EXPECT_GE(std::sqrt(least), 0.7 * expected - 1e-5) << "of use";
+  }
+}
+
+// Spheres of bodies in the world, by double arithmetic: touching ones are found whatever the rounding, and nothing that
+// is apart by more than the pads.
+TEST(PairKernels, touching_spheres_overlap_wherever_the_bodies_are) {
+  Random random(3);
+  const BuildOptions options{.method = Method::octree, .depth = 2};
+  for (const double scale : {1.0, 1e-9, 1e9}) {
+    for (const double away : {0.0, 1e6}) {
+      test::Specimen a("torus", 8, options, scale, scale * away * Vec3{1, -1, 0.5});
+      test::Specimen b("limb", 8, options, scale);
+      // A sphere of each, made to touch to the last bit.
+      for (int round = 0; round < 200; ++round) {
+        const auto node_a = static_cast<std::uint32_t>(random.next() % a.body->spheres().size());
+        const auto node_b = static_cast<std::uint32_t>(random.next() % b.body->spheres().size());
+        a.place(test::random_placement(random, scale * away));
+        RigidTransform place = test::random_placement(random, 1);
+        const Sphere sphere_a = a.body->sphere(node_a), sphere_b = b.body->sphere(node_b);
+        const Vec3 direction = normalized(place.translation);
+        const Vec3 wanted = a.collider->placement()(sphere_a.center) + (sphere_a.radius + sphere_b.radius) * direction;
+        place.translation = {};
+        place.translation = wanted - place(sphere_b.center);
+        b.place(place);
+        const auto verdict = [&] {
+          const PlacedPair placed = placed_pair(*a.collider, *b.collider, 0);
+          const Spheref* first_a = &a.body->spheres()[node_a];
+          const Spheref* first_b = &b.body->spheres()[node_b];
+          std::uint64_t mask;
+          pair_kernels().test(placed.narrow, {first_a, 1, 1, first_b, 1, 1}, &mask);
+          return mask == 1;
+        };
+        EXPECT_TRUE(verdict()) << scale << ' ' << away;
+        place.translation += (1e-5 * a.size + 1e-9 * scale * away) * direction;
+        b.place(place);
+        EXPECT_FALSE(verdict()) << scale << ' ' << away;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace morula
