@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 9> scenarios{{
+constexpr std::array<NamedScenario, 10> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -34,6 +34,7 @@ constexpr std::array<NamedScenario, 9> scenarios{{
     {"collide", run_collide},
     {"volumes", run_volumes},
     {"peers", run_peers},
+    {"crossings", run_crossings},
 }};
 
 int run(int argc, char** argv) {
@@ -51,8 +52,9 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted,
-                 "build, update, modal, refit, measure, query, collide, volumes, peers; may be repeated (default: all)")
+  app.add_option(
+         "--scenario", wanted,
+         "build, update, modal, refit, measure, query, volumes, collide, crossings, peers; may be repeated (default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"

@@ -4,6 +4,9 @@
 // it was built in: boxes of what leaves that pose's box by more than one unit are cut off there.
 #include <BulletCollision/CollisionShapes/btOptimizedBvh.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <morula/geometry/triangle_intersection.hpp>
 
 #include "peers.hpp"
 
@@ -105,8 +108,52 @@ class BulletBvh final : public Peer {
   OpenBvh bvh_;
 };
 
+/// Bullet's own way for two meshes, but for the triangles: pairs of GImpact's boxes. A shape is made anew for each
+/// frame, so that quantised boxes are those of the frame.
+class BulletCrossings final : public CrossingPeer {
+ public:
+  BulletCrossings(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+  void take(const Frame& a, const Frame& b) override {
+    a_.take(a), b_.take(b);
+    shape_a_ = made(a_), shape_b_ = made(b_);
+  }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    btPairSet boxes;
+    const btTransform here = btTransform::getIdentity();
+    btGImpactBoxSet::find_collision(shape_a_->getMeshPart(0)->getBoxSet(), here, shape_b_->getMeshPart(0)->getBoxSet(),
+                                    here, boxes);
+    for (int i = 0; i < boxes.size(); ++i) {
+      const auto facet_a = static_cast<std::uint32_t>(boxes[i].m_index1);
+      const auto facet_b = static_cast<std::uint32_t>(boxes[i].m_index2);
+      if (intersect(triangle(a_, facet_a), triangle(b_, facet_b)))
+        pairs.push_back(std::uint64_t{facet_a} << 32 | facet_b);
+    }
+  }
+
+ private:
+  static std::unique_ptr<btGImpactMeshShape> made(BulletMesh& mesh) {
+    auto shape = std::make_unique<btGImpactMeshShape>(&mesh.arrays());
+    shape->updateBound();
+    return shape;
+  }
+  static Triangle triangle(const BulletMesh& mesh, std::uint32_t facet) {
+    Triangle t;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const btVector3 p = mesh.corner(facet, k);
+      t[k] = {static_cast<double>(p.x()), static_cast<double>(p.y()), static_cast<double>(p.z())};
+    }
+    return t;
+  }
+
+  BulletMesh a_, b_;
+  std::unique_ptr<btGImpactMeshShape> shape_a_, shape_b_;
+};
+
 }  // namespace
 
+std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b) {
+  return std::make_unique<BulletCrossings>(a, b);
+}
 std::unique_ptr<Peer> make_bullet(const Mesh& mesh) {
   return std::make_unique<BulletBvh>(mesh);
 }

@@ -10,11 +10,21 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <morula/geometry/triangle_intersection.hpp>
+#include <mutex>
 
 #include "peers.hpp"
 
 namespace morula::bench {
 namespace {
+
+template <class T, void (*release)(T*)>
+struct Release {
+  void operator()(T* object) const { release(object); }
+};
+using Device = std::unique_ptr<RTCDeviceTy, Release<RTCDeviceTy, rtcReleaseDevice>>;
+using Scene = std::unique_ptr<RTCSceneTy, Release<RTCSceneTy, rtcReleaseScene>>;
+using Geometry = std::unique_ptr<RTCGeometryTy, Release<RTCGeometryTy, rtcReleaseGeometry>>;
 
 class Embree final : public Peer {
  public:
@@ -68,14 +78,6 @@ class Embree final : public Peer {
     return search.found;
   }
 
-  template <class T, void (*release)(T*)>
-  struct Release {
-    void operator()(T* object) const { release(object); }
-  };
-  using Device = std::unique_ptr<RTCDeviceTy, Release<RTCDeviceTy, rtcReleaseDevice>>;
-  using Scene = std::unique_ptr<RTCSceneTy, Release<RTCSceneTy, rtcReleaseScene>>;
-  using Geometry = std::unique_ptr<RTCGeometryTy, Release<RTCGeometryTy, rtcReleaseGeometry>>;
-
   std::vector<Facet> facets_;
   std::size_t vertex_count_;
   Device device_{rtcNewDevice("threads=1")};
@@ -84,8 +86,79 @@ class Embree final : public Peer {
   Vec3f* positions_;  // Embree's
 };
 
+/// A mesh as the boxes of its facets: Embree finds pairs among those alone, and tests no triangles.
+class EmbreeBoxes {
+ public:
+  EmbreeBoxes(RTCDevice device, const Mesh& mesh)
+      : facets_(mesh.facets), scene_(rtcNewScene(device)), geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER)) {
+    for (const Vec3& p : mesh.positions) positions_.emplace_back(p);
+    rtcSetSceneFlags(scene_.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
+    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_LOW);
+    rtcSetGeometryBuildQuality(geometry_.get(), RTC_BUILD_QUALITY_REFIT);
+    rtcSetGeometryUserPrimitiveCount(geometry_.get(), static_cast<unsigned>(facets_.size()));
+    rtcSetGeometryUserData(geometry_.get(), this);
+    rtcSetGeometryBoundsFunction(geometry_.get(), bounds, nullptr);
+    rtcCommitGeometry(geometry_.get());
+    rtcAttachGeometry(scene_.get(), geometry_.get());
+    rtcCommitScene(scene_.get());
+  }
+  void take(const Frame& frame) {
+    positions_ = frame;
+    rtcCommitGeometry(geometry_.get());
+    rtcCommitScene(scene_.get());
+  }
+  RTCScene scene() const { return scene_.get(); }
+  Triangle triangle(unsigned facet) const {
+    const Facet& f = facets_[facet];
+    return {Vec3(positions_[f[0]]), Vec3(positions_[f[1]]), Vec3(positions_[f[2]])};
+  }
+
+ private:
+  static void bounds(const RTCBoundsFunctionArguments* arguments) {
+    const EmbreeBoxes& self = *static_cast<const EmbreeBoxes*>(arguments->geometryUserPtr);
+    const Facet& f = self.facets_[arguments->primID];
+    const Vec3f p = self.positions_[f[0]], q = self.positions_[f[1]], r = self.positions_[f[2]];
+    const Vec3f lower = min(min(p, q), r), upper = max(max(p, q), r);
+    RTCBounds& box = *arguments->bounds_o;
+    box.lower_x = lower.x, box.lower_y = lower.y, box.lower_z = lower.z;
+    box.upper_x = upper.x, box.upper_y = upper.y, box.upper_z = upper.z;
+  }
+
+  std::vector<Facet> facets_;
+  std::vector<Vec3f> positions_;
+  Scene scene_;
+  Geometry geometry_;
+};
+
+class EmbreeCrossings final : public CrossingPeer {
+ public:
+  EmbreeCrossings(const Mesh& a, const Mesh& b) : a_(device_.get(), a), b_(device_.get(), b) {}
+  void take(const Frame& a, const Frame& b) override { a_.take(a), b_.take(b); }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    found_ = &pairs;
+    rtcCollide(a_.scene(), b_.scene(), note, this);
+  }
+
+ private:
+  static void note(void* user, RTCCollision* collisions, unsigned count) {
+    EmbreeCrossings& self = *static_cast<EmbreeCrossings*>(user);
+    const std::lock_guard lock(self.mutex_);  // one thread, but Embree may have its own ideas
+    for (unsigned i = 0; i < count; ++i)
+      if (intersect(self.a_.triangle(collisions[i].primID0), self.b_.triangle(collisions[i].primID1)))
+        self.found_->push_back(std::uint64_t{collisions[i].primID0} << 32 | collisions[i].primID1);
+  }
+
+  Device device_{rtcNewDevice("threads=1")};
+  EmbreeBoxes a_, b_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t>* found_ = nullptr;
+};
+
 }  // namespace
 
+std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b) {
+  return std::make_unique<EmbreeCrossings>(a, b);
+}
 std::unique_ptr<Peer> make_embree(const Mesh& mesh) {
   return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC);
 }

@@ -3,6 +3,9 @@
 // FCL: a binary tree of boxes in double, refitted from the leaves up.
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/utility.h>
+#include <fcl/narrowphase/collision.h>
+
+#include <limits>
 
 #include "peers.hpp"
 
@@ -45,15 +48,42 @@ class Fcl final : public Peer {
   }
 
  private:
+  friend class FclCrossings;
   std::vector<Facet> facets_;
   std::vector<fcl::Vector3d> positions_;
   fcl::BVHModel<fcl::AABBd> model_;
+};
+
+class FclCrossings final : public CrossingPeer {
+ public:
+  FclCrossings(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+  void take(const Frame& a, const Frame& b) override {
+    a_.take(a), b_.take(b);
+    a_.refit(), b_.refit();
+  }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    constexpr bool contact_points = false;
+    const fcl::CollisionRequestd request(std::numeric_limits<std::size_t>::max(), contact_points);
+    const fcl::Transform3d here = fcl::Transform3d::Identity();
+    fcl::CollisionResultd result;
+    fcl::collide(&a_.model_, here, &b_.model_, here, request, result);
+    for (std::size_t i = 0; i < result.numContacts(); ++i) {
+      const fcl::Contactd& contact = result.getContact(i);
+      pairs.push_back(static_cast<std::uint64_t>(contact.b1) << 32 | static_cast<std::uint32_t>(contact.b2));
+    }
+  }
+
+ private:
+  Fcl a_, b_;
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> make_fcl(const Mesh& mesh) {
   return std::make_unique<Fcl>(mesh);
+}
+std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh& a, const Mesh& b) {
+  return std::make_unique<FclCrossings>(a, b);
 }
 
 }  // namespace morula::bench

@@ -8,16 +8,25 @@ namespace morula::bench {
 
 // What was not found is not made.
 #ifndef MORULA_PEER_FCL
+std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh&, const Mesh&) {
+  return nullptr;
+}
 std::unique_ptr<Peer> make_fcl(const Mesh&) {
   return nullptr;
 }
 #endif
 #ifndef MORULA_PEER_BULLET
+std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh&, const Mesh&) {
+  return nullptr;
+}
 std::unique_ptr<Peer> make_bullet(const Mesh&) {
   return nullptr;
 }
 #endif
 #ifndef MORULA_PEER_EMBREE
+std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh&, const Mesh&) {
+  return nullptr;
+}
 std::unique_ptr<Peer> make_embree(const Mesh&) {
   return nullptr;
 }
@@ -32,6 +41,15 @@ std::span<const PeerKind> peer_kinds() {
       PeerKind{"Bullet", "libbullet-dev", make_bullet},
       PeerKind{"Embree", "libembree-dev", make_embree},
       PeerKind{"Embree, robust", "libembree-dev", make_embree_robust},
+  };
+  return kinds;
+}
+
+std::span<const CrossingPeerKind> crossing_peer_kinds() {
+  static constexpr std::array kinds{
+      CrossingPeerKind{"FCL", "libfcl-dev", make_fcl_crossings},
+      CrossingPeerKind{"Bullet, GImpact and our test", "libbullet-dev", make_bullet_crossings},
+      CrossingPeerKind{"Embree and our test", "libembree-dev", make_embree_crossings},
   };
   return kinds;
 }

@@ -4,8 +4,10 @@
 // hundreds, which is what most of the difference in time comes from, and what it buys: they are a narrow phase as well.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "frames.hpp"
 
@@ -29,6 +31,27 @@ struct PeerKind {
   std::unique_ptr<Peer> (*make)(const Mesh& mesh);
 };
 std::span<const PeerKind> peer_kinds();
+
+/// Two meshes whose crossing facets a library finds.
+class CrossingPeer {
+ public:
+  virtual ~CrossingPeer() = default;
+  /// Takes and fits. Not timed.
+  virtual void take(const Frame& a, const Frame& b) = 0;
+  /// Appends the pairs (facet of a) << 32 | (facet of b), in any order, perhaps more than once. Timed.
+  virtual void find(std::vector<std::uint64_t>& pairs) = 0;
+};
+
+struct CrossingPeerKind {
+  const char* name;
+  const char* package;
+  std::unique_ptr<CrossingPeer> (*make)(const Mesh& a, const Mesh& b);
+};
+std::span<const CrossingPeerKind> crossing_peer_kinds();
+
+std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh& a, const Mesh& b);
+std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b);
+std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b);
 
 std::unique_ptr<Peer> make_fcl(const Mesh& mesh);
 std::unique_ptr<Peer> make_bullet(const Mesh& mesh);

@@ -69,6 +69,7 @@ std::vector<Result> run_query(const Input& input, const Settings& settings);
 std::vector<Result> run_collide(const Input& input, const Settings& settings);
 std::vector<Result> run_volumes(const Input& input, const Settings& settings);
 std::vector<Result> run_peers(const Input& input, const Settings& settings);
+std::vector<Result> run_crossings(const Input& input, const Settings& settings);
 
 /// Wall-clock seconds of one call.
 template <class F>

@@ -1,30 +1,62 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The facet of a node's region nearest to a point.
+// From a contact of spheres to one of surfaces: the facets that answer for it, their mean normal, and a depth without
+// what the spheres stick out of the surface.
 #pragma once
 
-#include <cstdint>
-#include <limits>
-#include <morula/collide/collider.hpp>
 #include <morula/collide/surface_point.hpp>
+
+#include "collide/leaf_surfaces.hpp"
 
 namespace morula {
 
-struct SurfaceScratch {};
+/// What questions about the same two bodies share: their leaves, read once. For one thread at a time.
+class SurfaceScratch {
+ public:
+  /// Begins a batch: placements, positions and spheres stay as they are until the next. Both colliders current. The
+  /// same collider may be both. Allocates when the bodies are others than before, or more is read than ever before.
+  void start(const Collider& a, const Collider& b);
+  /// Of one of the two.
+  LeafSurfaces& of(const Collider& collider) { return sides_[&collider == sides_[0].collider() ? 0 : 1]; }
 
-/// Looks at every facet of the node; to be replaced by a search that knows the regions. Ties: the facet that comes
-/// first in collider.facets(node).
-inline SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& world_point,
-                                  SurfaceScratch&) {
-  SurfacePoint nearest{};
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t facet : collider.facets(node)) {
-    const TrianglePoint found = closest_point(collider.triangle(facet), world_point);
-    if (!(found.squared_distance < least)) continue;
-    least = found.squared_distance;
-    nearest = {facet, found.barycentric, found.point};
-  }
-  return nearest;
-}
+  std::vector<float> gaps;  ///< memory
+
+ private:
+  LeafSurfaces sides_[2];
+};
+
+/// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
+/// closest_point() in the body's own frame, to positions that no rounding of a placement has touched; ties go to the
+/// lowest facet. The same bits as brute force. Cost: 0.1 to 0.2 µs, and 10 ns per facet of a leaf that is read.
+SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
+
+namespace brute_force {
+/// All facets of the node looked at.
+SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point);
+}  // namespace brute_force
+
+/// Mean normal of what a node owns, in the world, by area, at the current positions: the shorter the less its facets
+/// agree; zero for a whole closed surface.
+Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch);
+
+/// How far the node's region reaches along a unit vector of the world, at most: its sphere's reach or, where this is
+/// less, that of the farthest corner of its facets. Rounded up by some 1e-6 of the leaf.
+double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch);
+
+struct ContactSurface {
+  SurfacePoint on_a, on_b;  ///< nearest to the contact's point; their own points placed
+  Vec3 normal;              ///< unit, from b to a
+  /// How far a's region has to move along the normal, or along that of the spheres, to be apart from b's: the lesser
+  /// of these two upper bounds. 0: they are apart.
+  double depth;
+};
+
+/// point, sphere_normal (unit, from b to a) and depth: of the contact of two nodes' spheres.
+///
+/// The normal is the difference of the mean normals of both regions, or the spheres' where that is below a half. The
+/// depth is (depth - E_a - E_b)⁺ at most, E the excess of a sphere: how far it sticks out beyond the farthest corner of
+/// its facets, along the contact.
+ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
+                               const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch);
 
 }  // namespace morula

@@ -39,6 +39,8 @@ class Collider {
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
     return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
+  /// A vertex in the body's own frame: as it was given, not placed.
+  Vec3 position(std::uint32_t index) const { return positions_[index]; }
   /// A vertex where it is now: position, then placement, each rounded to double. These numbers are what exact verdicts
   /// are about.
   Vec3 vertex(std::uint32_t index) const { return placement_(positions_[index]); }

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/box_kernels.hpp"
+
+#include "geometry/float4.hpp"
+#include "update/processors.hpp"
+
+namespace morula {
+namespace {
+
+/// What the others have to reproduce.
+namespace plain {
+
+std::size_t select(const BoxList& boxes, const FloatBox& box, std::uint32_t* found) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < boxes.count; ++i) {
+    bool meet = true;
+    for (std::size_t k = 0; k < 3; ++k)
+      meet = meet && boxes.column[k][i] <= box.bound[k + 3] && box.bound[k] <= boxes.column[k + 3][i];
+    if (meet) found[count++] = static_cast<std::uint32_t>(i);
+  }
+  return count;
+}
+
+}  // namespace plain
+
+#define MORULA_KERNELS "collide/box_kernels.inl"
+#include "update/every_processor.inl"
+
+}  // namespace
+
+std::span<const BoxKernels> all_box_kernels() {
+  static constexpr BoxKernels all[]{
+      {"plain", plain::select},
+#ifdef MORULA_VECTORS
+      {"four lanes", baseline::select},
+#endif
+#ifdef MORULA_DISPATCH
+      {"AVX2", avx2::select},
+      {"AVX-512", avx512::select},
+#endif
+  };
+  return std::span(all).first(runnable_kinds());
+}
+
+const BoxKernels& box_kernels() {
+  static const BoxKernels& widest = all_box_kernels().back();
+  return widest;
+}
+
+}  // namespace morula

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// One box against many, the inner loop of whatever prunes facets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+namespace morula {
+
+/// lower x, y, z, then upper; closed. Empty: meets nothing.
+struct FloatBox {
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
+  float bound[6] = {infinity, infinity, infinity, -infinity, -infinity, -infinity};
+
+  void add(const FloatBox& b) {
+    for (int k = 0; k < 3; ++k) {
+      bound[k] = b.bound[k] < bound[k] ? b.bound[k] : bound[k];
+      bound[k + 3] = b.bound[k + 3] > bound[k + 3] ? b.bound[k + 3] : bound[k + 3];
+    }
+  }
+  /// What both have; empty when they do not meet.
+  FloatBox meet(const FloatBox& b) const {
+    FloatBox common;
+    for (int k = 0; k < 3; ++k) {
+      common.bound[k] = bound[k] > b.bound[k] ? bound[k] : b.bound[k];
+      common.bound[k + 3] = bound[k + 3] < b.bound[k + 3] ? bound[k + 3] : b.bound[k + 3];
+    }
+    return common;
+  }
+  bool is_empty() const { return !(bound[0] <= bound[3] && bound[1] <= bound[4] && bound[2] <= bound[5]); }
+};
+
+/// Boxes in columns: bound k of box i is column[k][i]. count: a multiple of box_list_step, filled up with empty boxes.
+struct BoxList {
+  const float* column[6];
+  std::size_t count;
+};
+inline constexpr std::size_t box_list_step = 16;
+
+struct BoxKernels {
+  const char* name;
+  /// Indices of the boxes that meet the given one, ascending; their number. found: room for count.
+  std::size_t (*select)(const BoxList& boxes, const FloatBox& box, std::uint32_t* found);
+};
+/// Narrowest first; what this processor runs. All find the same.
+std::span<const BoxKernels> all_box_kernels();
+/// The widest.
+const BoxKernels& box_kernels();
+
+}  // namespace morula

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
+// and of the point; A the same in the body's frame. Coordinates in float are off by less than 2^-24 M + 2^-53 A, so a
+// gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. closest_point() may return a point
+// of the facet's plane outside the facet: its barycentric coordinates are off by less than 2^13 e L² / edge², e = 2^-53
+// and L <= 2^13 extent the distance of the point, where the facet is regular; that shortens a distance by less than
+// 2^-25 of it. Its own rounding is below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the
+// least distance by 2^-18 M + 2^-48 A. Nothing is left out for points farther away than 2^12 extents.
+#include "collide/contact_surface.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace morula {
+namespace {
+
+struct Nearest {
+  TrianglePoint point{{}, {}, std::numeric_limits<double>::infinity()};
+  std::uint32_t facet = 0xffffffffu;
+
+  void look_at(const Collider& collider, std::uint32_t candidate, const Vec3& p) {
+    const Facet& f = collider.mesh().facets[candidate];
+    const TrianglePoint found =
+        closest_point({collider.position(f[0]), collider.position(f[1]), collider.position(f[2])}, p);
+    const bool nearer = found.squared_distance < point.squared_distance ||
+                        (found.squared_distance == point.squared_distance && candidate < facet);
+    if (nearer) point = found, facet = candidate;
+  }
+};
+
+Vec3 in_frame_of(const Collider& collider, const Vec3& point) {
+  return collider.placement().turn_back(point - collider.placement().translation);
+}
+SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
+  return {nearest.facet, nearest.point.barycentric, collider.placement()(nearest.point.point)};
+}
+
+void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& p, std::vector<float>& gaps,
+            Nearest& nearest) {
+  const Collider& collider = *surfaces.collider();
+  const Vec3f local(p - leaf.center);
+  const float away = largest_component(local);
+  if (!(away <= 0x1p12f * leaf.extent && leaf.extent <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
+    for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(collider, surfaces.facet(leaf, i), p);
+    return;
+  }
+  const FacetColumns columns = surfaces.columns(leaf);
+  if (gaps.size() < columns.count) gaps.resize(columns.count);
+  const float least = facet_kernels().squared_gaps(columns, local, gaps.data());
+  const double pad = 0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
+                     0x1p-48 * (leaf.largest_coordinate + largest_component(p));
+  // Gaps, squared, up to which facets have to be looked at.
+  const auto reach = [&] {
+    const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
+    return farthest * farthest;
+  };
+  double enough = reach();
+  if (leaf.all_regular && static_cast<double>(least) > enough) return;
+  std::size_t first = 0;
+  while (gaps[first] != least) ++first;
+  if (first >= leaf.size) first = leaf.size - 1;  // what fills up repeats the last facet
+  nearest.look_at(collider, surfaces.facet(leaf, first), p);
+  enough = reach();
+  for (std::size_t i = 0; i < leaf.size; ++i) {
+    if (i == first || (static_cast<double>(gaps[i]) > enough && !surfaces.is_irregular(leaf, i))) continue;
+    nearest.look_at(collider, surfaces.facet(leaf, i), p);
+    enough = reach();
+  }
+}
+
+struct MeanNormal {
+  Vec3 area_vector;
+  double area = 0;
+};
+
+double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
+  const Sphere s = collider.body().sphere(node);
+  return dot(collider.placement()(s.center), direction) + s.radius;
+}
+/// Of the corners of the facets that the node has a part of.
+double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
+  const Vec3 turned = collider.placement().turn_back(direction);
+  const Vec3f narrow(turned);
+  LeafSurfaces& surfaces = scratch.of(collider);
+  double reach = -std::numeric_limits<double>::infinity();
+  surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
+    const double beyond = static_cast<double>(facet_kernels().reach(surfaces.columns(leaf), narrow));
+    reach = std::max(reach, dot(leaf.center, turned) + beyond + 0x1p-20 * static_cast<double>(leaf.extent));
+  });
+  return reach + dot(collider.placement().translation, direction);
+}
+
+}  // namespace
+
+void SurfaceScratch::start(const Collider& a, const Collider& b) {
+  sides_[0].start(a);
+  sides_[1].start(b);
+}
+
+SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch) {
+  LeafSurfaces& surfaces = scratch.of(collider);
+  const Vec3 p = in_frame_of(collider, point);
+  Nearest nearest;
+  surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) { search(surfaces, leaf, p, scratch.gaps, nearest); });
+  return placed(collider, nearest);
+}
+
+SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point) {
+  Nearest nearest;
+  for (const std::uint32_t facet : collider.facets(node))
+    nearest.look_at(collider, facet, in_frame_of(collider, point));
+  return placed(collider, nearest);
+}
+
+Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch) {
+  MeanNormal mean;
+  scratch.of(collider).for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
+    mean.area_vector += leaf.area_vector;
+    mean.area += leaf.area;
+  });
+  return mean.area > 0 ? collider.placement().turn(mean.area_vector / mean.area) : Vec3{};
+}
+
+double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
+  return std::min(sphere_reach(collider, node, direction), facet_reach(collider, node, direction, scratch));
+}
+
+ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
+                               const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch) {
+  const auto overlap = [&](const Vec3& n) {
+    return region_reach(a, node_a, -n, scratch) + region_reach(b, node_b, n, scratch);
+  };
+  const Vec3 difference = mean_normal(b, node_b, scratch) - mean_normal(a, node_a, scratch);
+  // Regions that face each other differ by up to 2. Centres of spheres that hug a surface lie in it, so where normals
+  // tell anything, the line of the centres tells less.
+  constexpr double least_difference = 0.5;
+  const bool facing = length(difference) > least_difference;
+  const Vec3 normal = facing ? normalized(difference) : sphere_normal;
+  double least = std::min(depth, overlap(sphere_normal));
+  if (facing) least = std::min(least, overlap(normal));
+  return {nearest_facet(a, node_a, point, scratch), nearest_facet(b, node_b, point, scratch), normal,
+          std::max(0.0, least)};
+}
+
+}  // namespace morula

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <morula/collide/crossings.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "collide/leaf_pairs.hpp"
+#include "collide/node_facets.hpp"
+#include "collide/pair_set.hpp"
+
+namespace morula {
+namespace {
+
+/// Some boxes of a node, copied next to each other.
+class Selection {
+ public:
+  /// Those of the range that meet `box`.
+  void select(const NodeFacets& facets, const NodeFacets::Range& range, const FloatBox& box) {
+    const BoxList all = facets.boxes(range);
+    slots_.resize(std::max(slots_.size(), all.count));
+    size_ = box_kernels().select(all, box, slots_.data());
+    const std::size_t filled = NodeFacets::filled(size_);
+    for (std::size_t k = 0; k < 6; ++k) {
+      std::vector<float>& column = bounds_[k];
+      column.resize(std::max(column.size(), all.count));
+      for (std::size_t i = 0; i < size_; ++i) column[i] = all.column[k][slots_[i]];
+      std::fill(column.begin() + static_cast<std::ptrdiff_t>(size_),
+                column.begin() + static_cast<std::ptrdiff_t>(filled), FloatBox{}.bound[k]);
+    }
+    for (std::size_t i = 0; i < size_; ++i) slots_[i] += range.begin;
+  }
+  std::size_t size() const { return size_; }
+  std::uint32_t slot(std::size_t i) const { return slots_[i]; }
+  FloatBox box(std::size_t i) const {
+    FloatBox b;
+    for (std::size_t k = 0; k < 6; ++k) b.bound[k] = bounds_[k][i];
+    return b;
+  }
+  FloatBox box_of_all() const {
+    FloatBox all;
+    for (std::size_t i = 0; i < size_; ++i) all.add(box(i));
+    return all;
+  }
+  BoxList boxes() const {
+    BoxList list;
+    for (std::size_t k = 0; k < 6; ++k) list.column[k] = bounds_[k].data();
+    list.count = NodeFacets::filled(size_);
+    return list;
+  }
+
+ private:
+  std::vector<std::uint32_t> slots_;
+  std::vector<float> bounds_[6];
+  std::size_t size_ = 0;
+};
+
+void require_current(const Collider& collider, const char* which) {
+  const auto refuse = [&](const char* what) {
+    throw std::invalid_argument(std::string("crossings: body ") + which + what);
+  };
+  if (!collider.body().is_current())
+    refuse(": its last update was refused, so its spheres are older than its positions");
+  if (!collider.has_current_positions())
+    refuse(" has been updated since its positions were set: call Collider::set_positions after Body::update");
+}
+
+void require_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
+  for (const NodePair& pair : nodes)
+    if (pair.a >= a.body().rest_tree().node_count() || pair.b >= b.body().rest_tree().node_count())
+      throw std::invalid_argument("crossings: there is no pair of nodes " + std::to_string(pair.a) + " and " +
+                                  std::to_string(pair.b));
+}
+
+}  // namespace
+
+struct Crossings::State {
+  std::vector<Crossing> found;
+  std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
+
+  // Memory for the next query.
+  std::vector<NodePair> stack, leaves;
+  NodeFacets facets_a, facets_b;
+  Selection near_a, near_b;
+  PairSet tested;
+  std::vector<std::uint32_t> partners;
+  std::vector<std::uint64_t> keys;
+
+  void find(const Collider& a, const Collider& b, std::span<const NodePair> nodes);
+  void look_at(const NodePair& pair);
+};
+
+void Crossings::State::look_at(const NodePair& pair) {
+  const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
+  const FloatBox both = range_a.box.meet(range_b.box);
+  if (both.is_empty()) return;
+  near_a.select(facets_a, range_a, both);
+  if (near_a.size() == 0) return;
+  near_b.select(facets_b, range_b, near_a.box_of_all().meet(both));
+  if (near_b.size() == 0) return;
+  // The few against the many, so that registers are full.
+  const bool few_a = near_a.size() < near_b.size();
+  const Selection &few = few_a ? near_a : near_b, &many = few_a ? near_b : near_a;
+  partners.resize(std::max(partners.size(), NodeFacets::filled(many.size())));
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    const std::size_t count = box_kernels().select(many.boxes(), few.box(i), partners.data());
+    for (std::size_t j = 0; j < count; ++j) {
+      const std::uint32_t slot_a = few_a ? few.slot(i) : many.slot(partners[j]);
+      const std::uint32_t slot_b = few_a ? many.slot(partners[j]) : few.slot(i);
+      const std::uint64_t key = std::uint64_t{facets_a.facet(slot_a)} << 32 | facets_b.facet(slot_b);
+      if (!tested.insert(key)) continue;
+      if (intersect(facets_a.triangle(slot_a), facets_b.triangle(slot_b))) keys.push_back(key);
+    }
+  }
+}
+
+void Crossings::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
+  const Vec3 origin = a.placement()(a.body().origin());
+  facets_a.start(a, origin);
+  facets_b.start(b, origin);
+  tested.clear();
+  keys.clear();
+  for (const NodePair& pair : nodes) look_at(pair);
+  std::sort(keys.begin(), keys.end());
+  found.clear();
+  for (const std::uint64_t key : keys) {
+    const auto facet_a = static_cast<std::uint32_t>(key >> 32), facet_b = static_cast<std::uint32_t>(key);
+    found.push_back({facet_a, facet_b, *intersection(a.triangle(facet_a), b.triangle(facet_b))});
+  }
+  leaf_pairs = nodes.size();
+  facets_read = facets_a.facets_read() + facets_b.facets_read();
+  pairs_tested = tested.size();
+}
+
+Crossings::Crossings() : state_(std::make_unique<State>()) {}
+Crossings::~Crossings() = default;
+Crossings::Crossings(Crossings&&) noexcept = default;
+Crossings& Crossings::operator=(Crossings&&) noexcept = default;
+
+std::span<const Crossing> Crossings::pairs() const {
+  return state_->found;
+}
+std::size_t Crossings::leaf_pairs() const {
+  return state_->leaf_pairs;
+}
+std::size_t Crossings::facets_read() const {
+  return state_->facets_read;
+}
+std::size_t Crossings::pairs_tested() const {
+  return state_->pairs_tested;
+}
+
+void crossings(const Collider& a, const Collider& b, std::span<const NodePair> nodes, Crossings& result) {
+  require_current(a, "a");
+  require_current(b, "b");
+  require_nodes(a, b, nodes);
+  result.state().find(a, b, nodes);
+}
+
+void crossings(const Collider& a, const Collider& b, Crossings& result) {
+  require_current(a, "a");
+  require_current(b, "b");
+  Crossings::State& state = result.state();
+  state.leaves.clear();
+  overlapping_leaves(a, b, state.stack, state.leaves);
+  state.find(a, b, state.leaves);
+}
+
+std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& b) {
+  require_current(a, "a");
+  require_current(b, "b");
+  struct Boxed {
+    Triangle triangle;
+    Box box;
+  };
+  const auto boxed = [](const Collider& collider) {
+    std::vector<Boxed> all(collider.mesh().facet_count());
+    for (std::uint32_t facet = 0; facet < all.size(); ++facet) {
+      all[facet].triangle = collider.triangle(facet);
+      for (const Vec3& p : all[facet].triangle) all[facet].box.add(p);
+    }
+    return all;
+  };
+  const auto apart = [](const Box& s, const Box& t) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (s.lower[axis] > t.upper[axis] || t.lower[axis] > s.upper[axis]) return true;
+    return false;
+  };
+  const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
+  std::vector<Crossing> found;
+  for (std::uint32_t i = 0; i < all_a.size(); ++i)
+    for (std::uint32_t j = 0; j < all_b.size(); ++j) {
+      if (apart(all_a[i].box, all_b[j].box)) continue;
+      if (const auto common = intersection(all_a[i].triangle, all_b[j].triangle)) found.push_back({i, j, *common});
+    }
+  return found;
+}
+
+}  // namespace morula

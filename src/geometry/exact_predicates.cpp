@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/exact_predicates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+
+namespace morula {
+namespace {
+
+__extension__ typedef unsigned __int128 Product;
+
+/// (-1)^negative × mantissa × 2^exponent.
+struct Number {
+  std::uint64_t mantissa;
+  int exponent;
+  bool negative;
+};
+
+Number number(double x) {
+  const auto bits = std::bit_cast<std::uint64_t>(x);
+  const int field = static_cast<int>(bits >> 52) & 0x7ff;
+  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+  if (field == 0) return {fraction, -1074, (bits >> 63) != 0};
+  return {fraction | std::uint64_t{1} << 52, field - 1075, (bits >> 63) != 0};
+}
+
+/// A sum of products of three numbers in fixed point, two's complement: as many words as their exponents need.
+class ExactSum {
+ public:
+  explicit ExactSum(std::span<const Number> factors) {
+    int lowest = 1024, highest = -1074;
+    for (const Number& factor : factors) {
+      if (factor.mantissa == 0) continue;
+      lowest = std::min(lowest, factor.exponent);
+      highest = std::max(highest, factor.exponent);
+    }
+    if (lowest > highest) lowest = highest;
+    base_ = 3 * lowest;
+    // 159 bits from the highest product, five for the sum of up to 24 of them, one for the sign; a word at each end.
+    used_ = static_cast<std::size_t>(3 * (highest - lowest) + 159 + 6) / 64 + 2;
+    std::fill_n(words_.begin(), used_, 0);
+  }
+
+  void add(const Number& a, const Number& b, const Number& c, bool minus = false) {
+    const Product ab = static_cast<Product>(a.mantissa) * b.mantissa;
+    if (ab == 0 || c.mantissa == 0) return;
+    const Product low = static_cast<Product>(static_cast<std::uint64_t>(ab)) * c.mantissa;
+    const Product high = static_cast<Product>(static_cast<std::uint64_t>(ab >> 64)) * c.mantissa + (low >> 64);
+    const std::uint64_t abc[3] = {static_cast<std::uint64_t>(low), static_cast<std::uint64_t>(high),
+                                  static_cast<std::uint64_t>(high >> 64)};
+    const auto shift = static_cast<std::size_t>(a.exponent + b.exponent + c.exponent - base_);
+    const std::size_t word = shift / 64, bit = shift % 64;
+    std::uint64_t shifted[4] = {abc[0] << bit, abc[1] << bit, abc[2] << bit, 0};
+    if (bit != 0)
+      for (std::size_t k = 0; k < 3; ++k) shifted[k + 1] |= abc[k] >> (64 - bit);
+    if ((a.negative != b.negative) != (c.negative != minus))
+      subtract(word, shifted);
+    else
+      add(word, shifted);
+  }
+
+  int sign() const {
+    if (words_[used_ - 1] >> 63) return -1;
+    for (std::size_t k = 0; k < used_; ++k)
+      if (words_[k] != 0) return 1;
+    return 0;
+  }
+
+ private:
+  void add(std::size_t word, const std::uint64_t (&x)[4]) {
+    std::uint64_t carry = 0;
+    for (std::size_t k = word; k < used_ && (k < word + 4 || carry != 0); ++k) {
+      const Product sum = static_cast<Product>(words_[k]) + (k < word + 4 ? x[k - word] : 0) + carry;
+      words_[k] = static_cast<std::uint64_t>(sum);
+      carry = static_cast<std::uint64_t>(sum >> 64);
+    }
+  }
+  void subtract(std::size_t word, const std::uint64_t (&x)[4]) {
+    std::uint64_t borrow = 0;
+    for (std::size_t k = word; k < used_ && (k < word + 4 || borrow != 0); ++k) {
+      const Product difference = static_cast<Product>(words_[k]) - (k < word + 4 ? x[k - word] : 0) - borrow;
+      words_[k] = static_cast<std::uint64_t>(difference);
+      borrow = static_cast<std::uint64_t>(difference >> 64) & 1;
+    }
+  }
+
+  // Exponents from -1074 to 971: 3 x 2045 + 165 bits at most.
+  std::array<std::uint64_t, 102> words_;
+  std::size_t used_;
+  int base_;
+};
+
+/// Adds the determinant of rows r, s and t.
+void add_determinant(ExactSum& sum, const Number* r, const Number* s, const Number* t, bool minus) {
+  sum.add(r[0], s[1], t[2], minus);
+  sum.add(r[0], s[2], t[1], !minus);
+  sum.add(r[1], s[2], t[0], minus);
+  sum.add(r[1], s[0], t[2], !minus);
+  sum.add(r[2], s[0], t[1], minus);
+  sum.add(r[2], s[1], t[0], !minus);
+}
+
+/// Is the rounded difference the real one [shewchuk1997, theorem 7]? False after an overflow.
+bool is_exact_difference(double x, double y, double difference) {
+  const double y_seen = x - difference, x_seen = difference + y_seen;
+  return (x - x_seen) + (y_seen - y) == 0;
+}
+
+/// As numbers, p minus base; false when a coordinate is not one double.
+bool exact_difference(const Vec3& p, const Vec3& base, Number* row) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double difference = p[axis] - base[axis];
+    if (!is_exact_difference(p[axis], base[axis], difference)) return false;
+    row[axis] = number(difference);
+  }
+  return true;
+}
+
+int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  std::array<Number, 12> rows;
+  Number *first = rows.data(), *second = first + 3, *third = first + 6, *fourth = first + 9;
+  // Neighbours on a grid, and points close to each other, have exact differences: six products instead of 24.
+  if (exact_difference(b, a, first) && exact_difference(c, a, second) && exact_difference(d, a, third)) {
+    ExactSum sum{std::span(rows).first(9)};
+    add_determinant(sum, first, second, third, false);
+    return sum.sign();
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    first[axis] = number(a[axis]), second[axis] = number(b[axis]);
+    third[axis] = number(c[axis]), fourth[axis] = number(d[axis]);
+  }
+  ExactSum sum(rows);
+  add_determinant(sum, second, third, fourth, false);
+  add_determinant(sum, first, third, fourth, true);
+  add_determinant(sum, first, second, fourth, false);
+  add_determinant(sum, first, second, third, true);
+  return sum.sign();
+}
+
+int exact_orient2d(double ax, double ay, double bx, double by, double cx, double cy) {
+  const std::array<Number, 7> n{number(ax), number(ay), number(bx), number(by), number(cx), number(cy), number(1.0)};
+  ExactSum sum(n);
+  sum.add(n[0], n[3], n[6]);
+  sum.add(n[1], n[2], n[6], true);
+  sum.add(n[2], n[5], n[6]);
+  sum.add(n[3], n[4], n[6], true);
+  sum.add(n[4], n[1], n[6]);
+  sum.add(n[5], n[0], n[6], true);
+  return sum.sign();
+}
+
+}  // namespace
+
+int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection) {
+  const double ax = a[projection.first], ay = a[projection.second];
+  const double bx = b[projection.first], by = b[projection.second];
+  const double cx = c[projection.first], cy = c[projection.second];
+  const double left = (bx - ax) * (cy - ay), right = (by - ay) * (cx - ax);
+  const double value = left - right;
+  // Products of two differences (1 + e)^3, their difference (1 + e)^4. Allowed: 6 e, and what underflow takes.
+  const double error = 6 * 0x1p-53 * (std::abs(left) + std::abs(right)) + TrianglePlane::underflow;
+  if (value > error) return 1;
+  if (value < -error) return -1;
+  return exact_orient2d(ax, ay, bx, by, cx, cy);
+}
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Triangle t{a, b, c};
+  return TrianglePlane(t).side(d).sign;
+}
+
+TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const {
+  const int sign = exact_orient3d((*t_)[0], (*t_)[1], (*t_)[2], d);
+  // Only as good as double makes it, but not on the other side; NaN after an overflow.
+  if (sign == 0 || !(value * sign > 0)) value = 0;
+  return {sign, value};
+}
+
+}  // namespace morula

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Signs of orientation determinants, always those of the real numbers, for all finite doubles: denormal ones, and ones
+// whose products leave the range of double, too.
+//
+// First in double with a bound of the error [shewchuk1997]; where the value is within its bound, as an exact sum of
+// products of integer mantissas in fixed point, wide enough for whatever the exponents are. Nothing is allocated.
+#pragma once
+
+#include <cmath>
+#include <morula/geometry/triangle.hpp>
+
+namespace morula {
+
+/// Two coordinates of points in space: those left when one axis is dropped.
+struct Projection {
+  int first, second;
+};
+inline constexpr Projection projections[3] = {{1, 2}, {2, 0}, {0, 1}};
+
+/// Sign of the triangle a b c, looked at along the dropped axis: 1 counter-clockwise, -1 clockwise, 0 on one line.
+/// All finite. Cost: 3 ns; 100 to 300 ns where the points are on one line or nearly so.
+int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection);
+
+/// Sign of (b - a) x (c - a) . (d - a): 1 when d is on the side from which a b c runs counter-clockwise, 0 when all
+/// four are in one plane. All finite. Cost: 6 ns; 150 to 500 ns where they are in one plane or nearly so.
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// A triangle's plane for several points: orient3d(t[0], t[1], t[2], d), with what does not depend on d kept.
+class TrianglePlane {
+ public:
+  explicit TrianglePlane(const Triangle& t) : t_(&t) {
+    const Vec3 u = t[1] - t[0], v = t[2] - t[0];
+    const double yz = u.y * v.z, zy = u.z * v.y, zx = u.z * v.x, xz = u.x * v.z, xy = u.x * v.y, yx = u.y * v.x;
+    normal_ = {yz - zy, zx - xz, xy - yx};
+    permanent_ = {std::abs(yz) + std::abs(zy), std::abs(zx) + std::abs(xz), std::abs(xy) + std::abs(yx)};
+  }
+
+  struct Side {
+    int sign;      ///< exact
+    double value;  ///< six times the tetrahedron's volume, rounded: never of the opposite sign, 0 when the sign is
+  };
+  Side side(const Vec3& d) const {
+    const Vec3 w = d - (*t_)[0];
+    const Vec3 size{std::abs(w.x), std::abs(w.y), std::abs(w.z)};
+    const double value = dot(normal_, w);
+    const double error = relative_error * dot(permanent_, size) + underflow * (1 + size.x + size.y + size.z);
+    if (value > error) return {1, value};
+    if (value < -error) return {-1, value};
+    return exact_side(d, value);
+  }
+
+  // Each of the six products of two differences is off by (1 + e)^3, e = 2^-53, their differences by (1 + e)^4; times
+  // another difference (1 + e)^6, summed (1 + e)^8: 8 e of the permanent and terms in e^2; the computed permanent may
+  // fall short by as many e^2. Allowed: 10 e.
+  static constexpr double relative_error = 10 * 0x1p-53;
+  // Products that leave the normal range lose up to 2^-1075 each: 2^-1074 of each normal coordinate, times |w|, and
+  // three more. Overflow makes the error infinite or NaN, so it decides nothing.
+  static constexpr double underflow = 0x1p-1000;
+
+ private:
+  Side exact_side(const Vec3& d, double value) const;
+
+  const Triangle* t_;
+  Vec3 normal_, permanent_;
+};
+
+}  // namespace morula

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <morula/build/build.hpp>
+#include <morula/collide/crossings.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <set>
+#include <support/meshes.hpp>
+
+#include "collide/box_kernels.hpp"
+
+namespace morula {
+namespace {
+
+/// A body with all that a collider borrows.
+struct Specimen {
+  std::string name;
+  Mesh mesh;
+  Built built;
+  Body body;
+  std::vector<Vec3> positions;
+  std::vector<Vec3f> narrow;
+  Collider collider;
+
+  Specimen(std::string mesh_name, Mesh of)
+      : name(std::move(mesh_name)),
+        mesh(std::move(of)),
+        built(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
+        body(mesh, built),
+        positions(mesh.positions),
+        collider(mesh, body) {}
+  Specimen(const Specimen&) = delete;
+
+  PositionView view() const { return narrow.empty() ? PositionView(positions) : PositionView(narrow); }
+  void deform_by(double amount, bool in_float) {
+    positions = deform(mesh, {Stretch{1 + amount}, Noise{0.06 * amount, 0.4}}, 1.0);
+    narrow.clear();
+    if (in_float)
+      for (const Vec3& p : positions) narrow.emplace_back(p);
+    ASSERT_TRUE(body.update(view()));
+    collider.set_positions(view());
+  }
+};
+
+std::vector<std::unique_ptr<Specimen>> specimens() {
+  std::vector<std::unique_ptr<Specimen>> all;
+  for (const test::NamedMesh& named : test::all_meshes())
+    if (named.mesh.facet_count() <= 1500) all.push_back(std::make_unique<Specimen>(named.name, named.mesh));
+  for (const std::string_view name : sample_body_names())
+    all.push_back(std::make_unique<Specimen>(std::string(name), sample_body(name, 14)));
+  return all;
+}
+
+RigidTransform random_placement(Random& random, double reach) {
+  const auto number = [&] { return random.uniform(-1, 1); };
+  const double w = number(), x = number(), y = number(), z = number();
+  const double dx = number(), dy = number();
+  return RigidTransform::from_quaternion(w, x, y, z, Vec3{dx, dy, number()} * reach);
+}
+
+void expect_equal(std::span<const Crossing> found, const std::vector<Crossing>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]);
+}
+
+double size_of(const Mesh& mesh) {
+  return bounding_box(mesh).diagonal();
+}
+
+TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
+  Random random(1);
+  const auto all = specimens();
+  Crossings result;
+  std::size_t poses_that_cross = 0, pairs = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Specimen &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
+    // The same spot of both, where none may be: their boxes' centres, somewhere in the world.
+    const double reach = 0.4 * std::min(size_of(a.mesh), size_of(b.mesh));
+    for (int pose = 0; pose < 3; ++pose) {
+      ASSERT_NO_FATAL_FAILURE(a.deform_by(0.4 * pose, pose == 1));
+      if (&a != &b) {
+        ASSERT_NO_FATAL_FAILURE(b.deform_by(0.3 * pose, pose == 2));
+      }
+      RigidTransform place_a = random_placement(random, 1), place_b = random_placement(random, 1);
+      const Vec3 spot = random_placement(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
+      place_a.translation = spot - place_a.turn(bounding_box({a.positions, a.mesh.facets}).center());
+      place_b.translation = spot + random_placement(random, reach).translation -
+                            place_b.turn(bounding_box({b.positions, b.mesh.facets}).center());
+      a.collider.place(place_a);
+      Collider other(b.mesh, b.body);
+      other.set_positions(b.view());
+      other.place(place_b);
+      crossings(a.collider, other, result);
+      const std::vector<Crossing> expected = brute_force::crossings(a.collider, other);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), expected)) << a.name << " against " << b.name;
+      EXPECT_LE(result.pairs().size(), result.pairs_tested());
+      poses_that_cross += !expected.empty();
+      pairs += expected.size();
+    }
+  }
+  EXPECT_GT(poses_that_cross, all.size());
+  EXPECT_GT(pairs, 1000u);
+}
+
+TEST(Crossings, count_every_way_of_touching) {
+  const Specimen box("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3)),
+      twin("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3));
+  Collider a(box.mesh, box.body), b(twin.mesh, twin.body);
+  Crossings result;
+  const auto pairs_at = [&](const Vec3& shift) {
+    b.place({.translation = shift});
+    crossings(a, b, result);
+    expect_equal(result.pairs(), brute_force::crossings(a, b));
+    return result.pairs().size();
+  };
+  EXPECT_GE(pairs_at({0, 0, 0}), box.mesh.facet_count()) << "each facet meets itself";
+  EXPECT_GE(pairs_at({1, 0, 0}), 18u) << "a common side";
+  EXPECT_GE(pairs_at({1, 1.0 / 3, 0}), 12u) << "two thirds of a side";
+  EXPECT_GE(pairs_at({1, 1, 0}), 3u) << "a common edge";
+  EXPECT_GE(pairs_at({1, 1, 1}), 1u) << "a common corner";
+  EXPECT_GE(pairs_at({0.5, 0.25, 0}), 1u) << "coplanar sides that overlap";
+  EXPECT_EQ(pairs_at({1 + 0x1p-52, 0, 0}), 0u) << "apart by the last bit";
+  EXPECT_EQ(pairs_at({0, -1 - 0x1p-52, 0}), 0u);
+  EXPECT_EQ(pairs_at({0.5, 0.5, 1e300}), 0u);
+}
+
+TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbours) {
+  for (const char* const name : {"limb", "torus"}) {
+    const Specimen one(name, sample_body(name, 12)), two(name, sample_body(name, 12));
+    Collider a(one.mesh, one.body), b(two.mesh, two.body);
+    for (const RigidTransform& placement :
+         {RigidTransform{}, RigidTransform::from_axis({1, 2, 3}, 0.7, {1e7, -3e6, 0.1})}) {
+      a.place(placement);
+      b.place(placement);
+      Crossings result;
+      crossings(a, b, result);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), brute_force::crossings(a, b)));
+      std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+      for (const Crossing& c : result.pairs()) found.insert({c.facet_a, c.facet_b});
+      for (std::uint32_t f = 0; f < one.mesh.facet_count(); ++f)
+        for (std::uint32_t g = 0; g < one.mesh.facet_count(); ++g) {
+          bool share = false;
+          for (const std::uint32_t v : one.mesh.facets[f])
+            for (const std::uint32_t w : one.mesh.facets[g]) share = share || v == w;
+          ASSERT_TRUE(!share || found.contains({f, g}));
+        }
+    }
+  }
+}
+
+// The contract for pairs of nodes that the caller chose, inner ones among them.
+TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
+  const Specimen one("limb", sample_body("limb", 14)), two("torus", sample_body("torus", 14));
+  Collider a(one.mesh, one.body), b(two.mesh, two.body);
+  a.place(RigidTransform::from_axis({0, 1, 0}, 0.3, {0.6, 0.2, 0}));
+  const std::vector<Crossing> all = brute_force::crossings(a, b);
+  ASSERT_FALSE(all.empty());
+  Random random(5);
+  Crossings result;
+  for (int round = 0; round < 30; ++round) {
+    std::vector<NodePair> nodes;
+    for (int k = 0; k < 1 + round % 7; ++k)
+      nodes.push_back({static_cast<std::uint32_t>(random.next() % one.built.tree.node_count()),
+                       static_cast<std::uint32_t>(random.next() % two.built.tree.node_count())});
+    std::vector<Crossing> expected;
+    const auto owns = [](const Collider& collider, std::uint32_t node, std::uint32_t facet) {
+      const auto facets = collider.facets(node);
+      return std::find(facets.begin(), facets.end(), facet) != facets.end();
+    };
+    for (const Crossing& c : all)
+      for (const NodePair& pair : nodes)
+        if (owns(a, pair.a, c.facet_a) && owns(b, pair.b, c.facet_b)) {
+          expected.push_back(c);
+          break;
+        }
+    crossings(a, b, nodes, result);
+    ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), expected));
+    EXPECT_EQ(result.leaf_pairs(), nodes.size());
+  }
+  crossings(a, b, std::span<const NodePair>{}, result);
+  EXPECT_TRUE(result.pairs().empty());
+}
+
+TEST(Crossings, refuse_what_is_not_current_and_keep_the_result) {
+  Specimen one("limb", sample_body("limb", 8)), two("limb", sample_body("limb", 8));
+  Crossings result;
+  crossings(one.collider, two.collider, result);
+  const std::vector<Crossing> before(result.pairs().begin(), result.pairs().end());
+  ASSERT_FALSE(before.empty());
+  const auto expect_refused = [&](const auto& query) {
+    EXPECT_THROW(query(), std::invalid_argument);
+    ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), before));
+  };
+  ASSERT_TRUE(two.body.update(two.mesh.positions));
+  expect_refused([&] { crossings(one.collider, two.collider, result); });
+  two.collider.set_positions(two.mesh.positions);
+  const NodePair none{0, static_cast<std::uint32_t>(two.built.tree.node_count())};
+  expect_refused([&] { crossings(one.collider, two.collider, std::span(&none, 1), result); });
+  std::vector<Vec3> bad = one.mesh.positions;
+  bad[one.mesh.facets[0][0]].y = std::numeric_limits<double>::infinity();
+  ASSERT_FALSE(one.body.update(bad));
+  expect_refused([&] { crossings(one.collider, two.collider, result); });
+  EXPECT_THROW(brute_force::crossings(one.collider, two.collider), std::invalid_argument);
+}
+
+TEST(BoxKernels, find_what_plain_loops_find) {
+  Random random(3);
+  std::vector<float> columns[6];
+  for (std::size_t k = 0; k < 6; ++k) columns[k].assign(48, FloatBox{}.bound[k]);
+  for (std::size_t i = 0; i < 41; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      columns[k][i] = static_cast<float>(random.next() % 5);
+      columns[k + 3][i] = columns[k][i] + static_cast<float>(random.next() % 3);
+    }
+  BoxList list{{}, 48};
+  for (std::size_t k = 0; k < 6; ++k) list.column[k] = columns[k].data();
+  std::size_t found = 0;
+  for (int round = 0; round < 200; ++round) {
+    FloatBox box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.bound[k] = static_cast<float>(random.next() % 5);
+      box.bound[k + 3] = box.bound[k] + static_cast<float>(random.next() % 3);
+    }
+    std::vector<std::uint32_t> expected(48), other(48);
+    expected.resize(all_box_kernels().front().select(list, box, expected.data()));
+    found += expected.size();
+    for (const BoxKernels& kernels : all_box_kernels()) {
+      other.resize(48);
+      other.resize(kernels.select(list, box, other.data()));
+      ASSERT_EQ(other, expected) << kernels.name;
+    }
+  }
+  EXPECT_GT(found, 200u);
+}
+
+}  // namespace
+}  // namespace morula
