@@ -22,8 +22,11 @@ Parameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, cons
   if (dd <= 0) return {0, std::clamp(er / ee, 0.0, 1.0)};
   const double dr = dot(d, r);
   if (ee <= 0) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
-  const double de = dot(d, e), determinant = dd * ee - de * de;
-  double s = determinant > 0 ? std::clamp((de * er - dr * ee) / determinant, 0.0, 1.0) : 0.0;
+  // By cross products: between nearly parallel segments, differences of products of dot products lose all digits.
+  const double de = dot(d, e);
+  const Vec3 normal = cross(d, e);
+  const double determinant = squared_length(normal);
+  double s = determinant > 0 ? std::clamp(dot(cross(e, r), normal) / determinant, 0.0, 1.0) : 0.0;
   double t = (de * s + er) / ee;
   if (t < 0) {
     t = 0;

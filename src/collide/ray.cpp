@@ -70,7 +70,8 @@ class ShearedRay {
     const double sum = a + b + c;
     if (!(sum > 0)) return false;
     barycentric = {a / sum, b / sum, c / sum};
-    where = (barycentric[0] * z[0] + barycentric[1] * z[1] + barycentric[2] * z[2]) / scaled_[z_] * scale_;
+    const double height = z[0] + barycentric[1] * (z[1] - z[0]) + barycentric[2] * (z[2] - z[0]);
+    where = height / scaled_[z_] * scale_;
     return where >= 0 && where <= limit;
   }
   double t_end() const { return t_end_; }

@@ -24,11 +24,13 @@ double point_segment(const Vec3& x, const Vec3& p, const Vec3& q) {
 double segment_segment(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
   double best =
       std::min({point_segment(p, r, s), point_segment(q, r, s), point_segment(r, p, q), point_segment(s, p, q)});
-  const Vec3 d = q - p, e = s - r, w = r - p, n = cross(d, e);
-  const double square = dot(n, n);
-  if (square > 1e-24 * dot(d, d) * dot(e, e)) {
-    const double t = dot(cross(w, e), n) / square, u = dot(cross(w, d), n) / square;
-    if (t >= 0 && t <= 1 && u >= 0 && u <= 1) best = std::min(best, std::abs(dot(w, n)) / std::sqrt(square));
+  // In more digits: between nearly parallel segments most of a double's are lost.
+  using Wide = Vector3<long double>;
+  const Wide d = Wide(q) - Wide(p), e = Wide(s) - Wide(r), w = Wide(r) - Wide(p), n = cross(d, e);
+  const long double square = dot(n, n);
+  if (square > 0) {
+    const long double t = dot(cross(w, e), n) / square, u = dot(cross(w, d), n) / square;
+    if (t >= 0 && t <= 1 && u >= 0 && u <= 1) best = std::min(best, static_cast<double>(length(w + e * u - d * t)));
   }
   return best;
 }
