@@ -17,14 +17,14 @@ struct DistanceOptions {
   /// nearest pair of leaves are looked at.
   bool exact = true;
   double tolerance = 0;            ///< stop when upper - lower is not more
-  std::size_t budget = no_budget;  ///< stop after so many pair tests, of spheres or facets
+  std::size_t budget = no_budget;  ///< stop after so many pair tests, of spheres or facets, and those of one leaf
   /// "Tell me only if nearer than": stop when lower is above.
   double only_within = std::numeric_limits<double>::infinity();
   /// "Tell me as soon as you know that they are as near as this": stop when upper is not above.
   double near_enough = 0;
-  /// Begin with the facets of the last answer, where the bodies are the same. That changes the work, and the bits of
-  /// answers that end early (budget, tolerance, only_within, near_enough, surfaces that cross); those that run to the
-  /// end have the same bits.
+  /// Begin with the facets of the last answer, where the bodies are the same. That changes the work. Answers that run
+  /// to the end keep their upper bound and points to the bit, and their lower bound but for rounding; answers that end
+  /// early (budget, tolerance, thresholds, surfaces that cross) may be others.
   bool warm_start = true;
 };
 
