@@ -8,6 +8,7 @@
 #include "collide/nearest_pair.hpp"
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
+#include "collide/world_facets.hpp"
 
 namespace morula {
 namespace {
@@ -26,6 +27,7 @@ struct Found {
 // triangle).
 class PlacedHalfSpace {
  public:
+  static constexpr bool looks_at_spheres_first = false;
   explicit PlacedHalfSpace(const HalfSpace& shape)
       : normal_(shape.normal / length(shape.normal)), offset_(shape.offset / length(shape.normal)) {}
 
@@ -58,6 +60,7 @@ class PlacedHalfSpace {
 // A capsule, or with one end a sphere.
 class PlacedCapsule {
  public:
+  static constexpr bool looks_at_spheres_first = true;
   PlacedCapsule(const Vec3& p, const Vec3& q, double radius) : ends_{p, q}, count_(p == q ? 1 : 2), radius_(radius) {}
 
   // The foot on the axis is off by a few u of the largest coordinate, which can only lengthen the distance by as much.
@@ -128,8 +131,15 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
       [&](std::uint32_t leaf, double leaf_bound) {
         bool touched = false;
         for (const std::uint32_t facet : body.facets(leaf)) {
-          ++result.facet_tests;
           const Triangle corners = body.triangle(facet);
+          if constexpr (Shape::looks_at_spheres_first) {
+            const double facet_bound = shape.bound(sphere_about(corners));
+            if (facet_bound > limit) {
+              leave(facet_bound);
+              continue;
+            }
+          }
+          ++result.facet_tests;
           const Found found = shape.look_at(corners);
           leave(std::max(found.lower, leaf_bound));
           touched = touched || found.distance <= margin;

@@ -16,13 +16,17 @@ struct WorldFacet {
   std::uint32_t facet;
 };
 
+/// A sphere that contains a triangle: the centre is exact as it is, distances from it are off by 3 u.
+inline Sphere sphere_about(const Triangle& t) {
+  const Vec3 center = (t[0] + t[1] + t[2]) * (1.0 / 3.0);
+  const double farthest =
+      std::max({squared_distance(t[0], center), squared_distance(t[1], center), squared_distance(t[2], center)});
+  return {center, std::sqrt(farthest) * (1 + 0x1p-49)};
+}
+
 inline WorldFacet world_facet(const Collider& collider, std::uint32_t facet) {
-  WorldFacet f{collider.triangle(facet), {}, facet};
-  f.sphere.center = (f.corners[0] + f.corners[1] + f.corners[2]) / 3.0;
-  double farthest = 0;
-  for (const Vec3& p : f.corners) farthest = std::max(farthest, squared_distance(p, f.sphere.center));
-  f.sphere.radius = std::sqrt(farthest) * (1 + 0x1p-49);
-  return f;
+  const Triangle corners = collider.triangle(facet);
+  return {corners, sphere_about(corners), facet};
 }
 
 class WorldFacets {
