@@ -76,6 +76,24 @@ bool is_near(const Vec3& p) {
   return is_finite(p) && largest_component(p) < 0x1p200;
 }
 
+// Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
+// first of equals.
+HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, const Vec3& from, std::size_t& tests) {
+  const SphereTree& tree = body.body().rest_tree();
+  const std::size_t level = std::min<std::size_t>(2, tree.level_count() - 1);
+  const std::array<HalfLine, 6> lines{HalfLine(from, 0, 1),  HalfLine(from, 1, 1),  HalfLine(from, 2, 1),
+                                      HalfLine(from, 0, -1), HalfLine(from, 1, -1), HalfLine(from, 2, -1)};
+  std::array<std::size_t, 6> facets{};
+  for (std::uint32_t node = 0; node < tree.level_begin[level + 1]; ++node) {
+    if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
+    ++tests;
+    const Sphere s = spheres(node);
+    for (std::size_t k = 0; k < 6; ++k)
+      if (lines[k].may_meet(s)) facets[k] += body.facets(node).size();
+  }
+  return lines[static_cast<std::size_t>(std::min_element(facets.begin(), facets.end()) - facets.begin())];
+}
+
 // Facets of all leaves whose spheres the half line may meet, ascending, each once.
 std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const HalfLine& line,
                        std::vector<std::uint32_t>& facets) {
@@ -145,11 +163,7 @@ PointLocation InsideTest::locate(const Vec3& point) {
   result.sphere_tests = 1;
   const Vec3 offset = point - root.center;
   if (length(offset) * (1 - 0x1p-49) > root.radius) return result;
-  // The shortest way out, seen from the root's centre; the first axis of equals.
-  int axis = 0;
-  for (int k = 1; k < 3; ++k)
-    if (std::abs(offset[k]) > std::abs(offset[axis])) axis = k;
-  const HalfLine line(point, axis, offset[axis] < 0 ? -1 : 1);
+  const HalfLine line = emptiest_way_out(*body_, spheres, point, result.sphere_tests);
   result.sphere_tests += facets_met(*body_, spheres, line, facets_);
 
   std::size_t crossings = 0;

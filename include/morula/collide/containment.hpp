@@ -50,8 +50,9 @@ std::vector<std::uint32_t> component_vertices(const Mesh& mesh);
 /// and a shell within a shell is a cavity when it is turned inwards. A closed surface that is not oriented has no
 /// winding: there inside is where a ray from the point crosses it an odd number of times.
 ///
-/// The verdict is exact for the vertices as Collider::vertex gives them. A half line along an axis, out of the body by
-/// the shortest way, is followed past the leaf spheres it meets; facets in these are looked at once each. Where it goes
+/// The verdict is exact for the vertices as Collider::vertex gives them. A half line along an axis, the one of six
+/// that seems to meet the fewest facets, is followed past the leaf spheres it meets; facets in these are looked at once
+/// each. Where it goes
 /// through edges and corners, it stands for a line next to it, the same one for all facets. Signs are exact
 /// [shewchuk1997], so nothing is counted twice or missed, and no direction is unlucky.
 /// Cost: one pass over the spheres that the half line meets, 1...3 us on bodies of thousands of facets.
