@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 10> scenarios{{
+constexpr std::array<NamedScenario, 11> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -33,6 +33,7 @@ constexpr std::array<NamedScenario, 10> scenarios{{
     {"query", run_query},
     {"collide", run_collide},
     {"volumes", run_volumes},
+    {"distance", run_distance},
     {"peers", run_peers},
     {"crossings", run_crossings},
 }};
@@ -54,7 +55,8 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option(
          "--scenario", wanted,
-         "build, update, modal, refit, measure, query, volumes, collide, crossings, peers; may be repeated (default: all)")
+         "build, update, modal, refit, measure, query, volumes, collide, crossings, distance, peers; may be repeated "
+         "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"
@@ -63,7 +65,9 @@ int run(int argc, char** argv) {
   app.add_option("--patience", patience,
                  "seconds after which an item gets no further repeat; two it always gets (default 10)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--questions", questions, "points that `query` asks about, poses that `collide` tries (default 20000)")
+  app.add_option("--questions", questions,
+                 "points that `query` asks about, poses that `collide` tries (default 20000); `distance` asks a hundredth "
+                 "of it, at most 200 poses")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
   app.add_option("--method", methods,

@@ -1,0 +1,318 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/collide/distance.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "collide/nearest_pair.hpp"
+#include "collide/placed_spheres.hpp"
+#include "collide/world_facets.hpp"
+
+namespace morula {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t no_facet = 0xffffffffu;
+
+struct NodePair {
+  double bound;  // gap_below of the spheres, negative where they overlap
+  std::uint32_t a, b;
+};
+// For a heap with the nearest on top; ties by index.
+bool comes_later(const NodePair& x, const NodePair& y) {
+  if (x.bound != y.bound) return x.bound > y.bound;
+  return x.a != y.a ? x.a > y.a : x.b > y.b;
+}
+
+// How far facets reach across the line through the best points so far: what is farther apart along it than these points
+// is farther apart. Sharper than spheres, and one subtraction per pair.
+//
+// The direction is exact as it is. A difference w and its product with the direction are off by 6 u |direction| |w|,
+// below 11 u of its largest coordinate; allowed 16 u each.
+class Slab {
+ public:
+  Slab(const Vec3& from, const Vec3& direction) : from_(from), direction_(direction), size_(length(direction)) {}
+  // Not below where the triangle ends on the direction's side (side = 1) or, negated, on the other (side = -1).
+  double end(const Triangle& t, double side) const {
+    double farthest = -infinity;
+    for (const Vec3& p : t) {
+      const Vec3 w = p - from_;
+      farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * largest_component(w));
+    }
+    return farthest;
+  }
+  // Ends farther apart than this are farther apart than the distance.
+  double width(double distance) const { return distance * size_ * (1 + 0x1p-48); }
+
+ private:
+  Vec3 from_, direction_;
+  double size_;
+};
+
+struct NearFacet {
+  double end;
+  std::uint32_t index;
+};
+
+// Memory that outlives queries.
+struct Scratch {
+  std::vector<NodePair> waiting;
+  WorldFacets facets_a, facets_b;
+  std::vector<NearFacet> near_a, near_b;
+};
+
+// One query.
+class Search {
+ public:
+  Search(const Collider& a, const Collider& b, const DistanceOptions& options, Scratch& scratch)
+      : a_(a),
+        b_(b),
+        tree_a_(a.body().rest_tree()),
+        tree_b_(b.body().rest_tree()),
+        spheres_a_(a),
+        spheres_b_(b),
+        options_(options),
+        waiting_(scratch.waiting),
+        facets_a_(scratch.facets_a),
+        facets_b_(scratch.facets_b),
+        near_a_(scratch.near_a),
+        near_b_(scratch.near_b) {
+    waiting_.clear();
+    facets_a_.start(a);
+    facets_b_.start(b);
+  }
+
+  DistanceBounds run(std::uint32_t likely_a, std::uint32_t likely_b) {
+    any_witness();
+    push(0, spheres_a_(0), 0, spheres_b_(0), -infinity);
+    if (has_budget()) {
+      if (likely_a != no_facet)
+        try_facets({a_.triangle(likely_a), {}, likely_a}, {b_.triangle(likely_b), {}, likely_b});
+      else
+        descend();
+    }
+    while (!waiting_.empty() && !is_done()) {
+      if (!has_budget()) break;
+      std::pop_heap(waiting_.begin(), waiting_.end(), comes_later);
+      const NodePair pair = waiting_.back();
+      waiting_.pop_back();
+      expand(pair);
+    }
+    answer_.complete = is_done();
+    answer_.lower = lower();
+    answer_.farther = answer_.lower > options_.only_within;
+    return answer_;
+  }
+
+ private:
+  bool has_budget() const { return answer_.sphere_tests + answer_.facet_tests < options_.budget; }
+  double lower() const {
+    const double waiting = waiting_.empty() ? infinity : waiting_.front().bound;
+    return std::min(answer_.upper, std::max(0.0, std::min(waiting, looked_at_)));
+  }
+  bool is_done() const {
+    // A pair exactly as near as the best so far is still looked at: the answer is then that of the lowest facets,
+    // whatever was known at the start.
+    if (waiting_.empty() || waiting_.front().bound > answer_.upper || is_settled_) return true;
+    if (answer_.upper <= options_.near_enough) return true;
+    const double below = lower();
+    return below > options_.only_within || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
+  }
+
+  // Two corners, so that there is an upper bound whatever the budget.
+  void any_witness() {
+    const std::uint32_t facet_a = a_.facets(0).front(), facet_b = b_.facets(0).front();
+    answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
+    answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
+    answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
+    is_placeholder_ = true;
+  }
+
+  // Children need not be inside their parents, but what they own is: what held for these holds for them.
+  void push(std::uint32_t node_a, const Sphere& sphere_a, std::uint32_t node_b, const Sphere& sphere_b,
+            double inherited) {
+    ++answer_.sphere_tests;
+    const double bound = std::max(inherited, gap_below(sphere_a, sphere_b));
+    if (bound > answer_.upper) return;
+    waiting_.push_back({bound, node_a, node_b});
+    std::push_heap(waiting_.begin(), waiting_.end(), comes_later);
+  }
+
+  bool splits_a(std::uint32_t node_a, const Sphere& sphere_a, std::uint32_t node_b, const Sphere& sphere_b) const {
+    return !tree_a_.is_leaf(node_a) && (tree_b_.is_leaf(node_b) || sphere_a.radius >= sphere_b.radius);
+  }
+
+  void expand(const NodePair& pair) {
+    if (tree_a_.is_leaf(pair.a) && tree_b_.is_leaf(pair.b)) return look_at_facets(pair);
+    const Sphere sphere_a = spheres_a_(pair.a), sphere_b = spheres_b_(pair.b);
+    if (splits_a(pair.a, sphere_a, pair.b, sphere_b)) {
+      const std::uint32_t first = tree_a_.first_child[pair.a];
+      for (std::uint32_t child = first; child < first + tree_a_.child_count[pair.a]; ++child)
+        push(child, spheres_a_(child), pair.b, sphere_b, pair.bound);
+    } else {
+      const std::uint32_t first = tree_b_.first_child[pair.b];
+      for (std::uint32_t child = first; child < first + tree_b_.child_count[pair.b]; ++child)
+        push(pair.a, sphere_a, child, spheres_b_(child), pair.bound);
+    }
+  }
+
+  // All pairs of facets that may be as near as the best so far.
+  void look_at_facets(const NodePair& pair) {
+    const auto range_a = facets_a_.of_leaf(pair.a), range_b = facets_b_.of_leaf(pair.b);
+    keep_near(facets_a_, range_a, spheres_b_(pair.b), near_a_);
+    keep_near(facets_b_, range_b, spheres_a_(pair.a), near_b_);
+    const Slab slab(answer_.a.point, answer_.b.point - answer_.a.point);
+    double top = -infinity;
+    for (NearFacet& f : near_a_) top = std::max(top, f.end = slab.end(facets_a_[f.index].corners, 1));
+    for (NearFacet& f : near_b_) f.end = -slab.end(facets_b_[f.index].corners, -1);
+    for (const NearFacet& b : near_b_) {
+      if (b.end - top > slab.width(answer_.upper)) continue;
+      for (const NearFacet& a : near_a_) {
+        if (b.end - a.end > slab.width(answer_.upper)) continue;
+        if (!has_budget()) {
+          waiting_.push_back(pair);
+          std::push_heap(waiting_.begin(), waiting_.end(), comes_later);
+          return;
+        }
+        const std::size_t i = a.index, j = b.index;
+        ++answer_.sphere_tests;
+        const double bound = gap_below(facets_a_[i].sphere, facets_b_[j].sphere);
+        if (bound > answer_.upper) continue;
+        const double found = try_facets(facets_a_[i], facets_b_[j]);
+        looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
+        if (answer_.upper <= options_.near_enough) return;
+      }
+    }
+    if (!options_.exact) {
+      // No pair that waits is nearer by its spheres.
+      looked_at_ = std::min(looked_at_, pair.bound);
+      is_settled_ = true;
+    }
+  }
+
+  // Facets that may be as near to the other leaf as the best so far.
+  void keep_near(const WorldFacets& facets, WorldFacets::Range range, const Sphere& other,
+                 std::vector<NearFacet>& kept) {
+    kept.clear();
+    answer_.sphere_tests += range.end - range.begin;
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      if (gap_below(facets[i].sphere, other) <= answer_.upper) kept.push_back({0, static_cast<std::uint32_t>(i)});
+  }
+
+  // Returns the lower bound for the two facets.
+  double try_facets(const WorldFacet& facet_a, const WorldFacet& facet_b) {
+    ++answer_.facet_tests;
+    const NearestPair found = nearest_pair(facet_a.corners, facet_b.corners);
+    const bool is_first =
+        facet_a.facet != answer_.a.facet ? facet_a.facet < answer_.a.facet : facet_b.facet < answer_.b.facet;
+    if (found.upper < answer_.upper || (found.upper == answer_.upper && (is_placeholder_ || is_first))) {
+      is_placeholder_ = false;
+      answer_.upper = found.upper;
+      answer_.crossing = found.crossing;
+      answer_.a = {facet_a.facet, found.a, found.point_a};
+      answer_.b = {facet_b.facet, found.b, found.point_b};
+    }
+    return found.lower;
+  }
+
+  // A good upper bound to begin with: always to the nearest child, down to one pair of facets.
+  void descend() {
+    std::uint32_t node_a = 0, node_b = 0;
+    Sphere sphere_a = spheres_a_(0), sphere_b = spheres_b_(0);
+    while (!tree_a_.is_leaf(node_a) || !tree_b_.is_leaf(node_b)) {
+      if (splits_a(node_a, sphere_a, node_b, sphere_b))
+        to_nearest_child(tree_a_, spheres_a_, node_a, sphere_a, sphere_b);
+      else
+        to_nearest_child(tree_b_, spheres_b_, node_b, sphere_b, sphere_a);
+      if (!has_budget()) return;
+    }
+    const std::size_t i = nearest_facet(facets_a_, facets_a_.of_leaf(node_a), sphere_b);
+    const std::size_t j = nearest_facet(facets_b_, facets_b_.of_leaf(node_b), facets_a_[i].sphere);
+    try_facets(facets_a_[i], facets_b_[j]);
+  }
+
+  std::size_t nearest_facet(const WorldFacets& facets, WorldFacets::Range range, const Sphere& other) {
+    answer_.sphere_tests += range.end - range.begin;
+    double least = infinity;
+    std::size_t nearest = range.begin;
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const double gap = gap_below(facets[i].sphere, other);
+      if (gap < least) least = gap, nearest = i;
+    }
+    return nearest;
+  }
+
+  void to_nearest_child(const SphereTree& tree, const PlacedSpheres& spheres, std::uint32_t& node, Sphere& sphere,
+                        const Sphere& other) {
+    double least = infinity;
+    const std::uint32_t first = tree.first_child[node], end = first + tree.child_count[node];
+    for (std::uint32_t child = first; child < end; ++child) {
+      ++answer_.sphere_tests;
+      const Sphere s = spheres(child);
+      const double bound = gap_below(s, other);
+      if (bound < least) least = bound, node = child, sphere = s;
+    }
+  }
+
+  const Collider& a_;
+  const Collider& b_;
+  const SphereTree& tree_a_;
+  const SphereTree& tree_b_;
+  PlacedSpheres spheres_a_, spheres_b_;
+  const DistanceOptions& options_;
+  std::vector<NodePair>& waiting_;
+  WorldFacets& facets_a_;
+  WorldFacets& facets_b_;
+  std::vector<NearFacet>& near_a_;
+  std::vector<NearFacet>& near_b_;
+  DistanceBounds answer_;
+  double looked_at_ = infinity;  // least lower bound among pairs that will not be looked at again
+  bool is_placeholder_ = false;
+  bool is_settled_ = false;
+};
+
+}  // namespace
+
+struct DistanceQuery::State {
+  Scratch scratch;
+  // The last answer, and of which bodies.
+  std::uint64_t ownership_a = 0, ownership_b = 0;
+  std::uint32_t last_a = no_facet, last_b = no_facet;
+};
+
+DistanceQuery::DistanceQuery() : state_(std::make_unique<State>()) {}
+DistanceQuery::~DistanceQuery() = default;
+DistanceQuery::DistanceQuery(DistanceQuery&&) noexcept = default;
+DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
+
+DistanceBounds DistanceQuery::operator()(const Collider& a, const Collider& b, const DistanceOptions& options) {
+  DistanceBounds refused;
+  refused.upper = infinity;
+  refused.status = askable(a, 0);
+  if (refused.status) refused.status = askable(b, 1);
+  if (refused.status && !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0))
+    refused.status = {QueryStatus::Code::bad_option};
+  if (!refused.status) return refused;
+
+  State& s = *state_;
+  const bool same = s.ownership_a == a.body().ownership() && s.ownership_b == b.body().ownership() &&
+                    s.last_a < a.mesh().facet_count() && s.last_b < b.mesh().facet_count();
+  const bool warm = options.warm_start && same;
+  Search search(a, b, options, s.scratch);
+  DistanceBounds answer = search.run(warm ? s.last_a : no_facet, warm ? s.last_b : no_facet);
+  answer.certified = spheres_cover(a.body()) && spheres_cover(b.body());
+  s.ownership_a = a.body().ownership();
+  s.ownership_b = b.body().ownership();
+  s.last_a = answer.a.facet;
+  s.last_b = answer.b.facet;
+  return answer;
+}
+
+DistanceBounds distance(const Collider& a, const Collider& b, const DistanceOptions& options) {
+  const DistanceBounds answer = DistanceQuery()(a, b, options);
+  if (!answer.status) throw std::invalid_argument(message(answer.status));
+  return answer;
+}
+
+}  // namespace morula

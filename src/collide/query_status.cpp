@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/collide/query_status.hpp>
+
+namespace morula {
+
+std::string message(const QueryStatus& status) {
+  const std::string body = status.body == 0 ? "the first body" : "the second body";
+  switch (status.code) {
+    case QueryStatus::Code::ok:
+      return {};
+    case QueryStatus::Code::body_not_current:
+      return body + "'s last update was refused, so its spheres are those of an older frame: update it first";
+    case QueryStatus::Code::positions_not_current:
+      return body + " was updated since its collider was given positions: call set_positions after each update";
+    case QueryStatus::Code::placement_too_far:
+      return body + " is placed 2^200 or more from the origin";
+    case QueryStatus::Code::bad_option:
+      return "an option of the query is negative or not a number";
+    case QueryStatus::Code::bad_shape:
+      return "the shape that is asked about is not finite, has a negative radius or no direction, or is too far away";
+  }
+  return {};
+}
+
+QueryStatus askable(const Collider& collider, std::uint8_t body) {
+  if (!collider.body().is_current()) return {QueryStatus::Code::body_not_current, body};
+  if (!collider.has_current_positions()) return {QueryStatus::Code::positions_not_current, body};
+  if (!(largest_component(collider.placement().translation) < 0x1p200))
+    return {QueryStatus::Code::placement_too_far, body};
+  return {};
+}
+
+bool spheres_cover(const Body& body) {
+  const UpdateOptions& options = body.options();
+  return options.conservative || std::all_of(options.rules.begin(), options.rules.end(), [](Rule rule) {
+           return rule == Rule::exact || rule == Rule::wrapped || rule == Rule::modal;
+         });
+}
+
+}  // namespace morula

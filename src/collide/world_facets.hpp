@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The facets of leaves as they are in the world, each leaf's worked out at most once per query.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <morula/collide/collider.hpp>
+#include <vector>
+
+namespace morula {
+
+struct WorldFacet {
+  Triangle corners;
+  Sphere sphere;  // contains the corners
+  std::uint32_t facet;
+};
+
+/// A sphere that contains a triangle: the centre is exact as it is, distances from it are off by 3 u.
+inline Sphere sphere_about(const Triangle& t) {
+  const Vec3 center = (t[0] + t[1] + t[2]) * (1.0 / 3.0);
+  const double farthest =
+      std::max({squared_distance(t[0], center), squared_distance(t[1], center), squared_distance(t[2], center)});
+  return {center, std::sqrt(farthest) * (1 + 0x1p-49)};
+}
+
+inline WorldFacet world_facet(const Collider& collider, std::uint32_t facet) {
+  const Triangle corners = collider.triangle(facet);
+  return {corners, sphere_about(corners), facet};
+}
+
+class WorldFacets {
+ public:
+  struct Range {
+    std::size_t begin, end;
+  };
+
+  /// A new query: forgets all facets, keeps the memory.
+  void start(const Collider& collider) {
+    collider_ = &collider;
+    facets_.clear();
+    ranges_.resize(std::max(ranges_.size(), collider.body().rest_tree().node_count()));
+    if (++query_ == 0) std::fill(ranges_.begin(), ranges_.end(), Known{}), query_ = 1;
+  }
+  Range of_leaf(std::uint32_t leaf) {
+    Known& known = ranges_[leaf];
+    if (known.query != query_) {
+      known = {query_, {facets_.size(), 0}};
+      for (const std::uint32_t facet : collider_->facets(leaf)) facets_.push_back(world_facet(*collider_, facet));
+      known.range.end = facets_.size();
+    }
+    return known.range;
+  }
+  const WorldFacet& operator[](std::size_t i) const { return facets_[i]; }
+
+ private:
+  struct Known {
+    std::uint32_t query = 0;
+    Range range{};
+  };
+  const Collider* collider_ = nullptr;
+  std::vector<WorldFacet> facets_;
+  std::vector<Known> ranges_;
+  std::uint32_t query_ = 0;
+};
+
+}  // namespace morula

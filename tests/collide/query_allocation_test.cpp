@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// No query allocates once it is warm: counted by this program's own operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <morula/collide/containment.hpp>
+#include <morula/collide/distance.hpp>
+#include <new>
+#include <support/meshes.hpp>
+
+#include "placed_bodies.hpp"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace morula {
+namespace {
+
+TEST(QueryAllocation, none_when_the_same_questions_have_been_asked_before) {
+  test::PlacedBody a(test::icosphere(3)), b(test::uv_sphere(15, 9, 0.7)), plate(test::grid_plate(5));
+  DistanceQuery query;
+  InsideTest inside(a.collider);
+  Touch touched;
+  Containment contained;
+  const std::vector<std::uint32_t> parts = component_vertices(b.mesh);
+  const std::size_t before_all = allocations;
+  const auto ask_everything = [&] {
+    bool good = true;
+    for (const double x : {0.0, 0.5, 1.65, 1.9, 3.0}) {
+      b.collider.place(RigidTransform::from_axis({1, 2, 3}, x, {x, 0.1, 0.2}));
+      for (const bool warm : {true, false}) good = good && query(a.collider, b.collider, {.warm_start = warm}).status;
+      good = good && query(a.collider, b.collider, {.exact = false, .budget = 40}).status;
+      good = good && touch(a.collider, HalfSpace{{0, 0, 1}, x - 1}, {.list = true}, touched);
+      good = good && touch(a.collider, Sphere{{x, 0, 0}, 0.5}, {.nearest = true}, touched);
+      good = good && touch(a.collider, Capsule{{x, 0, 0}, {x, 3, 0}, 0.3}, {.any = true}, touched);
+      good = good && first_hit(b.collider, {{5, 0.1, 0.2}, {-1, 0, 0}}).status;
+      good = good && inside.locate({x, 0, 0}).status && inside.probe({{x, 0, 0}, 0.1}).status;
+      good = good && inside.components_inside(b.collider, parts, contained);
+      // Refusals as well.
+      good = good && !touch(a.collider, Sphere{{x, 0, 0}, -1}, {}, touched);
+      good = good && !query(a.collider, b.collider, {.tolerance = -1}).status;
+    }
+    return good;
+  };
+  // Twice: the second round starts where the first one ended.
+  EXPECT_TRUE(ask_everything() && ask_everything());
+  EXPECT_GT(allocations, before_all) << "the counter counts";
+  const std::size_t before = allocations;
+  const bool good = ask_everything();
+  const std::size_t after = allocations;
+  EXPECT_TRUE(good);
+  EXPECT_EQ(after - before, 0u);
+}
+
+}  // namespace
+}  // namespace morula
