@@ -65,9 +65,10 @@ int run(int argc, char** argv) {
   app.add_option("--patience", patience,
                  "seconds after which an item gets no further repeat; two it always gets (default 10)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--questions", questions,
-                 "points that `query` asks about, poses that `collide` tries (default 20000); `distance` asks a hundredth "
-                 "of it, at most 200 poses")
+  app.add_option(
+         "--questions", questions,
+         "points that `query` asks about, poses that `collide` tries (default 20000); `distance` asks a hundredth "
+         "of it, at most 200 poses")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
   app.add_option("--method", methods,

@@ -20,9 +20,12 @@ struct ContactQuery::State {
 
   ContactStatus usable() const {
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      const FrontWalk::Pair& pair = walk.pairs[i];
+      const ColliderPair& pair = walk.pairs[i];
       if (!pair.a->body().is_current() || !pair.b->body().is_current()) return {Code::body_not_current, i};
-      if (options.facets && !(pair.a->has_current_positions() && pair.b->has_current_positions()))
+      if (!options.reach && !(pair.a->body().is_complete() && pair.b->body().is_complete()))
+        return {Code::body_not_complete, i};
+      if ((options.surfaces || options.exact || options.containment) &&
+          !(pair.a->has_current_positions() && pair.b->has_current_positions()))
         return {Code::positions_not_current, i};
       if (!has_level(*pair.a, *pair.b, options.level)) return {Code::bad_level, i};
     }
@@ -65,8 +68,12 @@ std::string message(const ContactStatus& status) {
       return {};
     case ContactStatus::Code::body_not_current:
       return which + "the last update of a body was refused: update it with good positions first";
+    case ContactStatus::Code::body_not_complete:
+      return which + "a body was updated lazily: give CollideOptions::reach, which calls Body::reach";
     case ContactStatus::Code::positions_not_current:
-      return which + "facets are asked for without the positions of this frame: call Collider::set_positions after it";
+      return which +
+             "surfaces, crossings or containment are asked for without the positions of this frame: call "
+             "Collider::set_positions after it";
     case ContactStatus::Code::no_front:
       return "there is no front: call start() first";
     case ContactStatus::Code::other_bodies:
@@ -96,12 +103,14 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
     throw std::invalid_argument("the weight of a pair of bodies is " + std::to_string(weight) +
                                 ": it must be finite and not negative");
   state_->walk.front.bodies.clear();
+  state_->walk.extras.forget();
   state_->walk.pairs.push_back({&a, &b, weight});
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);
 }
 
 void ContactQuery::clear() {
   state_->walk.front.bodies.clear();
+  state_->walk.extras.forget();
   state_->walk.pairs.clear();
 }
 

@@ -4,7 +4,7 @@
 // what the spheres stick out of the surface.
 #pragma once
 
-#include <morula/collide/surface_point.hpp>
+#include <morula/collide/contacts.hpp>
 
 #include "collide/leaf_surfaces.hpp"
 
@@ -42,14 +42,6 @@ Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& s
 /// How far the node's region reaches along a unit vector of the world, at most: its sphere's reach or, where this is
 /// less, that of the farthest corner of its facets. Rounded up by some 1e-6 of the leaf.
 double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch);
-
-struct ContactSurface {
-  SurfacePoint on_a, on_b;  ///< nearest to the contact's point; their own points placed
-  Vec3 normal;              ///< unit, from b to a
-  /// How far a's region has to move along the normal, or along that of the spheres, to be apart from b's: the lesser
-  /// of these two upper bounds. 0: they are apart.
-  double depth;
-};
 
 /// point, sphere_normal (unit, from b to a) and depth: of the contact of two nodes' spheres.
 ///

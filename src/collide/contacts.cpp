@@ -5,55 +5,13 @@
 #include <string>
 
 #include "collide/contact_geometry.hpp"
+#include "collide/descent.hpp"
 #include "collide/front_walk.hpp"
 #include "collide/require.hpp"
 
 namespace morula {
-namespace {
-
-// Without a budget there is no queue to keep: depth-first, and nothing to remember.
-class Descent {
- public:
-  Descent(const TreePair& trees, std::vector<Contact>& contacts) : trees_(trees), contacts_(contacts) {}
-
-  void run() {
-    std::uint64_t mask;
-    trees_.test({0, 1}, {0, 1}, &mask);
-    ++pair_tests_;
-    if (mask != 0) enter(0, 0, 0);
-  }
-  std::size_t pair_tests() const { return pair_tests_; }
-
- private:
-  void enter(std::uint32_t a, std::uint32_t b, std::uint32_t depth) {
-    if (trees_.is_final(a, b, depth)) {
-      Contact& contact = contacts_.emplace_back();
-      describe(trees_.placed(), trees_.sphere_a(a), trees_.sphere_b(b), contact);
-      contact.node_a = a;
-      contact.node_b = b;
-      contact.finished = true;
-      return;
-    }
-    const NodeRange below_a = trees_.below_a(a, depth), below_b = trees_.below_b(b, depth);
-    std::uint64_t masks[max_branching];
-    trees_.test(below_a, below_b, masks);
-    pair_tests_ += std::size_t{below_a.count} * below_b.count;
-    any_overlapping(below_a, below_b, masks, [&](std::uint32_t child_a, std::uint32_t child_b) {
-      enter(child_a, child_b, depth + 1);
-      return false;
-    });
-  }
-
-  const TreePair& trees_;
-  std::vector<Contact>& contacts_;
-  std::size_t pair_tests_ = 0;
-};
-
-}  // namespace
-
 struct ContactScratch::State {
   FrontWalk walk;
-  SurfaceScratch surface;
 };
 
 ContactScratch::ContactScratch() = default;
@@ -72,9 +30,10 @@ ContactScratch::State& ContactScratch::state() {
 
 void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused) {
   require_usable(options);
-  require_current(a, "the first body");
-  require_current(b, "the second body");
-  if (options.facets) {
+  const auto require_spheres = options.reach ? require_current : require_complete;
+  require_spheres(a, "the first body");
+  require_spheres(b, "the second body");
+  if (options.surfaces || options.exact || options.containment) {
     require_positions(a, "the first body");
     require_positions(b, "the second body");
   }
@@ -82,26 +41,27 @@ void collide(const Collider& a, const Collider& b, const CollideOptions& options
     throw std::invalid_argument("contacts are asked for at level " + std::to_string(*options.level) +
                                 ", which neither tree has");
 
-  ContactScratch::State& scratch = reused.scratch.state();
+  FrontWalk& walk = reused.scratch.state().walk;
+  walk.pairs.assign(1, {&a, &b, 1.0});
+  walk.extras.forget();
   if (!options.budget.is_unlimited() || options.reach) {
-    scratch.walk.pairs.assign(1, {&a, &b, 1.0});
-    scratch.walk.start(options, false, serial_workers(), reused);
+    walk.start(options, false, serial_workers(), reused);
     return;
   }
 
   const TreePair trees(a, b, options.margin, options.level.value_or(leaf_level));
   reused.contacts.clear();
-  Descent descent(trees, reused.contacts);
-  descent.run();
+  reused.pair_tests = each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
+    Contact& contact = reused.contacts.emplace_back();
+    describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
+    contact.node_a = node_a;
+    contact.node_b = node_b;
+    contact.finished = true;
+  });
   reused.finished_count = reused.contacts.size();
   reused.finished = true;
-  reused.pair_tests = descent.pair_tests();
   reused.achieved_level.assign(1, trees.depth());
-  reused.facets.clear();
-  if (!options.facets) return;
-  for (const Contact& c : reused.contacts)
-    reused.facets.push_back(
-        {nearest_facet(a, c.node_a, c.point, scratch.surface), nearest_facet(b, c.node_b, c.point, scratch.surface)});
+  walk.extras.add(walk.pairs, options, reused);
 }
 
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options) {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/orientation.hpp"
 #include "collide/placed_spheres.hpp"
+#include "geometry/exact_predicates.hpp"
 
 namespace morula {
 namespace {
@@ -41,7 +41,7 @@ struct HalfLine {
       const Vec3 &a = t[k], &b = t[(k + 1) % 3];
       const bool a_below = a[other] <= from[other], b_below = b[other] <= from[other];
       if (a_below == b_below) continue;
-      const int turn = orientation(a[side], a[other], b[side], b[other], from[side], from[other]);
+      const int turn = orient2d(a, b, from, projections[axis]);
       if (a_below && turn > 0) ++turns;
       if (b_below && turn < 0) --turns;
     }
@@ -55,15 +55,14 @@ bool holds(const Triangle& t, const Vec3& p) {
     const double a = t[0][axis], b = t[1][axis], c = t[2][axis];
     if (p[axis] < std::min({a, b, c}) || p[axis] > std::max({a, b, c})) return false;
   }
-  if (orientation(t, p) != 0) return false;
+  if (orient3d(t[0], t[1], t[2], p) != 0) return false;
   // In the plane, and on no wrong side of an edge along any axis. Of triangles without area: on their line, and in the
   // box.
   for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     int least = 0, most = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 &a = t[k], &b = t[(k + 1) % 3];
-      const int turn = orientation(a[u], a[v], b[u], b[v], p[u], p[v]);
+      const int turn = orient2d(a, b, p, projections[axis]);
       least = std::min(least, turn);
       most = std::max(most, turn);
     }
@@ -177,7 +176,7 @@ PointLocation InsideTest::locate(const Vec3& point) {
     }
     const int turns = line.winding(t);
     // A facet that looks along the axis (turns = 1) is ahead when the point is behind it.
-    if (turns == 0 || orientation(t, point) * turns * line.sign >= 0) continue;
+    if (turns == 0 || orient3d(t[0], t[1], t[2], point) * turns * line.sign >= 0) continue;
     result.winding += turns * line.sign;
     ++crossings;
   }

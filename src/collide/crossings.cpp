@@ -6,9 +6,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/leaf_pairs.hpp"
+#include "collide/descent.hpp"
 #include "collide/node_facets.hpp"
 #include "collide/pair_set.hpp"
+#include "collide/require.hpp"
 
 namespace morula {
 namespace {
@@ -56,14 +57,11 @@ class Selection {
   std::size_t size_ = 0;
 };
 
-void require_current(const Collider& collider, const char* which) {
-  const auto refuse = [&](const char* what) {
-    throw std::invalid_argument(std::string("crossings: body ") + which + what);
-  };
-  if (!collider.body().is_current())
-    refuse(": its last update was refused, so its spheres are older than its positions");
-  if (!collider.has_current_positions())
-    refuse(" has been updated since its positions were set: call Collider::set_positions after Body::update");
+void require_usable(const Collider& a, const Collider& b) {
+  require_current(a, "the first body");
+  require_current(b, "the second body");
+  require_positions(a, "the first body");
+  require_positions(b, "the second body");
 }
 
 void require_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
@@ -80,7 +78,7 @@ struct Crossings::State {
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
   // Memory for the next query.
-  std::vector<NodePair> stack, leaves;
+  std::vector<NodePair> leaves;
   NodeFacets facets_a, facets_b;
   Selection near_a, near_b;
   PairSet tested;
@@ -152,24 +150,25 @@ std::size_t Crossings::pairs_tested() const {
 }
 
 void crossings(const Collider& a, const Collider& b, std::span<const NodePair> nodes, Crossings& result) {
-  require_current(a, "a");
-  require_current(b, "b");
+  require_usable(a, b);
   require_nodes(a, b, nodes);
   result.state().find(a, b, nodes);
 }
 
 void crossings(const Collider& a, const Collider& b, Crossings& result) {
-  require_current(a, "a");
-  require_current(b, "b");
+  require_usable(a, b);
+  require_complete(a, "the first body");
+  require_complete(b, "the second body");
   Crossings::State& state = result.state();
   state.leaves.clear();
-  overlapping_leaves(a, b, state.stack, state.leaves);
+  each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
+    state.leaves.push_back({node_a, node_b});
+  });
   state.find(a, b, state.leaves);
 }
 
 std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& b) {
-  require_current(a, "a");
-  require_current(b, "b");
+  require_usable(a, b);
   struct Boxed {
     Triangle triangle;
     Box box;

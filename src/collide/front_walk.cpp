@@ -60,7 +60,8 @@ class Meter {
 
 void FrontWalk::place(const CollideOptions& options) {
   trees_.clear();
-  for (const Pair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, options.margin, options.level.value_or(none));
+  for (const ColliderPair& pair : pairs)
+    trees_.emplace_back(*pair.a, *pair.b, options.margin, options.level.value_or(none));
 }
 
 void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result) {
@@ -123,7 +124,7 @@ void FrontWalk::cut(std::vector<FrontPair>& list) {
   list.clear();
   if (front.bodies.size() != pairs.size()) return;
   trees_.clear();
-  for (const Pair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
+  for (const ColliderPair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
     if (!overlapping) {
       list.push_back({pair.bodies, pair.a, pair.b, State::separated});
@@ -164,7 +165,7 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
 bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& pair) const {
   if (!options.reach) return true;
   const TreePair& trees = trees_[pair.bodies];
-  const Pair& colliders = pairs[pair.bodies];
+  const ColliderPair& colliders = pairs[pair.bodies];
   return (!trees.opens_a(pair.a, pair.depth) || options.reach(*colliders.a, pair.a)) &&
          (!trees.opens_b(pair.b, pair.depth) || options.reach(*colliders.b, pair.b));
 }
@@ -352,11 +353,7 @@ void FrontWalk::finish(const CollideOptions& options, Contacts& result) {
     report(pair, false, result);
     result.achieved_level[pair.bodies] = std::min(result.achieved_level[pair.bodies], pair.depth);
   }
-  result.facets.clear();
-  if (!options.facets) return;
-  for (const Contact& c : result.contacts)
-    result.facets.push_back({nearest_facet(*pairs[c.bodies].a, c.node_a, c.point, surface_),
-                             nearest_facet(*pairs[c.bodies].b, c.node_b, c.point, surface_)});
+  extras.add(pairs, options, result);
 }
 
 }  // namespace morula

@@ -8,19 +8,16 @@
 #include <morula/parallel/workers.hpp>
 #include <vector>
 
-#include "collide/contact_surface.hpp"
+#include "collide/contact_extras.hpp"
 #include "collide/tree_pair.hpp"
 
 namespace morula {
 
 class FrontWalk {
  public:
-  struct Pair {
-    const Collider *a, *b;
-    double weight;
-  };
-  std::vector<Pair> pairs;
+  std::vector<ColliderPair> pairs;
   Front front;
+  ContactExtras extras;
 
   /// Arguments have been checked. keeps: the front is to be carried into the next frame, which costs a little.
   void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
@@ -64,7 +61,6 @@ class FrontWalk {
   std::vector<Front::Waiting> aside_;
   std::vector<std::uint32_t> before_of_child_;  // a table by place in a block; all none between uses
   std::vector<double> motion_;
-  SurfaceScratch surface_;
 };
 
 }  // namespace morula

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "collide/orientation.hpp"
+#include "geometry/exact_predicates.hpp"
 
 namespace morula {
 namespace {
@@ -47,7 +47,7 @@ bool pierces(const Vec3& p, const Vec3& q, int side_p, int side_q, const Triangl
   if (side_p * side_q > 0 || (side_p == 0 && side_q == 0)) return false;
   int least = 0, most = 0;
   for (int k = 0; k < 3; ++k) {
-    const int side = orientation({p, q, t[static_cast<std::size_t>(k)]}, t[static_cast<std::size_t>((k + 1) % 3)]);
+    const int side = orient3d(p, q, t[static_cast<std::size_t>(k)], t[static_cast<std::size_t>((k + 1) % 3)]);
     least = std::min(least, side);
     most = std::max(most, side);
   }
@@ -120,7 +120,7 @@ class Search {
     int sides[3];
     int least = 1, most = -1;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      sides[i] = orientation(b_, a_[i]);
+      sides[i] = orient3d(b_[0], b_[1], b_[2], a_[i]);
       least = std::min(least, sides[i]);
       most = std::max(most, sides[i]);
     }
@@ -136,7 +136,7 @@ class Search {
     }
     if (a_.size() < 3) return false;
     const Triangle t{a_[0], a_[1], a_[2]};
-    for (std::size_t j = 0; j < 3; ++j) sides[j] = orientation(t, b_[j]);
+    for (std::size_t j = 0; j < 3; ++j) sides[j] = orient3d(t[0], t[1], t[2], b_[j]);
     for (std::size_t j = 0; j < 3; ++j) {
       const std::size_t j2 = (j + 1) % 3;
       if (!pierces(b_[j], b_[j2], sides[j], sides[j2], t)) continue;

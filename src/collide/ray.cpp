@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <morula/collide/primitives.hpp>
 
-#include "collide/orientation.hpp"
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
+#include "geometry/exact_predicates.hpp"
 
 namespace morula {
 namespace {
@@ -59,9 +59,11 @@ class ShearedRay {
       y[k] = p[y_] - shear_y_ * p[z_];
       z[k] = p[z_];
     }
-    const int u = sign_of_difference(x[2], y[1], y[2], x[1]);
-    const int v = sign_of_difference(x[0], y[2], y[0], x[2]);
-    const int w = sign_of_difference(x[1], y[0], y[1], x[0]);
+    // On which side of the origin, which is the ray, each edge passes.
+    const auto side = [&](int from, int to) {
+      return orient2d({}, {x[from], y[from], 0}, {x[to], y[to], 0}, projections[2]);
+    };
+    const int u = side(2, 1), v = side(0, 2), w = side(1, 0);
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
     // Signs are exact, sizes nearly: one of them may have lost all its digits.
     const double a = u == 0 ? 0.0 : std::abs(x[2] * y[1] - y[2] * x[1]);

@@ -14,6 +14,14 @@ void require_current(const Collider& collider, const char* who) {
                                 " was refused: its spheres are those of an older frame");
 }
 
+void require_complete(const Collider& collider, const char* who) {
+  require_current(collider, who);
+  if (!collider.body().is_complete())
+    throw std::invalid_argument(std::string(who) +
+                                " was updated lazily, and not all of its nodes have been reached: update it in full, "
+                                "or give CollideOptions::reach where a query takes it");
+}
+
 void require_positions(const Collider& collider, const char* who) {
   if (!collider.has_current_positions())
     throw std::invalid_argument(std::string(who) +

@@ -9,6 +9,8 @@ namespace morula {
 
 /// Throws std::invalid_argument when the last update was refused. who: "the first body".
 void require_current(const Collider& collider, const char* who);
+/// That, and when a lazy update has left nodes behind.
+void require_complete(const Collider& collider, const char* who);
 /// The same when positions are of an older frame.
 void require_positions(const Collider& collider, const char* who);
 /// Throws std::invalid_argument for a margin that is negative or not finite and for a negative budget.

@@ -207,6 +207,10 @@ bool Body::is_reached(std::uint32_t node) const {
   return !state_->lazy || state_->reached[node] != 0;
 }
 
+bool Body::is_complete() const {
+  return !state_->lazy;
+}
+
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
   const State& s = *state_;
   std::size_t bad = 0;

@@ -119,6 +119,7 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
   status = counted(status);
   if (!status || nodes == reached.size()) return status;
   lazy = true;
+  unreached = reached.size() - nodes;
   std::fill(reached.begin(), reached.end(), std::uint8_t{0});
   std::fill_n(reached.begin(), nodes, std::uint8_t{1});
   status.nodes_updated = nodes;
@@ -142,6 +143,8 @@ std::size_t Body::State::reach(std::uint32_t node) noexcept {
     reached[child] = 1;
     ++brought;
   }
+  unreached -= brought;
+  lazy = unreached > 0;
   return brought;
 }
 

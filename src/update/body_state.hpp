@@ -31,8 +31,10 @@ struct Body::State {
   std::uint64_t frames = 0;  // good updates
   bool current = true;       // the last update was good
   bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
-  // After a lazy update: one flag per node that belongs to its frame, and the coordinates if it was by modes.
+  // After a lazy update, until all is reached: one flag per node that belongs to its frame, how many do not, and the
+  // coordinates if it was by modes.
   bool lazy = false;
+  std::size_t unreached = 0;
   std::vector<std::uint8_t> reached{};
   std::vector<double> coordinates_reached{};
 

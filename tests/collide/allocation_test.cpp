@@ -84,7 +84,7 @@ TEST(Allocation, no_query_allocates_with_a_reused_result) {
   std::size_t time = 0;
   CollideOptions timed{.budget = std::chrono::nanoseconds(20)};
   timed.clock = [&time] { return std::chrono::nanoseconds(time++); };
-  const CollideOptions cases[]{{}, {.level = 2, .margin = 0.1}, {.budget = 500}, {.facets = true}, timed};
+  const CollideOptions cases[]{{}, {.level = 2, .margin = 0.1}, {.budget = 500}, {.surfaces = true}, timed};
   Workers three(3);
   for (const CollideOptions& each : cases) {
     Contacts contacts;

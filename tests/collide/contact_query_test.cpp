@@ -392,7 +392,7 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
 
   ASSERT_TRUE(a.body->update(a.positions));
   refused(query.resume(), Code::other_frame);
-  query.set_options({.budget = 500, .facets = true});
+  query.set_options({.budget = 500, .surfaces = true});
   refused(query.carry(), Code::positions_not_current);
   query.set_options({.budget = 500});
   ASSERT_FALSE(a.body->update(std::vector<Vec3>(2)));

@@ -242,8 +242,8 @@ TEST(Collide, facets_are_the_nearest_of_the_nodes) {
   Specimen a("limb", 8, quick), b("torus", 8, quick);
   a.deform(random, 0.05);
   a.place(RigidTransform::from_axis({1, 2, 3}, 1, {0.2, 0.3, 0}));
-  const Contacts contacts = collide(*a.collider, *b.collider, {.facets = true});
-  ASSERT_EQ(contacts.facets.size(), contacts.contacts.size());
+  const Contacts contacts = collide(*a.collider, *b.collider, {.surfaces = true});
+  ASSERT_EQ(contacts.surfaces.size(), contacts.contacts.size());
   ASSERT_GT(contacts.contacts.size(), 10u);
   const auto check = [](const Collider& c, std::uint32_t node, const Vec3& point, const SurfacePoint& found) {
     double least = std::numeric_limits<double>::infinity();
@@ -258,8 +258,8 @@ TEST(Collide, facets_are_the_nearest_of_the_nodes) {
   };
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
     const Contact& c = contacts.contacts[i];
-    check(*a.collider, c.node_a, c.point, contacts.facets[i].a);
-    check(*b.collider, c.node_b, c.point, contacts.facets[i].b);
+    check(*a.collider, c.node_a, c.point, contacts.surfaces[i].on_a);
+    check(*b.collider, c.node_b, c.point, contacts.surfaces[i].on_b);
   }
 }
 
@@ -281,9 +281,9 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   refused({.budget = std::chrono::microseconds(-5)});
   std::vector<Vec3> bad = a.positions;
   bad[a.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
-  EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.facets = true}));
+  EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.surfaces = true}));
   ASSERT_TRUE(a.body->update(a.positions));
-  refused({.facets = true});
+  refused({.surfaces = true});
   ASSERT_FALSE(a.body->update(bad));
   refused({});
   EXPECT_THROW(overlap(*a.collider, *b.collider), std::invalid_argument);

@@ -40,6 +40,7 @@ TEST(LazyUpdate, gives_the_spheres_of_a_full_one_when_all_are_reached) {
         reach_all(lazy, [&](std::uint32_t node) {
           ASSERT_EQ(lazy.sphere(node), full.sphere(node)) << b.name << ", node " << node;
         });
+        EXPECT_TRUE(lazy.is_complete());
         EXPECT_EQ(lazy.hash(), full.hash()) << b.name;
       }
     }
@@ -54,6 +55,7 @@ TEST(LazyUpdate, brings_each_child_once_and_no_other_node) {
   std::size_t reached = 0;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) reached += body.is_reached(node);
   EXPECT_EQ(reached, 1u);
+  EXPECT_FALSE(body.is_complete());
   EXPECT_EQ(body.reach(0), tree.child_count[0]);
   EXPECT_EQ(body.reach(0), 0u);
   for (std::uint32_t node = 1; node < tree.node_count(); ++node)

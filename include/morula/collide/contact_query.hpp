@@ -14,6 +14,7 @@ struct ContactStatus {
   enum class Code : std::uint8_t {
     ok,
     body_not_current,       ///< the last update of a body was refused
+    body_not_complete,      ///< a lazy update left nodes of a body behind, and there is no CollideOptions::reach
     positions_not_current,  ///< facets are asked for, and Collider::set_positions has not seen the last update
     no_front,               ///< nothing was started
     other_bodies,           ///< the front is of another number of bodies, or of another ownership

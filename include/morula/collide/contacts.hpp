@@ -9,6 +9,8 @@
 #include <functional>
 #include <memory>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/containment.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/collide/surface_point.hpp>
 #include <optional>
 #include <vector>
@@ -32,9 +34,23 @@ struct Contact {
   double error_bound = 0;
 };
 
-/// On each body the surface point nearest to Contact::point, among the facets of which the contact's node has a part.
-struct ContactFacets {
-  SurfacePoint a, b;
+/// What a contact of spheres says of the surfaces in them.
+struct ContactSurface {
+  /// The point nearest to Contact::point of the facets of which the node owns a part, on each body.
+  SurfacePoint on_a, on_b;
+  /// Unit, from b to a: the difference of the mean normals of both regions, or Contact::normal where that is below a
+  /// half.
+  Vec3 normal;
+  /// How far a's region has to move along the normal, or along that of the spheres, to be apart from b's: the lesser of
+  /// these two upper bounds. It leaves out what the spheres stick out of the surface, so a response is not pushed
+  /// outward. 0: the regions are apart.
+  double depth;
+};
+
+/// Which components (component_vertices) of one body are inside the other: where the surfaces do not cross, all of the
+/// component is; else the verdict is about one of its vertices. Nothing is inside an open surface.
+struct MutualContainment {
+  Containment a_in_b, b_in_a;
 };
 
 /// How much work a query may do.
@@ -78,9 +94,11 @@ struct CollideOptions {
   double margin = 0;  ///< pairs this far apart count too; mesh units, finite, not negative
   Budget budget{};    ///< not negative
   Priority priority = Priority::overlap;
-  /// Fill Contacts::facets. Needs current positions of both bodies (Collider::set_positions).
-  bool facets = false;
-  Clock clock{};  ///< of a budget of time; none: std::chrono::steady_clock
+  // The next three need current positions of both bodies (Collider::set_positions).
+  bool surfaces = false;     ///< fill Contacts::surfaces
+  bool exact = false;        ///< fill Contacts::crossings
+  bool containment = false;  ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
+  Clock clock{};             ///< of a budget of time; none: std::chrono::steady_clock
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
   /// tested, from the thread of the query, perhaps more than once per node. True: they are current. False: they
   /// cannot be had now, and the pairs that need them stay unfinished. None: everything is current.
@@ -107,10 +125,16 @@ class ContactScratch {
 struct Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
-  std::vector<ContactFacets> facets;  ///< one per contact when asked for, else none
-  std::size_t finished_count = 0;     ///< of contacts
-  bool finished = false;              ///< nothing was left undone: finished_count is all
-  std::size_t pair_tests = 0;         ///< done by this call
+  std::vector<ContactSurface> surfaces;  ///< one per contact when asked for, else none
+  /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
+  /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
+  /// crossings_begin[i + 1]), in the order of (facet_a, facet_b).
+  std::vector<Crossing> crossings;
+  std::vector<std::size_t> crossings_begin;
+  std::vector<MutualContainment> containment;  ///< one per pair of bodies when asked for, else none
+  std::size_t finished_count = 0;              ///< of contacts
+  bool finished = false;                       ///< nothing was left undone: finished_count is all
+  std::size_t pair_tests = 0;                  ///< done by this call
   /// Per pair of bodies: no pair is above this level set of both trees.
   std::vector<std::uint32_t> achieved_level;
 
@@ -123,9 +147,9 @@ struct Contacts {
 /// as the margin, do so within a pair that is reported, with or without a budget. Order: depth-first, by the nodes of
 /// b, then of a, when there is no budget; else as found, the same every time for a budget of pair tests.
 ///
-/// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or facets are
-/// asked for without current positions; `reused` is unchanged then. A reused result allocates nothing once its memory
-/// suffices.
+/// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or surfaces,
+/// crossings or containment are asked for without current positions; `reused` is unchanged then. A reused result
+/// allocates nothing once its memory suffices.
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
 void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused);
 

@@ -13,6 +13,7 @@ struct QueryStatus {
   enum class Code : std::uint8_t {
     ok,
     body_not_current,       ///< its last update was refused: the spheres are those of an older frame
+    body_not_complete,      ///< a lazy update has left nodes behind
     positions_not_current,  ///< Collider::set_positions was not called since the body's last update
     placement_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
     bad_option,             ///< not a number, or negative where it must not be

@@ -115,6 +115,8 @@ class Body {
   std::size_t reach(std::uint32_t node) noexcept;
   /// Does the node's sphere belong to this frame? All do after an update that was not lazy.
   bool is_reached(std::uint32_t node) const;
+  /// Do those of all nodes?
+  bool is_complete() const;
 
   /// One node's sphere at the given coordinates, in mesh coordinates; the current spheres stay as they are. What a
   /// traversal from the root asks for, node by node: those that it never reaches cost nothing. The same bits as

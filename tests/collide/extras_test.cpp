@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What contacts come with on request, and bodies whose spheres are brought up to date as a query goes.
+#include <gtest/gtest.h>
+
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/distance.hpp>
+#include <morula/collide/overlap.hpp>
+#include <set>
+
+#include "specimens.hpp"
+
+namespace morula {
+namespace {
+
+using test::Specimen;
+
+const BuildOptions quick{.method = Method::octree, .depth = 3};
+
+std::set<std::pair<std::uint32_t, std::uint32_t>> facets_of(std::span<const Crossing> crossings) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Crossing& c : crossings) pairs.emplace(c.facet_a, c.facet_b);
+  return pairs;
+}
+std::set<std::pair<std::uint32_t, std::uint32_t>> nodes_of(const Contacts& contacts) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Contact& c : contacts.contacts) pairs.emplace(c.node_a, c.node_b);
+  return pairs;
+}
+
+TEST(ExactContacts, hold_the_facet_pairs_of_brute_force_for_every_pair_of_bodies) {
+  Random random(3);
+  Specimen a("limb", 8, quick), b("torus", 8, quick), c("blob", 6, quick);
+  for (int pose = 0; pose < 10; ++pose) {
+    for (Specimen* s : {&a, &b, &c}) {
+      s->deform(random, 0.05);
+      s->place(test::random_placement(random, 0.5));
+    }
+    ContactQuery query({.exact = true});
+    query.add(*a.collider, *b.collider);
+    query.add(*b.collider, *c.collider);
+    ASSERT_TRUE(query.start());
+    const Contacts& found = query.contacts();
+    ASSERT_EQ(found.crossings_begin.size(), 3u);
+    const auto of = [&](std::size_t i) {
+      return std::span(found.crossings)
+          .subspan(found.crossings_begin[i], found.crossings_begin[i + 1] - found.crossings_begin[i]);
+    };
+    EXPECT_EQ(facets_of(of(0)), facets_of(brute_force::crossings(*a.collider, *b.collider)));
+    EXPECT_EQ(facets_of(of(1)), facets_of(brute_force::crossings(*b.collider, *c.collider)));
+
+    // With a budget: those of what is finished, and none that are not.
+    const Contacts part = collide(*a.collider, *b.collider, {.budget = 600, .exact = true});
+    const auto all = facets_of(of(0)), some = facets_of(part.crossings);
+    EXPECT_TRUE(std::includes(all.begin(), all.end(), some.begin(), some.end()));
+  }
+}
+
+TEST(Containment, comes_with_contacts_and_tells_a_body_inside_another) {
+  Specimen outer("blob", 8, quick, 3.0), inner("blob", 6, quick, 0.5);
+  const CollideOptions options{.containment = true};
+  ContactQuery query(options);
+  query.add(*outer.collider, *inner.collider);
+  const auto expect = [&](std::size_t inner_in_outer, std::size_t outer_in_inner) {
+    ASSERT_TRUE(query.start());
+    EXPECT_TRUE(query.contacts().contacts.empty());
+    const Contacts once = collide(*outer.collider, *inner.collider, options);
+    for (const Contacts* found : {&query.contacts(), &once}) {
+      ASSERT_EQ(found->containment.size(), 1u);
+      EXPECT_EQ(found->containment[0].b_in_a.inside_count, inner_in_outer);
+      EXPECT_EQ(found->containment[0].a_in_b.inside_count, outer_in_inner);
+      EXPECT_EQ(found->containment[0].b_in_a.inside.size(), 1u);
+    }
+  };
+  expect(1, 0);
+  inner.place(RigidTransform::from_axis({0, 1, 0}, 1, {20, 0, 0}));
+  expect(0, 0);
+}
+
+struct LazyBodies : ::testing::Test {
+  LazyBodies() {
+    Random random(9);
+    for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
+    b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+    options.reach = [this](const Collider& collider, std::uint32_t node) {
+      (&collider == a.collider.get() ? a : b).body->reach(node);
+      return true;
+    };
+  }
+  void update_lazily(std::size_t level) {
+    for (Specimen* s : {&a, &b}) {
+      ASSERT_TRUE(s->body->update_lazily(s->positions, level));
+      s->collider->set_positions(s->positions);
+    }
+  }
+  Specimen a{"limb", 16, quick}, b{"limb", 16, quick};
+  CollideOptions options;
+};
+
+TEST_F(LazyBodies, give_the_contacts_of_full_updates_and_leave_nodes_untouched) {
+  const auto expected = nodes_of(collide(*a.collider, *b.collider));
+  ASSERT_FALSE(expected.empty());
+  update_lazily(0);
+  options.surfaces = options.exact = true;
+  const Contacts found = collide(*a.collider, *b.collider, options);
+  EXPECT_TRUE(found.finished);
+  EXPECT_EQ(nodes_of(found), expected);
+  EXPECT_EQ(facets_of(found.crossings), facets_of(brute_force::crossings(*a.collider, *b.collider)));
+  EXPECT_FALSE(a.body->is_complete()) << "far nodes were never asked for";
+}
+
+TEST_F(LazyBodies, are_refused_by_queries_that_cannot_reach) {
+  update_lazily(1);
+  EXPECT_THROW(collide(*a.collider, *b.collider), std::invalid_argument);
+  EXPECT_THROW(overlap(*a.collider, *b.collider), std::invalid_argument);
+  EXPECT_THROW(distance(*a.collider, *b.collider), std::invalid_argument);
+  Crossings crossed;
+  EXPECT_THROW(crossings(*a.collider, *b.collider, crossed), std::invalid_argument);
+  ContactQuery query;
+  query.add(*a.collider, *b.collider);
+  EXPECT_EQ(query.start().code, ContactStatus::Code::body_not_complete);
+  EXPECT_FALSE(message(query.start()).empty());
+  query.set_options(options);
+  EXPECT_TRUE(query.start());
+}
+
+TEST_F(LazyBodies, carry_fronts_between_lazy_and_full_frames) {
+  Random random(4);
+  ContactQuery query(options);
+  query.add(*a.collider, *b.collider);
+  for (int frame = 0; frame < 8; ++frame) {
+    for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
+    const auto expected = nodes_of(collide(*a.collider, *b.collider));
+    const bool lazy = frame % 3 != 2;
+    if (lazy) update_lazily(0);
+    query.set_options(lazy ? options : CollideOptions{});
+    ASSERT_TRUE(frame == 0 ? query.start() : query.carry());
+    EXPECT_EQ(nodes_of(query.contacts()), expected) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace morula
