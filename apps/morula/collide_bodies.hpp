@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The two sides of `morula collide`: meshes with their trees, motions and places.
+#pragma once
+
+#include <morula/collide/collider.hpp>
+#include <morula/io/motion_file.hpp>
+#include <optional>
+#include <string>
+
+namespace morula::cli {
+
+/// As given; what was not is empty.
+struct SideFiles {
+  char letter = 'a';  // of its options, for messages
+  std::string mesh;
+  std::string tree;
+  std::string motion;
+  std::string place;
+  std::string turn;
+};
+
+/// A rigid motion from "x,y,z" and "x,y,z,degrees": turned about the axis through the origin, then moved.
+RigidTransform parse_placement(const SideFiles& files);
+
+/// One body, frame after frame. Neither copied nor moved: its collider borrows what is beside it.
+class Side {
+ public:
+  /// Reads the mesh and its tree, or builds one. rule: of all levels.
+  Side(const SideFiles& files, const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers);
+  Side(const Side&) = delete;
+  Side& operator=(const Side&) = delete;
+
+  /// 1 without a motion.
+  std::size_t frame_count() const { return motion_ ? motion_->frame_count() : 1; }
+  /// The name of a frame; the last one's beyond the end.
+  std::string frame_name(std::size_t frame) const;
+  /// Beyond the end of its motion a body stays where it is. Throws UsageError for positions that cannot be used.
+  void move_to(std::size_t frame, Workers& workers);
+
+  const Collider& collider() const { return *collider_; }
+  const std::string& name() const { return files_.mesh; }
+  bool tree_was_built() const { return files_.tree.empty(); }
+
+ private:
+  SideFiles files_;
+  Mesh mesh_;
+  std::optional<Motion> motion_;
+  std::optional<Body> body_;
+  std::optional<Collider> collider_;
+  std::vector<Vec3> positions_;
+  std::optional<std::size_t> frame_;
+};
+
+}  // namespace morula::cli
