@@ -420,5 +420,50 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   EXPECT_TRUE(query.start());
 }
 
+// What a front says about bodies cannot be checked, but none makes a query read where it should not.
+TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
+  ContactQuery maker({.budget = 3000});
+  maker.add(*a.collider, *b.collider);
+  ASSERT_TRUE(maker.start());
+  ASSERT_FALSE(maker.front().waiting.empty());
+  std::size_t refused = 0, taken = 0;
+  for (int round = 0; round < 400; ++round) {
+    Front front = maker.front();
+    const auto bad = static_cast<std::uint32_t>(round % 2 == 0 ? random.next() : random.next() % 100);
+    Front::Opened& opened = front.opened[random.next() % front.opened.size()];
+    Front::Waiting& waiting = front.waiting[random.next() % front.waiting.size()];
+    std::uint32_t* const places[]{&opened.a,
+                                  &opened.b,
+                                  &opened.depth,
+                                  &opened.first_mask,
+                                  &opened.first_below,
+                                  &opened.bodies,
+                                  &opened.next_beside,
+                                  &waiting.a,
+                                  &waiting.b,
+                                  &waiting.above,
+                                  &waiting.bodies,
+                                  &waiting.before,
+                                  &front.bodies[0].opened_roots};
+    const std::size_t place = random.next() % (std::size(places) + 2);
+    if (place < std::size(places)) {
+      *places[place] = bad;
+    } else if (place == std::size(places)) {
+      front.masks[random.next() % front.masks.size()] |= std::uint64_t{1} << (random.next() % 64);
+    } else {
+      front.masks.resize(front.masks.size() / 2);
+    }
+    ContactQuery query({.budget = 3000});
+    query.add(*a.collider, *b.collider);
+    query.set_front(front);
+    const ContactStatus status = round % 3 == 0 ? query.resume() : query.carry();
+    EXPECT_TRUE(status || status.code == Code::bad_front);
+    ++(status ? taken : refused);
+    EXPECT_TRUE(query.start());
+  }
+  EXPECT_GT(refused, 100u);
+  EXPECT_GT(taken, 10u);
+}
+
 }  // namespace
 }  // namespace morula
