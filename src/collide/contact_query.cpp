@@ -52,6 +52,7 @@ struct ContactQuery::State {
     }
     if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
       return {Code::other_options};
+    if (front_from_outside && !walk.is_well_formed()) return {Code::bad_front};
     return {};
   }
 
@@ -84,6 +85,8 @@ std::string message(const ContactStatus& status) {
       return which + "a body was placed elsewhere since the front was made: call carry() or start()";
     case ContactStatus::Code::other_options:
       return "the front is of another margin or level: call start()";
+    case ContactStatus::Code::bad_front:
+      return "the front has indices out of range: call start()";
     case ContactStatus::Code::bad_level:
       return which + "neither tree has the level that contacts are asked for at";
   }

@@ -3,6 +3,7 @@
 #include "collide/front_motion.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace morula {
 namespace {
@@ -80,13 +81,17 @@ void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, 
   const std::span<const Spheref> now_a = a.body().spheres(), now_b = b.body().spheres();
   const bool same_frame = bodies.rows == placed.rows && bodies.translation == placed.translation &&
                           bodies.a.origin == a.body().origin() && bodies.b.origin == b.body().origin();
+  const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
+    return !same_frame || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
+  };
+  const bool moved_a = has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
   const double least = same_frame ? 0 : placed.rounding;
-  if (!same_frame || !std::equal(now_a.begin(), now_a.end(), bodies.a.spheres.begin())) {
+  if (moved_a) {
     const Vec3 shift = a.body().origin() - bodies.a.origin;
     travel(bodies.a, a, least, scratch,
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }
-  if (!same_frame || !std::equal(now_b.begin(), now_b.end(), bodies.b.spheres.begin())) {
+  if (moved_b) {
     // In a's coordinates: M c + u + origin of a, then and now.
     const Vec3 shift = (placed.translation + a.body().origin()) - (bodies.translation + bodies.a.origin);
     const std::array<Vec3, 3> then = bodies.rows;
@@ -98,7 +103,7 @@ void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, 
     });
   }
   stamp(bodies, a, b, placed);
-  take_spheres(bodies, a, b);
+  if (moved_a || moved_b) take_spheres(bodies, a, b);
 }
 
 }  // namespace morula

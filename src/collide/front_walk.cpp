@@ -22,40 +22,6 @@ bool comes_later(const Front::Waiting& x, const Front::Waiting& y) {
   return x.priority != y.priority ? x.priority < y.priority : x.order > y.order;
 }
 
-std::chrono::nanoseconds now(const CollideOptions& options) {
-  if (options.clock) return options.clock();
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
-// Tests, or time; once it has run out, it has.
-class Meter {
- public:
-  explicit Meter(const CollideOptions& options) : options_(&options) {
-    if (options.budget.is_tests()) left_ = options.budget.tests();
-    if (options.budget.is_time()) start_ = now(options);
-  }
-  bool by_time() const { return options_->budget.is_time(); }
-  bool out_of_time() {
-    if (by_time() && !late_) late_ = now(*options_) - start_ >= options_->budget.time();
-    return late_;
-  }
-  /// May so many tests be done? After the first no there are only noes, but for no tests.
-  bool takes(std::uint32_t tests) {
-    if (tests == 0) return true;
-    blocked_ = blocked_ || tests > left_;
-    if (!blocked_) left_ -= tests;
-    return !blocked_;
-  }
-  void give_back(std::uint32_t tests) { left_ += tests; }
-  std::size_t done = 0;
-
- private:
-  const CollideOptions* options_;
-  std::int64_t left_ = std::numeric_limits<std::int64_t>::max();
-  std::chrono::nanoseconds start_{};
-  bool blocked_ = false, late_ = false;
-};
-
 }  // namespace
 
 void FrontWalk::place(const CollideOptions& options) {
@@ -84,57 +50,6 @@ void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& worker
   roots_before_.assign(pairs.size(), none);
   result.finished_count = 0;
   refine(options, workers, result);
-}
-
-// f(pair, overlaps?) for all pairs that were tested: the roots, and all below opened pairs.
-template <class F>
-void FrontWalk::each_verdict(const F& f) const {
-  for (std::uint32_t i = 0; i < front.bodies.size(); ++i)
-    if (front.bodies[i].roots != Front::Verdict::untested)
-      f(Front::Waiting{0, 0, i, 0, 0, 0, none, none}, front.bodies[i].roots == Front::Verdict::overlapping);
-  for (const Front::Opened& opened : front.opened) {
-    const TreePair& trees = trees_[opened.bodies];
-    const NodeRange a = trees.below_a(opened.a, opened.depth), b = trees.below_b(opened.b, opened.depth);
-    for (std::uint32_t j = 0; j < b.count; ++j)
-      for (std::uint32_t i = 0; i < a.count; ++i)
-        f(Front::Waiting{0, 0, opened.bodies, a.first + i, b.first + j, opened.depth + 1, none, none},
-          (front.masks[opened.first_mask + j] >> i & 1) != 0);
-  }
-}
-
-void FrontWalk::adopt(Front other) {
-  front = std::move(other);
-  opened_before_.clear();
-  roots_before_.assign(front.bodies.size(), none);
-  for (Front::Waiting& pair : front.waiting) pair.before = none;
-  keeps_ = !front.bodies.empty() && !front.bodies[0].a.spheres.empty();
-}
-
-void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
-  place(options);
-  result.contacts.clear();
-  each_verdict([&](const Front::Waiting& pair, bool overlapping) {
-    if (overlapping && trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth)) report(pair, true, result);
-  });
-  result.finished_count = result.contacts.size();
-}
-
-void FrontWalk::cut(std::vector<FrontPair>& list) {
-  using State = FrontPair::State;
-  list.clear();
-  if (front.bodies.size() != pairs.size()) return;
-  trees_.clear();
-  for (const ColliderPair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
-  each_verdict([&](const Front::Waiting& pair, bool overlapping) {
-    if (!overlapping) {
-      list.push_back({pair.bodies, pair.a, pair.b, State::separated});
-    } else if (trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth)) {
-      list.push_back({pair.bodies, pair.a, pair.b, State::finished});
-    }
-  });
-  for (std::uint32_t i = 0; i < front.bodies.size(); ++i)
-    if (front.bodies[i].roots == Front::Verdict::untested) list.push_back({i, 0, 0, State::waiting});
-  for (const Front::Waiting& pair : front.waiting) list.push_back({pair.bodies, pair.a, pair.b, State::waiting});
 }
 
 void FrontWalk::resume(const CollideOptions& options, Workers& workers, Contacts& result) {
@@ -193,24 +108,24 @@ void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& resu
   contact.finished = finished;
 }
 
-void FrontWalk::admit(const Front::Waiting& found, const CollideOptions& options, Contacts& result) {
+void FrontWalk::admit(const Front::Waiting& found, Run& run) {
   const TreePair& trees = trees_[found.bodies];
   if (trees.is_final(found.a, found.b, found.depth)) {
-    report(found, true, result);
+    report(found, true, run.result);
     return;
   }
   Front::Waiting& pair = front.waiting.emplace_back(found);
   pair.order = front.next_order++;
-  if (options.priority == Priority::level) {
+  if (run.options.priority == Priority::level) {
     pair.priority = -static_cast<float>(found.depth);
   } else {
     pair.priority = overlap_share(trees.placed(), trees.sphere_a(found.a), trees.sphere_b(found.b));
-    if (options.priority == Priority::importance) pair.priority *= static_cast<float>(pairs[found.bodies].weight);
+    if (run.options.priority == Priority::importance) pair.priority *= static_cast<float>(pairs[found.bodies].weight);
   }
   std::push_heap(front.waiting.begin(), front.waiting.end(), comes_later);
 }
 
-void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, const CollideOptions& options, Contacts& result) {
+void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) {
   const Front::Waiting& pair = slot.pair;
   const auto opened = static_cast<std::uint32_t>(front.opened.size());
   const auto first_mask = static_cast<std::uint32_t>(front.masks.size());
@@ -234,91 +149,100 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, const Coll
   before_of_child_.resize(std::size_t{max_branching} * max_branching, none);
   each_before([](std::uint32_t i, std::uint32_t& entry) { entry = i; });
   any_overlapping(slot.below_a, slot.below_b, masks, [&](std::uint32_t a, std::uint32_t b) {
-    admit({0, 0, pair.bodies, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, options, result);
+    admit({0, 0, pair.bodies, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
     return false;
   });
   each_before([](std::uint32_t, std::uint32_t& entry) { entry = none; });
 }
 
-void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
-  Meter meter(options);
-  result.contacts.resize(result.finished_count);
-  std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+void FrontWalk::test_roots(Run& run) {
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     Front::Bodies& bodies = front.bodies[i];
-    if (bodies.roots != Front::Verdict::untested || meter.out_of_time() || !meter.takes(1)) continue;
-    ++meter.done;
-    bodies.roots = trees_[i].overlaps(0, 0) ? Front::Verdict::overlapping : Front::Verdict::separated;
-    if (bodies.roots == Front::Verdict::overlapping) admit({0, 0, i, 0, 0, 0, none, roots_before_[i]}, options, result);
+    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.takes(1)) continue;
+    ++run.meter.done;
+    const bool overlap = trees_[i].overlaps(0, 0);
+    bodies.roots = overlap ? Front::Verdict::overlapping : Front::Verdict::separated;
+    if (overlap) admit({0, 0, i, 0, 0, 0, none, roots_before_[i]}, run);
   }
+}
 
-  // What a wide pair gets in one go.
-  const auto test = [&](Slot& slot, std::uint64_t* masks, NodeRange rows) {
-    const TreePair& trees = trees_[slot.pair.bodies];
-    if (keeps_ && !options.reach) {
-      slot.clearance = std::min(slot.clearance, trees.test_and_measure(slot.below_a, rows, masks));
+void FrontWalk::fill_round(Run& run) {
+  round_.clear();
+  const std::size_t size = run.meter.by_time() ? 1 : round_size;
+  while (round_.size() < size && !front.waiting.empty()) {
+    std::pop_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+    const Front::Waiting pair = front.waiting.back();
+    front.waiting.pop_back();
+    const TreePair& trees = trees_[pair.bodies];
+    const Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth),
+                    still_holds(run.options, pair), std::numeric_limits<double>::infinity()};
+    if (!run.meter.takes(slot.tests())) {
+      aside_.push_back(pair);
+    } else if (!reachable(run.options, pair)) {
+      run.meter.give_back(slot.tests());
+      aside_.push_back(pair);
     } else {
-      trees.test(slot.below_a, rows, masks);
-      slot.clearance = -1;
-    }
-  };
-  const std::size_t at_once = meter.by_time() ? 1 : round_size;
-  round_masks_.resize(round_size * max_branching);
-  aside_.clear();
-  while (!front.waiting.empty() && !meter.out_of_time()) {
-    round_.clear();
-    std::size_t to_test = 0;
-    while (round_.size() < at_once && !front.waiting.empty()) {
-      std::pop_heap(front.waiting.begin(), front.waiting.end(), comes_later);
-      const Front::Waiting pair = front.waiting.back();
-      front.waiting.pop_back();
-      const TreePair& trees = trees_[pair.bodies];
-      Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth), still_holds(options, pair),
-                std::numeric_limits<double>::infinity()};
-      const std::uint32_t tests = slot.knows_verdicts ? 0 : slot.below_a.count * slot.below_b.count;
-      if (!meter.takes(tests)) {
-        aside_.push_back(pair);
-        continue;
-      }
-      if (!reachable(options, pair)) {
-        meter.give_back(tests);
-        aside_.push_back(pair);
-        continue;
-      }
-      if (!slot.knows_verdicts) ++to_test;
       round_.push_back(slot);
     }
+  }
+}
 
-    if (meter.by_time() && to_test > 0) {
-      // One pair. If the time ends half way, it has not been opened.
-      Slot& slot = round_.front();
-      const std::uint32_t step = std::max(1u, tests_per_look / slot.below_a.count);
-      bool complete = true;
-      for (std::uint32_t j = 0; j < slot.below_b.count && complete; j += step) {
-        if (j > 0 && meter.out_of_time()) {
-          complete = false;
-          break;
-        }
-        const NodeRange rows{slot.below_b.first + j, std::min(step, slot.below_b.count - j)};
-        test(slot, round_masks_.data() + j, rows);
-        meter.done += std::size_t{slot.below_a.count} * rows.count;
-      }
-      if (!complete) {
+void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
+  const TreePair& trees = trees_[slot.pair.bodies];
+  if (keeps_ && !options.reach) {
+    slot.clearance = std::min(slot.clearance, trees.test_and_measure(slot.below_a, below_b, masks));
+  } else {
+    trees.test(slot.below_a, below_b, masks);
+    slot.clearance = -1;
+  }
+}
+
+void FrontWalk::test_round(Run& run) {
+  std::size_t to_test = 0, tests = 0;
+  for (const Slot& slot : round_) to_test += !slot.knows_verdicts, tests += slot.tests();
+  run.meter.done += tests;
+  const auto test_slots = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!round_[i].knows_verdicts)
+        test(run.options, round_[i], round_[i].below_b, round_masks_.data() + i * max_branching);
+  };
+  if (to_test > slots_per_chunk && run.workers.thread_count() > 1) {
+    parallel_for(run.workers, round_.size(), slots_per_chunk, test_slots);
+  } else {
+    test_slots(0, round_.size());
+  }
+}
+
+bool FrontWalk::test_in_time(Run& run) {
+  for (Slot& slot : round_) {
+    if (slot.knows_verdicts) continue;
+    const std::uint32_t step = std::max(1u, tests_per_look / slot.below_a.count);
+    for (std::uint32_t j = 0; j < slot.below_b.count; j += step) {
+      if (j > 0 && run.meter.out_of_time()) {
         aside_.push_back(slot.pair);
-        break;
+        return false;
       }
-    } else {
-      const auto test_slots = [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (!round_[i].knows_verdicts) test(round_[i], round_masks_.data() + i * max_branching, round_[i].below_b);
-      };
-      if (to_test > slots_per_chunk && workers.thread_count() > 1) {
-        parallel_for(workers, round_.size(), slots_per_chunk, test_slots);
-      } else {
-        test_slots(0, round_.size());
-      }
-      for (const Slot& slot : round_)
-        if (!slot.knows_verdicts) meter.done += std::size_t{slot.below_a.count} * slot.below_b.count;
+      const NodeRange rows{slot.below_b.first + j, std::min(step, slot.below_b.count - j)};
+      test(run.options, slot, rows, round_masks_.data() + j);
+      run.meter.done += std::size_t{slot.below_a.count} * rows.count;
+    }
+  }
+  return true;
+}
+
+void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
+  Run run{options, workers, result, Meter(options)};
+  result.contacts.resize(result.finished_count);
+  round_masks_.resize(round_size * max_branching);
+  aside_.clear();
+  std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+  test_roots(run);
+  while (!front.waiting.empty() && !run.meter.out_of_time()) {
+    fill_round(run);
+    if (!run.meter.by_time()) {
+      test_round(run);
+    } else if (!test_in_time(run)) {
+      break;
     }
     for (std::size_t i = 0; i < round_.size(); ++i) {
       Slot& slot = round_[i];
@@ -328,11 +252,11 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
         slot.clearance = before.clearance;
         masks = masks_before_.data() + before.first_mask;
       }
-      take_in(slot, masks, options, result);
+      take_in(slot, masks, run);
     }
   }
   front.waiting.insert(front.waiting.end(), aside_.begin(), aside_.end());
-  result.pair_tests = meter.done;
+  result.pair_tests = run.meter.done;
   finish(options, result);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collide/contact_extras.hpp"
+#include "collide/meter.hpp"
 #include "collide/tree_pair.hpp"
 
 namespace morula {
@@ -23,8 +24,10 @@ class FrontWalk {
   void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
   void resume(const CollideOptions& options, Workers& workers, Contacts& result);
   void carry(const CollideOptions& options, Workers& workers, Contacts& result);
-  /// A front from outside.
+  /// A front from outside. Before anything else is done with it, it has to be of these pairs, and well formed: with no
+  /// index out of range.
   void adopt(Front other);
+  bool is_well_formed() const;
   /// Only what is finished in the front, which is of the present frame.
   void list_finished(const CollideOptions& options, Contacts& result);
   void cut(std::vector<FrontPair>& list);
@@ -36,6 +39,13 @@ class FrontWalk {
     NodeRange below_a, below_b;
     bool knows_verdicts;  // from the previous frame
     double clearance;
+    std::uint32_t tests() const { return knows_verdicts ? 0 : below_a.count * below_b.count; }
+  };
+  struct Run {
+    const CollideOptions& options;
+    Workers& workers;
+    Contacts& result;
+    Meter meter;
   };
 
   template <class F>
@@ -46,8 +56,13 @@ class FrontWalk {
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
   double travelled(const Front::Waiting& pair) const;
-  void take_in(const Slot& slot, const std::uint64_t* masks, const CollideOptions& options, Contacts& result);
-  void admit(const Front::Waiting& found, const CollideOptions& options, Contacts& result);
+  void test_roots(Run& run);
+  void fill_round(Run& run);
+  void test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const;
+  void test_round(Run& run);
+  bool test_in_time(Run& run);  // false: not all
+  void take_in(const Slot& slot, const std::uint64_t* masks, Run& run);
+  void admit(const Front::Waiting& found, Run& run);
   void report(const Front::Waiting& pair, bool finished, Contacts& result) const;
 
   bool keeps_ = false;

@@ -14,7 +14,6 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float grown_a = 1 + 0x1p-20f, grown_b = 1 + 0x1p-19f, center_share = 0x1p-20f;
 // Keeps 0 / 0 away where two grown radii and a distance vanish.
 constexpr float tiny = 0x1p-125f;
-constexpr std::size_t most_spheres = 64;
 
 /// What the others have to reproduce, in plain loops.
 namespace plain {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The source of the pair kernels, on registers of wide.inl.
 
+constexpr std::size_t most_spheres = 64;
+
 struct WideSpheres {
   Wide x, y, z, r;
 };

@@ -168,46 +168,53 @@ TEST_F(TwoBodies, any_number_of_workers_gives_the_same_front) {
 }
 
 TEST_F(TwoBodies, carried_front_has_the_contacts_of_a_fresh_one) {
-  ContactQuery carried, fresh;
-  carried.add(*a.collider, *b.collider);
-  fresh.add(*a.collider, *b.collider);
-  ASSERT_TRUE(carried.start());
-  ASSERT_TRUE(fresh.start());
-  std::size_t crossings_seen = 0, largest_fresh = 0, largest_carried = 0, saved = 0;
-  std::vector<Vec3> start_a = a.positions;
-  const RigidTransform home = a.collider->placement();
-  for (int frame = 0; frame < 60; ++frame) {
-    const double t = 0.1 * frame;
-    // Slow, then fast, then at rest; now deforming, now placed elsewhere, now both; out of contact and back.
-    const double speed = frame % 20 < 10 ? 0.002 : frame % 20 < 15 ? 0.3 : 0;
-    if (frame % 3 != 1) {
-      for (std::size_t i = 0; i < start_a.size(); ++i)
-        a.positions[i] = start_a[i] + speed * std::sin(t) * Vec3{start_a[i].y, 1, std::cos(start_a[i].x)};
-      ASSERT_TRUE(a.body->update(a.positions));
-      a.collider->set_positions(a.positions);
-    }
-    if (frame % 3 != 0) {
-      RigidTransform place = home;
-      place.translation += speed * 5 * std::sin(2 * t) * Vec3{1, 1, 0};
-      a.place(place);
-    }
-    if (frame == 30) b.deform(random, 0.05);
-    ASSERT_TRUE(carried.carry());
+  const RigidTransform home_a = a.collider->placement(), home_b = b.collider->placement();
+  for (const double away : {0.0, 1e6}) {
+    pose();
+    const Vec3 far = away * Vec3{1, -0.3, 0.7};
+    RigidTransform home = home_a, other = home_b;
+    home.translation += far, other.translation += far;
+    a.place(home), b.place(other);
+    ContactQuery carried, fresh;
+    carried.add(*a.collider, *b.collider);
+    fresh.add(*a.collider, *b.collider);
+    ASSERT_TRUE(carried.start());
     ASSERT_TRUE(fresh.start());
-    EXPECT_EQ(finished_nodes(carried.contacts()), finished_nodes(fresh.contacts())) << frame;
-    EXPECT_LE(carried.contacts().pair_tests, fresh.contacts().pair_tests);
-    if (frame % 6 == 0) {
-      const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
-      crossings_seen += crossings.size();
-      EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, carried.contacts().contacts), 0u);
+    std::size_t crossings_seen = 0, largest_fresh = 0, largest_carried = 0, saved = 0;
+    std::vector<Vec3> start_a = a.positions;
+    for (int frame = 0; frame < 60; ++frame) {
+      const double t = 0.1 * frame;
+      // Slow, then fast, then at rest; now deforming, now placed elsewhere, now both; out of contact and back.
+      const double speed = frame % 20 < 10 ? 0.002 : frame % 20 < 15 ? 0.3 : 0;
+      if (frame % 3 != 1) {
+        for (std::size_t i = 0; i < start_a.size(); ++i)
+          a.positions[i] = start_a[i] + speed * std::sin(t) * Vec3{start_a[i].y, 1, std::cos(start_a[i].x)};
+        ASSERT_TRUE(a.body->update(a.positions));
+        a.collider->set_positions(a.positions);
+      }
+      if (frame % 3 != 0) {
+        RigidTransform place = home;
+        place.translation += speed * 5 * std::sin(2 * t) * Vec3{1, 1, 0};
+        a.place(place);
+      }
+      if (frame == 30) b.deform(random, 0.05);
+      ASSERT_TRUE(carried.carry());
+      ASSERT_TRUE(fresh.start());
+      EXPECT_EQ(finished_nodes(carried.contacts()), finished_nodes(fresh.contacts())) << frame;
+      EXPECT_LE(carried.contacts().pair_tests, fresh.contacts().pair_tests);
+      if (frame % 6 == 0) {
+        const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
+        crossings_seen += crossings.size();
+        EXPECT_EQ(test::crossings_missed(crossings, *a.collider, *b.collider, carried.contacts().contacts), 0u);
+      }
+      largest_fresh = std::max(largest_fresh, fresh.front().opened.size());
+      largest_carried = std::max(largest_carried, carried.front().opened.size());
+      saved += fresh.contacts().pair_tests - carried.contacts().pair_tests;
     }
-    largest_fresh = std::max(largest_fresh, fresh.front().opened.size());
-    largest_carried = std::max(largest_carried, carried.front().opened.size());
-    saved += fresh.contacts().pair_tests - carried.contacts().pair_tests;
+    EXPECT_GT(crossings_seen, 100u);
+    EXPECT_GT(saved, 1000u);
+    EXPECT_EQ(largest_carried, largest_fresh) << "a front does not grow with time";
   }
-  EXPECT_GT(crossings_seen, 100u);
-  EXPECT_GT(saved, 1000u);
-  EXPECT_EQ(largest_carried, largest_fresh) << "a front does not grow with time";
 }
 
 TEST_F(TwoBodies, at_rest_nothing_but_the_roots_is_tested_again) {
@@ -418,6 +425,51 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   query.set_front(of_one);
   EXPECT_EQ(query.carry().code, Code::other_bodies);
   EXPECT_TRUE(query.start());
+}
+
+// What a front says about bodies cannot be checked, but none makes a query read where it should not.
+TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
+  ContactQuery maker({.budget = 3000});
+  maker.add(*a.collider, *b.collider);
+  ASSERT_TRUE(maker.start());
+  ASSERT_FALSE(maker.front().waiting.empty());
+  std::size_t refused = 0, taken = 0;
+  for (int round = 0; round < 400; ++round) {
+    Front front = maker.front();
+    const auto bad = static_cast<std::uint32_t>(round % 2 == 0 ? random.next() : random.next() % 100);
+    Front::Opened& opened = front.opened[random.next() % front.opened.size()];
+    Front::Waiting& waiting = front.waiting[random.next() % front.waiting.size()];
+    std::uint32_t* const places[]{&opened.a,
+                                  &opened.b,
+                                  &opened.depth,
+                                  &opened.first_mask,
+                                  &opened.first_below,
+                                  &opened.bodies,
+                                  &opened.next_beside,
+                                  &waiting.a,
+                                  &waiting.b,
+                                  &waiting.above,
+                                  &waiting.bodies,
+                                  &waiting.before,
+                                  &front.bodies[0].opened_roots};
+    const std::size_t place = random.next() % (std::size(places) + 2);
+    if (place < std::size(places)) {
+      *places[place] = bad;
+    } else if (place == std::size(places)) {
+      front.masks[random.next() % front.masks.size()] |= std::uint64_t{1} << (random.next() % 64);
+    } else {
+      front.masks.resize(front.masks.size() / 2);
+    }
+    ContactQuery query({.budget = 3000});
+    query.add(*a.collider, *b.collider);
+    query.set_front(front);
+    const ContactStatus status = round % 3 == 0 ? query.resume() : query.carry();
+    EXPECT_TRUE(status || status.code == Code::bad_front);
+    ++(status ? taken : refused);
+    EXPECT_TRUE(query.start());
+  }
+  EXPECT_GT(refused, 100u);
+  EXPECT_GT(taken, 10u);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct ContactStatus {
     other_frame,            ///< a body was updated: carry() the front
     other_placement,        ///< a body was placed elsewhere: carry() the front
     other_options,          ///< the front is of another margin or level
+    bad_front,              ///< one from set_front() has indices out of range
     bad_level,              ///< both trees of a pair have fewer levels
   };
   Code code = Code::ok;

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A budget as it is spent.
+#pragma once
+
+#include <limits>
+#include <morula/collide/contacts.hpp>
+
+namespace morula {
+
+inline std::chrono::nanoseconds now(const CollideOptions& options) {
+  if (options.clock) return options.clock();
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+/// What is left of a budget. Once it has run out, it has.
+class Meter {
+ public:
+  explicit Meter(const CollideOptions& options) : options_(&options) {
+    if (options.budget.is_tests()) left_ = options.budget.tests();
+    if (options.budget.is_time()) start_ = now(options);
+  }
+  bool by_time() const { return options_->budget.is_time(); }
+  bool out_of_time() {
+    if (by_time() && !late_) late_ = now(*options_) - start_ >= options_->budget.time();
+    return late_;
+  }
+  /// May so many tests be done? After the first no there are only noes, but for no tests.
+  bool takes(std::uint32_t tests) {
+    if (tests == 0) return true;
+    blocked_ = blocked_ || tests > left_;
+    if (!blocked_) left_ -= tests;
+    return !blocked_;
+  }
+  void give_back(std::uint32_t tests) { left_ += tests; }
+  std::size_t done = 0;
+
+ private:
+  const CollideOptions* options_;
+  std::int64_t left_ = std::numeric_limits<std::int64_t>::max();
+  std::chrono::nanoseconds start_{};
+  bool blocked_ = false, late_ = false;
+};
+
+}  // namespace morula
