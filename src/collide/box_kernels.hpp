@@ -44,6 +44,8 @@ struct BoxKernels {
   const char* name;
   /// Indices of the boxes that meet the given one, ascending; their number. found: room for count.
   std::size_t (*select)(const BoxList& boxes, const FloatBox& box, std::uint32_t* found);
+  /// The box of those that meet the given one; empty when none does.
+  FloatBox (*box_of_meeting)(const BoxList& boxes, const FloatBox& box);
 };
 /// Narrowest first; what this processor runs. All find the same.
 std::span<const BoxKernels> all_box_kernels();

@@ -37,3 +37,26 @@ std::size_t select(const BoxList& boxes, const FloatBox& box, std::uint32_t* fou
   }
   return count;
 }
+
+inline float least_lane(Wide wide) {
+  return -largest_lane(-wide);
+}
+
+FloatBox box_of_meeting(const BoxList& boxes, const FloatBox& box) {
+  Wide bound[6], lower[3], upper[3];
+  for (int k = 0; k < 6; ++k) bound[k] = all(box.bound[k]);
+  for (int k = 0; k < 3; ++k) lower[k] = all(FloatBox::infinity), upper[k] = all(-FloatBox::infinity);
+  for (std::size_t i = 0; i < boxes.count; i += lanes) {
+    const Wide x0 = load_column(boxes.column[0] + i), x1 = load_column(boxes.column[3] + i);
+    const Wide y0 = load_column(boxes.column[1] + i), y1 = load_column(boxes.column[4] + i);
+    const Wide z0 = load_column(boxes.column[2] + i), z1 = load_column(boxes.column[5] + i);
+    const auto meets =
+        (x0 <= bound[3]) & (y0 <= bound[4]) & (z0 <= bound[5]) & (bound[0] <= x1) & (bound[1] <= y1) & (bound[2] <= z1);
+    lower[0] = smaller(meets ? x0 : lower[0], lower[0]), upper[0] = larger(meets ? x1 : upper[0], upper[0]);
+    lower[1] = smaller(meets ? y0 : lower[1], lower[1]), upper[1] = larger(meets ? y1 : upper[1], upper[1]);
+    lower[2] = smaller(meets ? z0 : lower[2], lower[2]), upper[2] = larger(meets ? z1 : upper[2], upper[2]);
+  }
+  FloatBox found;
+  for (int k = 0; k < 3; ++k) found.bound[k] = least_lane(lower[k]), found.bound[k + 3] = largest_lane(upper[k]);
+  return found;
+}

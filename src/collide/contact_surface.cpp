@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "collide/corner_reader.hpp"
+
 namespace morula {
 namespace {
 
@@ -20,10 +22,8 @@ struct Nearest {
   TrianglePoint point{{}, {}, std::numeric_limits<double>::infinity()};
   std::uint32_t facet = 0xffffffffu;
 
-  void look_at(const Collider& collider, std::uint32_t candidate, const Vec3& p) {
-    const Facet& f = collider.mesh().facets[candidate];
-    const TrianglePoint found =
-        closest_point({collider.position(f[0]), collider.position(f[1]), collider.position(f[2])}, p);
+  void look_at(const CornerReader& corners, std::uint32_t candidate, const Vec3& p) {
+    const TrianglePoint found = closest_point(corners(candidate), p);
     const bool nearer = found.squared_distance < point.squared_distance ||
                         (found.squared_distance == point.squared_distance && candidate < facet);
     if (nearer) point = found, facet = candidate;
@@ -39,18 +39,19 @@ SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
 
 void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& p, std::vector<float>& gaps,
             Nearest& nearest) {
-  const Collider& collider = *surfaces.collider();
+  const CornerReader corners(*surfaces.collider());
   const Vec3f local(p - leaf.center);
   const float away = largest_component(local);
   if (!(away <= 0x1p12f * leaf.extent && leaf.extent <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
-    for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(collider, surfaces.facet(leaf, i), p);
+    for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(corners, surfaces.facet(leaf, i), p);
     return;
   }
   const FacetColumns columns = surfaces.columns(leaf);
   if (gaps.size() < columns.count) gaps.resize(columns.count);
   const float least = facet_kernels().squared_gaps(columns, local, gaps.data());
-  const double pad = 0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
-                     0x1p-48 * (leaf.largest_coordinate + largest_component(p));
+  const double pad =
+      0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
+      0x1p-48 * (largest_component(leaf.center) + static_cast<double>(leaf.extent) + largest_component(p));
   // Gaps, squared, up to which facets have to be looked at.
   const auto reach = [&] {
     const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
@@ -61,11 +62,11 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   std::size_t first = 0;
   while (gaps[first] != least) ++first;
   if (first >= leaf.size) first = leaf.size - 1;  // what fills up repeats the last facet
-  nearest.look_at(collider, surfaces.facet(leaf, first), p);
+  nearest.look_at(corners, surfaces.facet(leaf, first), p);
   enough = reach();
   for (std::size_t i = 0; i < leaf.size; ++i) {
     if (i == first || (static_cast<double>(gaps[i]) > enough && !surfaces.is_irregular(leaf, i))) continue;
-    nearest.look_at(collider, surfaces.facet(leaf, i), p);
+    nearest.look_at(corners, surfaces.facet(leaf, i), p);
     enough = reach();
   }
 }
@@ -108,9 +109,9 @@ SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const V
 }
 
 SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point) {
+  const CornerReader corners(collider);
   Nearest nearest;
-  for (const std::uint32_t facet : collider.facets(node))
-    nearest.look_at(collider, facet, in_frame_of(collider, point));
+  for (const std::uint32_t facet : collider.facets(node)) nearest.look_at(corners, facet, in_frame_of(collider, point));
   return placed(collider, nearest);
 }
 

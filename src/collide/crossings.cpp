@@ -39,11 +39,6 @@ class Selection {
     for (std::size_t k = 0; k < 6; ++k) b.bound[k] = bounds_[k][i];
     return b;
   }
-  FloatBox box_of_all() const {
-    FloatBox all;
-    for (std::size_t i = 0; i < size_; ++i) all.add(box(i));
-    return all;
-  }
   BoxList boxes() const {
     BoxList list;
     for (std::size_t k = 0; k < 6; ++k) list.column[k] = bounds_[k].data();
@@ -91,18 +86,22 @@ struct Crossings::State {
 
 void Crossings::State::look_at(const NodePair& pair) {
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
-  const FloatBox both = range_a.box.meet(range_b.box);
-  if (both.is_empty()) return;
-  near_a.select(facets_a, range_a, both);
-  if (near_a.size() == 0) return;
-  near_b.select(facets_b, range_b, near_a.box_of_all().meet(both));
-  if (near_b.size() == 0) return;
+  // What both sides' facets have in common shrinks as each side looks at what the other has there.
+  FloatBox common = range_a.box.meet(range_b.box);
+  if (common.is_empty()) return;
+  const BoxKernels& kernels = box_kernels();
+  common = common.meet(kernels.box_of_meeting(facets_a.boxes(range_a), common));
+  if (common.is_empty()) return;
+  common = common.meet(kernels.box_of_meeting(facets_b.boxes(range_b), common));
+  if (common.is_empty()) return;
+  near_a.select(facets_a, range_a, common);
+  near_b.select(facets_b, range_b, common);
   // The few against the many, so that registers are full.
   const bool few_a = near_a.size() < near_b.size();
   const Selection &few = few_a ? near_a : near_b, &many = few_a ? near_b : near_a;
   partners.resize(std::max(partners.size(), NodeFacets::filled(many.size())));
   for (std::size_t i = 0; i < few.size(); ++i) {
-    const std::size_t count = box_kernels().select(many.boxes(), few.box(i), partners.data());
+    const std::size_t count = kernels.select(many.boxes(), few.box(i), partners.data());
     for (std::size_t j = 0; j < count; ++j) {
       const std::uint32_t slot_a = few_a ? few.slot(i) : many.slot(partners[j]);
       const std::uint32_t slot_b = few_a ? many.slot(partners[j]) : few.slot(i);

@@ -30,7 +30,7 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
   Wide most = all(-infinity);
   for (std::size_t i = 0; i < facets.count; i += lanes)
     for (int k = 0; k < 9; k += 3)
-      most = larger(load_column(facets, k, i) * x + load_column(facets, k + 1, i) * y + load_column(facets, k + 2, i) * z,
-                    most);
+      most = larger(
+          load_column(facets, k, i) * x + load_column(facets, k + 1, i) * y + load_column(facets, k + 2, i) * z, most);
   return largest_lane(most);
 }

@@ -54,7 +54,7 @@ void FrontWalk::cut(std::vector<FrontPair>& list) {
   list.clear();
   if (front.bodies.size() != pairs.size()) return;
   trees_.clear();
-  for (const Pair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
+  for (const ColliderPair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
     if (!overlapping) {
       list.push_back({pair.bodies, pair.a, pair.b, State::separated});

@@ -3,6 +3,10 @@
 #include "collide/leaf_surfaces.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "collide/corner_reader.hpp"
+#include "query/lanes.hpp"
 
 namespace morula {
 namespace {
@@ -41,6 +45,17 @@ double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
     last = next;
   }
   return std::clamp(std::abs(share), 0.0, 1.0);
+}
+
+/// Largest |coordinate|.
+float largest(const FacetColumns& facets) {
+  lanes::Float4 most{};
+  for (const float* const column : facets.column)
+    for (std::size_t i = 0; i < facets.count; i += 4) {
+      const lanes::Float4 x = lanes::load(column + i);
+      most = lanes::max(lanes::max(x, -x), most);
+    }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
 }  // namespace
@@ -102,35 +117,51 @@ const LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
     irregular_.resize(room);
   }
 
-  double shortest = 0x1p1000;  // edge, squared
+  // Bytes may be stored anywhere, for all that the compiler knows: what the loop reads is kept in its own variables.
+  float* column[9];
+  for (std::size_t k = 0; k < 9; ++k) column[k] = columns_[k].data() + used_;
+  unsigned char* const irregular = irregular_.data() + used_;
+  const CornerReader corners(*collider_);
+  const Vec3 center = leaf.center;
+  constexpr double no_edge = 0x1p1000;
+  double shortest = no_edge, area = 0;  // the edge squared
+  Vec3 area_vectors;
+  bool all_regular = true;
   for (std::size_t i = 0; i < facets.size(); ++i) {
-    const Facet& f = collider_->mesh().facets[facets[i]];
-    const Triangle t{collider_->position(f[0]), collider_->position(f[1]), collider_->position(f[2])};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3f corner(t[k] - leaf.center);
-      leaf.extent = std::max(leaf.extent, largest_component(corner));
-      leaf.largest_coordinate = std::max(leaf.largest_coordinate, largest_component(t[k]));
-      for (int axis = 0; axis < 3; ++axis) columns_[3 * k + static_cast<std::size_t>(axis)][used_] = corner[axis];
-    }
-    const Vec3 u = t[1] - t[0], v = t[2] - t[0], normal = cross(u, v);
-    const double uu = squared_length(u), vv = squared_length(v), ww = squared_distance(t[1], t[2]);
-    const double sine = squared_length(normal) / (uu * vv);
-    irregular_[used_] = !(sine > 1e-5);
-    leaf.all_regular = leaf.all_regular && sine > 1e-5;
-    shortest = std::min({shortest, uu, vv, ww});
+    const Triangle t = corners(facets[i]);
+    // Differences of corners about the centre are those of the corners, but for some 2^-53 of a coordinate.
+    const Vec3 p = t[0] - center, q = t[1] - center, r = t[2] - center;
+    column[0][i] = static_cast<float>(p.x), column[1][i] = static_cast<float>(p.y),
+    column[2][i] = static_cast<float>(p.z);
+    column[3][i] = static_cast<float>(q.x), column[4][i] = static_cast<float>(q.y),
+    column[5][i] = static_cast<float>(q.z);
+    column[6][i] = static_cast<float>(r.x), column[7][i] = static_cast<float>(r.y),
+    column[8][i] = static_cast<float>(r.z);
+    const Vec3 u = q - p, v = r - p, normal = cross(u, v);
+    const double uu = squared_length(u), vv = squared_length(v), ww = squared_distance(q, r);
+    const double nn = squared_length(normal);
+    const bool regular = nn > 1e-5 * (uu * vv);
+    irregular[i] = !regular;
+    all_regular = all_regular && regular;
+    shortest = std::min(shortest, std::min(uu, std::min(vv, ww)));
     const double half_share = 0.5 * static_cast<double>(share[i]);
-    leaf.area_vector += normal * half_share;
-    leaf.area += length(normal) * half_share;
-    facet_[used_++] = facets[i];
+    area_vectors += normal * half_share;
+    area += std::sqrt(nn) * half_share;
   }
+  leaf.area_vector = area_vectors;
+  leaf.area = area;
+  leaf.all_regular = all_regular;
+  std::copy(facets.begin(), facets.end(), facet_.begin() + leaf.begin);
+  used_ += facets.size();
+  for (; used_ < end; ++used_)
+    for (std::vector<float>& filled_up : columns_) filled_up[used_] = filled_up[leaf.begin + leaf.size - 1];
+  leaf.extent = largest(columns(leaf));
   // Seen from afar, facets that are much smaller than the leaf are like slivers.
   const double least_edge = 0x1p-12 * static_cast<double>(leaf.extent);
   if (!(shortest > least_edge * least_edge)) {
     leaf.all_regular = false;
     std::fill(irregular_.begin() + leaf.begin, irregular_.begin() + leaf.begin + leaf.size, 1);
   }
-  for (; used_ < end; ++used_)
-    for (std::vector<float>& column : columns_) column[used_] = column[leaf.begin + leaf.size - 1];
   return leaf;
 }
 

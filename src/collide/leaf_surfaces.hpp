@@ -22,7 +22,6 @@ class LeafSurfaces {
     std::uint32_t begin = 0, size = 0;  ///< of slots, one per facet in the order of Collider::facets
     bool all_regular = true;            ///< no facet is irregular
     float extent = 0;                   ///< largest |coordinate| of a corner about `center`
-    double largest_coordinate = 0;      ///< of a corner, in the body's frame
     Vec3 center;                        ///< what the columns are about
     Vec3 area_vector;                   ///< of what the leaf owns: area times mean normal
     double area = 0;

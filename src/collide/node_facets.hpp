@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The facets of the nodes that one query looks at, each node's read once: corners in the world and boxes.
+// The facets of the nodes that one query looks at, each node's read once: boxes, and corners in the world.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,15 @@ class NodeFacets {
     return list;
   }
   std::uint32_t facet(std::uint32_t slot) const { return facet_[slot]; }
-  const Triangle& triangle(std::uint32_t slot) const { return triangle_[slot]; }
+  /// Corners in the world: few are asked for, so they are placed when they are. Good until the next call.
+  const Triangle& triangle(std::uint32_t slot) {
+    std::uint32_t& place = triangle_of_[slot];
+    if (place == unread) {
+      place = static_cast<std::uint32_t>(triangles_.size());
+      triangles_.push_back(collider_->triangle(facet_[slot]));
+    }
+    return triangles_[place];
+  }
   std::size_t facets_read() const { return facets_read_; }
 
   static std::size_t filled(std::size_t count) { return (count + box_list_step - 1) / box_list_step * box_list_step; }
@@ -46,7 +54,9 @@ class NodeFacets {
   // Of a slot.
   std::vector<float> bounds_[6];
   std::vector<std::uint32_t> facet_;
-  std::vector<Triangle> triangle_;
+  static constexpr std::uint32_t unread = 0xffffffffu;
+  std::vector<std::uint32_t> triangle_of_;  // in triangles_
+  std::vector<Triangle> triangles_;
   std::size_t used_ = 0, facets_read_ = 0;
 };
 

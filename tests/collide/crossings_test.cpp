@@ -234,6 +234,10 @@ TEST(BoxKernels, find_what_plain_loops_find) {
       other.resize(48);
       other.resize(kernels.select(list, box, other.data()));
       ASSERT_EQ(other, expected) << kernels.name;
+      const FloatBox around = kernels.box_of_meeting(list, box),
+                     all = all_box_kernels().front().box_of_meeting(list, box);
+      ASSERT_EQ(around.is_empty(), expected.empty());
+      for (std::size_t k = 0; k < 6; ++k) ASSERT_EQ(around.bound[k], all.bound[k]) << kernels.name;
     }
   }
   EXPECT_GT(found, 200u);

@@ -28,6 +28,8 @@ class Collider {
   /// only by what looks at facets, and refused there when the body has been updated since. A body at rest that was
   /// never updated needs none: the mesh's serve. Throws std::invalid_argument for a wrong count.
   void set_positions(const PositionView& positions);
+  /// In the body's own frame: as they were given, not placed.
+  const PositionView& positions() const { return positions_; }
   /// Those of the body's present frame?
   bool has_current_positions() const { return positions_frame_ == body_->frame(); }
 
@@ -39,8 +41,6 @@ class Collider {
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
     return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
-  /// A vertex in the body's own frame: as it was given, not placed.
-  Vec3 position(std::uint32_t index) const { return positions_[index]; }
   /// A vertex where it is now: position, then placement, each rounded to double. These numbers are what exact verdicts
   /// are about.
   Vec3 vertex(std::uint32_t index) const { return placement_(positions_[index]); }

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The corners of facets, read where they are: number by number, which compilers keep in registers.
+#pragma once
+
+#include <cstring>
+#include <morula/collide/collider.hpp>
+
+namespace morula {
+
+class CornerReader {
+ public:
+  explicit CornerReader(const Collider& collider)
+      : facets_(collider.mesh().facets.data()),
+        positions_(collider.positions()),
+        is_double_(collider.positions().is_double()) {}
+
+  /// In the body's own frame.
+  Triangle operator()(std::uint32_t facet) const {
+    const Facet& f = facets_[facet];
+    if (is_double_) return {corner<double>(f[0]), corner<double>(f[1]), corner<double>(f[2])};
+    return {corner<float>(f[0]), corner<float>(f[1]), corner<float>(f[2])};
+  }
+
+ private:
+  template <class Scalar>
+  Vec3 corner(std::uint32_t vertex) const {
+    const std::byte* const p = positions_.address(vertex);
+    Scalar x, y, z;
+    std::memcpy(&x, p, sizeof x);
+    std::memcpy(&y, p + sizeof x, sizeof y);
+    std::memcpy(&z, p + 2 * sizeof x, sizeof z);
+    return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+  }
+
+  const Facet* facets_;
+  PositionView positions_;
+  bool is_double_;
+};
+
+}  // namespace morula

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Questions like those before them allocate nothing: counted by this program's own operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <morula/build/build.hpp>
+#include <morula/collide/crossings.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <new>
+
+#include "collide/contact_surface.hpp"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace morula {
+namespace {
+
+TEST(SurfaceAllocation, warm_queries_allocate_nothing) {
+  const Mesh mesh = sample_body("limb", 16), other = sample_body("torus", 16);
+  const BuildOptions options{.method = Method::octree, .branching = 8, .depth = 2};
+  const Body body_a(mesh, build(mesh, options)), body_b(other, build(other, options));
+  Collider a(mesh, body_a), b(other, body_b);
+  Crossings found;
+  SurfaceScratch scratch;
+  std::size_t sum = 0;
+  const auto ask = [&](double shift) {
+    a.place({.translation = {shift, 0.3, 0.1}});
+    crossings(a, b, found);
+    sum += found.pairs().size();
+    scratch.start(a, b);
+    for (std::uint32_t node = 0; node < body_a.spheres().size(); node += 7) {
+      const std::uint32_t partner = node % static_cast<std::uint32_t>(body_b.spheres().size());
+      sum += contact_surface(a, node, b, partner, {shift, 0, 0}, {0, 0, 1}, 0.1, scratch).on_a.facet;
+    }
+  };
+  ask(0.5);
+  ask(0.6);
+  const std::size_t before = allocations;
+  ask(0.6);
+  ask(0.5);
+  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_GT(before, 0u) << "the counter counts";
+  EXPECT_GT(sum, 0u);
+}
+
+}  // namespace
+}  // namespace morula
