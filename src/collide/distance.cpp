@@ -8,6 +8,7 @@
 
 #include "collide/nearest_pair.hpp"
 #include "collide/placed_spheres.hpp"
+#include "collide/slab.hpp"
 #include "collide/world_facets.hpp"
 
 namespace morula {
@@ -25,31 +26,6 @@ bool comes_later(const NodePair& x, const NodePair& y) {
   if (x.bound != y.bound) return x.bound > y.bound;
   return x.a != y.a ? x.a > y.a : x.b > y.b;
 }
-
-// How far facets reach across the line through the best points so far: what is farther apart along it than these points
-// is farther apart. Sharper than spheres, and one subtraction per pair.
-//
-// The direction is exact as it is. A difference w and its product with the direction are off by 6 u |direction| |w|,
-// below 11 u of its largest coordinate; allowed 16 u each.
-class Slab {
- public:
-  Slab(const Vec3& from, const Vec3& direction) : from_(from), direction_(direction), size_(length(direction)) {}
-  // Not below where the triangle ends on the direction's side (side = 1) or, negated, on the other (side = -1).
-  double end(const Triangle& t, double side) const {
-    double farthest = -infinity;
-    for (const Vec3& p : t) {
-      const Vec3 w = p - from_;
-      farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * largest_component(w));
-    }
-    return farthest;
-  }
-  // Ends farther apart than this are farther apart than the distance.
-  double width(double distance) const { return distance * size_ * (1 + 0x1p-48); }
-
- private:
-  Vec3 from_, direction_;
-  double size_;
-};
 
 // Memory that outlives queries.
 struct Scratch {
