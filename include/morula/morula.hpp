@@ -8,9 +8,11 @@
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
+#include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>

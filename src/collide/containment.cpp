@@ -212,12 +212,14 @@ bool InsideTest::components_inside(const Collider& other, std::span<const std::u
                                    Containment& result) {
   result.status = askable(*body_, 1);
   if (result.status) result.status = askable(other, 0);
+  for (const std::uint32_t vertex : vertices)
+    if (result.status && vertex >= other.mesh().vertex_count()) result.status = {QueryStatus::Code::bad_option};
   result.inside.clear();
   result.inside_count = 0;
   result.certified = spheres_cover(body_->body());
   if (!result.status) return false;
   for (const std::uint32_t vertex : vertices) {
-    const bool inside = vertex < other.mesh().vertex_count() && locate(other.vertex(vertex)).inside;
+    const bool inside = locate(other.vertex(vertex)).inside;
     result.inside.push_back(inside ? 1 : 0);
     result.inside_count += inside ? 1 : 0;
   }

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <morula/collide/distance.hpp>
 #include <stdexcept>
 #include <vector>
 
 #include "collide/nearest_pair.hpp"
 #include "collide/placed_spheres.hpp"
+#include "collide/slab.hpp"
 #include "collide/world_facets.hpp"
 
 namespace morula {
@@ -25,41 +27,12 @@ bool comes_later(const NodePair& x, const NodePair& y) {
   return x.a != y.a ? x.a > y.a : x.b > y.b;
 }
 
-// How far facets reach across the line through the best points so far: what is farther apart along it than these points
-// is farther apart. Sharper than spheres, and one subtraction per pair.
-//
-// The direction is exact as it is. A difference w and its product with the direction are off by 6 u |direction| |w|,
-// below 11 u of its largest coordinate; allowed 16 u each.
-class Slab {
- public:
-  Slab(const Vec3& from, const Vec3& direction) : from_(from), direction_(direction), size_(length(direction)) {}
-  // Not below where the triangle ends on the direction's side (side = 1) or, negated, on the other (side = -1).
-  double end(const Triangle& t, double side) const {
-    double farthest = -infinity;
-    for (const Vec3& p : t) {
-      const Vec3 w = p - from_;
-      farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * largest_component(w));
-    }
-    return farthest;
-  }
-  // Ends farther apart than this are farther apart than the distance.
-  double width(double distance) const { return distance * size_ * (1 + 0x1p-48); }
-
- private:
-  Vec3 from_, direction_;
-  double size_;
-};
-
-struct NearFacet {
-  double end;
-  std::uint32_t index;
-};
-
 // Memory that outlives queries.
 struct Scratch {
   std::vector<NodePair> waiting;
   WorldFacets facets_a, facets_b;
-  std::vector<NearFacet> near_a, near_b;
+  std::vector<std::uint32_t> near_a, near_b;
+  std::array<std::uint64_t, 512> recent;  // pairs of facets
 };
 
 // One query.
@@ -77,8 +50,10 @@ class Search {
         facets_a_(scratch.facets_a),
         facets_b_(scratch.facets_b),
         near_a_(scratch.near_a),
-        near_b_(scratch.near_b) {
+        near_b_(scratch.near_b),
+        recent_(scratch.recent) {
     waiting_.clear();
+    recent_.fill(~std::uint64_t{0});
     facets_a_.start(a);
     facets_b_.start(b);
   }
@@ -127,6 +102,8 @@ class Search {
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
     answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
     is_placeholder_ = true;
+    slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
+    ++version_;
   }
 
   // Children need not be inside their parents, but what they own is: what held for these holds for them.
@@ -159,31 +136,34 @@ class Search {
 
   // All pairs of facets that may be as near as the best so far.
   void look_at_facets(const NodePair& pair) {
-    const auto range_a = facets_a_.of_leaf(pair.a), range_b = facets_b_.of_leaf(pair.b);
-    keep_near(facets_a_, range_a, spheres_b_(pair.b), near_a_);
-    keep_near(facets_b_, range_b, spheres_a_(pair.a), near_b_);
-    const Slab slab(answer_.a.point, answer_.b.point - answer_.a.point);
-    double top = -infinity;
-    for (NearFacet& f : near_a_) top = std::max(top, f.end = slab.end(facets_a_[f.index].corners, 1));
-    for (NearFacet& f : near_b_) f.end = -slab.end(facets_b_[f.index].corners, -1);
-    for (const NearFacet& b : near_b_) {
-      if (b.end - top > slab.width(answer_.upper)) continue;
-      for (const NearFacet& a : near_a_) {
-        if (b.end - a.end > slab.width(answer_.upper)) continue;
+    // Sound for any direction: that it is not the newest any more after the first find does no harm.
+    const Slab slab = slab_;
+    const double reach_a = facets_a_.reach(pair.a, version_, [&](const Triangle& t) { return slab.end(t, 1); });
+    const double reach_b = facets_b_.reach(pair.b, version_, [&](const Triangle& t) { return slab.end(t, -1); });
+    ++answer_.sphere_tests;
+    if (-reach_b - reach_a > slab.width(answer_.upper)) return;
+    keep_near(facets_a_, pair.a, spheres_b_(pair.b), reach_b, slab, near_a_);
+    keep_near(facets_b_, pair.b, spheres_a_(pair.a), reach_a, slab, near_b_);
+    for (const std::uint32_t j : near_b_)
+      for (const std::uint32_t i : near_a_) {
+        if (-facets_b_[j].reach - facets_a_[i].reach > slab.width(answer_.upper)) continue;
         if (!has_budget()) {
           waiting_.push_back(pair);
           std::push_heap(waiting_.begin(), waiting_.end(), comes_later);
           return;
         }
-        const std::size_t i = a.index, j = b.index;
         ++answer_.sphere_tests;
         const double bound = gap_below(facets_a_[i].sphere, facets_b_[j].sphere);
         if (bound > answer_.upper) continue;
+        if (was_just_looked_at(facets_a_[i].facet, facets_b_[j].facet)) continue;
         const double found = try_facets(facets_a_[i], facets_b_[j]);
         looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
-        if (answer_.upper <= options_.near_enough) return;
+        if (answer_.upper <= options_.near_enough) {
+          // The rest of this pair is left.
+          looked_at_ = std::min(looked_at_, pair.bound);
+          return;
+        }
       }
-    }
     if (!options_.exact) {
       // No pair that waits is nearer by its spheres.
       looked_at_ = std::min(looked_at_, pair.bound);
@@ -192,12 +172,24 @@ class Search {
   }
 
   // Facets that may be as near to the other leaf as the best so far.
-  void keep_near(const WorldFacets& facets, WorldFacets::Range range, const Sphere& other,
-                 std::vector<NearFacet>& kept) {
+  void keep_near(WorldFacets& facets, std::uint32_t leaf, const Sphere& other, double reach, const Slab& slab,
+                 std::vector<std::uint32_t>& kept) {
     kept.clear();
-    answer_.sphere_tests += range.end - range.begin;
-    for (std::size_t i = range.begin; i < range.end; ++i)
-      if (gap_below(facets[i].sphere, other) <= answer_.upper) kept.push_back({0, static_cast<std::uint32_t>(i)});
+    const auto range = facets.of_leaf(leaf);
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      if (-facets[i].reach - reach > slab.width(answer_.upper)) continue;
+      ++answer_.sphere_tests;
+      if (gap_below(facets[i].sphere, other) <= answer_.upper) kept.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  // Facets have parts in several leaves, so pairs come up again. What is forgotten is only looked at once more.
+  bool was_just_looked_at(std::uint32_t facet_a, std::uint32_t facet_b) {
+    std::uint64_t& slot = recent_[(facet_a * 0x9e3779b9u ^ facet_b * 0x85ebca6bu) >> 23];
+    const std::uint64_t pair = std::uint64_t{facet_a} << 32 | facet_b;
+    if (slot == pair) return true;
+    slot = pair;
+    return false;
   }
 
   // Returns the lower bound for the two facets.
@@ -212,6 +204,8 @@ class Search {
       answer_.crossing = found.crossing;
       answer_.a = {facet_a.facet, found.a, found.point_a};
       answer_.b = {facet_b.facet, found.b, found.point_b};
+      slab_ = Slab(found.point_a, found.point_b - found.point_a);
+      ++version_;
     }
     return found.lower;
   }
@@ -264,10 +258,13 @@ class Search {
   std::vector<NodePair>& waiting_;
   WorldFacets& facets_a_;
   WorldFacets& facets_b_;
-  std::vector<NearFacet>& near_a_;
-  std::vector<NearFacet>& near_b_;
+  std::vector<std::uint32_t>& near_a_;
+  std::vector<std::uint32_t>& near_b_;
+  std::array<std::uint64_t, 512>& recent_;
   DistanceBounds answer_;
   double looked_at_ = infinity;  // least lower bound among pairs that will not be looked at again
+  Slab slab_{{}, {}};
+  std::uint32_t version_ = 0;  // of slab_
   bool is_placeholder_ = false;
   bool is_settled_ = false;
 };

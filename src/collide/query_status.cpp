@@ -19,7 +19,7 @@ std::string message(const QueryStatus& status) {
     case QueryStatus::Code::placement_too_far:
       return body + " is placed 2^200 or more from the origin";
     case QueryStatus::Code::bad_option:
-      return "an option of the query is negative or not a number";
+      return "an option of the query is negative or not a number, or names a vertex that is none";
     case QueryStatus::Code::bad_shape:
       return "the shape that is asked about is not finite, has a negative radius or no direction, or is too far away";
   }

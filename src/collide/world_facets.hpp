@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <morula/collide/collider.hpp>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct WorldFacet {
   Triangle corners;
   Sphere sphere;  // contains the corners
   std::uint32_t facet;
+  double reach = 0;  // along a direction: see WorldFacets::reach
 };
 
 /// A sphere that contains a triangle: the centre is exact as it is, distances from it are off by 3 u.
@@ -26,7 +28,7 @@ inline Sphere sphere_about(const Triangle& t) {
 
 inline WorldFacet world_facet(const Collider& collider, std::uint32_t facet) {
   const Triangle corners = collider.triangle(facet);
-  return {corners, sphere_about(corners), facet};
+  return {corners, sphere_about(corners), facet, 0};
 }
 
 class WorldFacets {
@@ -45,7 +47,7 @@ class WorldFacets {
   Range of_leaf(std::uint32_t leaf) {
     Known& known = ranges_[leaf];
     if (known.query != query_) {
-      known = {query_, {facets_.size(), 0}};
+      known = {query_, {facets_.size(), 0}, 0, 0};
       for (const std::uint32_t facet : collider_->facets(leaf)) facets_.push_back(world_facet(*collider_, facet));
       known.range.end = facets_.size();
     }
@@ -53,10 +55,26 @@ class WorldFacets {
   }
   const WorldFacet& operator[](std::size_t i) const { return facets_[i]; }
 
+  /// Sets the reach of each facet of a leaf and returns the largest. measure(triangle) gives it; `version`, not 0,
+  /// tells one measure from the next: each is taken once.
+  template <class Measure>
+  double reach(std::uint32_t leaf, std::uint32_t version, const Measure& measure) {
+    const Range range = of_leaf(leaf);
+    Known& known = ranges_[leaf];
+    if (known.version == version) return known.reach;
+    known.version = version;
+    known.reach = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      known.reach = std::max(known.reach, facets_[i].reach = measure(facets_[i].corners));
+    return known.reach;
+  }
+
  private:
   struct Known {
     std::uint32_t query = 0;
     Range range{};
+    std::uint32_t version = 0;
+    double reach = 0;
   };
   const Collider* collider_ = nullptr;
   std::vector<WorldFacet> facets_;

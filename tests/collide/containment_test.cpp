@@ -163,6 +163,9 @@ TEST(Containment, refuses_open_surfaces_and_bad_points) {
   Containment found;
   EXPECT_TRUE(inside.components_inside(plate.collider, component_vertices(plate.mesh), found))
       << "the inner may be open";
+  const std::uint32_t none = 1000;
+  EXPECT_FALSE(inside.components_inside(plate.collider, {&none, 1}, found));
+  EXPECT_EQ(found.status.code, Code::bad_option);
   ASSERT_TRUE(ball.body.update(ball.mesh.positions));
   EXPECT_EQ(inside.locate({0, 0, 0}).status.code, Code::positions_not_current);
   EXPECT_FALSE(inside.components_inside(plate.collider, component_vertices(plate.mesh), found));

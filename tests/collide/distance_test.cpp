@@ -93,7 +93,7 @@ TEST(Distance, bounds_hold_at_every_budget_and_more_only_tightens) {
 
 TEST(Distance, stops_at_the_tolerance_and_at_the_thresholds) {
   std::size_t full = 0, less = 0;
-  for_random_pairs(15, [&](const Collider& a, const Collider& b, int round) {
+  for_random_pairs(20, [&](const Collider& a, const Collider& b, int round) {
     const double expected = test::slow_distance(a, b), slack = tolerance_of(a, b);
     const DistanceBounds exact = distance(a, b), rough = distance(a, b, {.tolerance = 0.3});
     EXPECT_TRUE(rough.complete);
@@ -109,6 +109,7 @@ TEST(Distance, stops_at_the_tolerance_and_at_the_thresholds) {
       EXPECT_LE(far.sphere_tests, exact.sphere_tests);
       const DistanceBounds near = distance(a, b, {.near_enough = 2 * expected});
       EXPECT_LE(near.upper, 2 * expected) << round;
+      EXPECT_LE(near.lower, expected + slack) << round;
       EXPECT_FALSE(near.farther);
     }
     const DistanceBounds within = distance(a, b, {.only_within = expected + 1});

@@ -55,7 +55,7 @@ std::vector<std::uint32_t> component_vertices(const Mesh& mesh);
 /// each. Where it goes
 /// through edges and corners, it stands for a line next to it, the same one for all facets. Signs are exact
 /// [shewchuk1997], so nothing is counted twice or missed, and no direction is unlucky.
-/// Cost: one pass over the spheres that the half line meets, 1...3 us on bodies of thousands of facets.
+/// Cost: that of the spheres the half line meets and of the facets in their leaves; 15 us on a body of 5,760 facets.
 class InsideTest {
  public:
   /// Borrows the collider; follows its placement and positions. Made once per mesh: O(F log F).

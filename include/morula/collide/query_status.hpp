@@ -16,7 +16,7 @@ struct QueryStatus {
     body_not_complete,      ///< a lazy update has left nodes behind
     positions_not_current,  ///< Collider::set_positions was not called since the body's last update
     placement_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
-    bad_option,             ///< not a number, or negative where it must not be
+    bad_option,             ///< not a number, negative where it must not be, or a vertex that is none
     bad_shape,              ///< a plane, sphere, capsule, ray or point that is not finite, of negative radius, without
                             ///< direction, or 2^200 or more away
   };
