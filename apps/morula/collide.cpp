@@ -57,7 +57,7 @@ Budget parse_budget(const std::string& text) {
 
 CollideOptions query_options(const Options& o) {
   check_name("priority", o.priority, {"overlap", "level"});
-  CollideOptions options{.level = o.level, .margin = o.margin, .budget = parse_budget(o.budget), .facets = true};
+  CollideOptions options{.level = o.level, .margin = o.margin, .budget = parse_budget(o.budget), .surfaces = true};
   options.priority = o.priority == "level" ? Priority::level : Priority::overlap;
   return options;
 }
@@ -85,7 +85,7 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
   require_good(status);
   const Contacts& found = query.contacts();
   result.contacts = found.contacts;
-  result.facets = found.facets;
+  result.surfaces = found.surfaces;
   result.finished = found.finished;
   result.pair_tests = found.pair_tests;
   result.achieved_level = found.achieved_level.front();
@@ -156,10 +156,12 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
                   fmt::format("Positions of {}: folder of meshes, glob or .npy; it stays in its last frame", mesh_name))
       ->type_name("PATH");
   command.add_option("--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
-      ->type_name("X,Y,Z");
+      ->type_name("X,Y,Z")
+      ->take_last();
   command
       .add_option("--turn-" + x, side.turn, fmt::format("Turn {} first, about an axis through the origin", mesh_name))
-      ->type_name("X,Y,Z,DEGREES");
+      ->type_name("X,Y,Z,DEGREES")
+      ->take_last();
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ Side::Side(const SideFiles& files, const std::vector<Rule>& rules, const std::st
     throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
                                  files.mesh, built.tree.level_count() - 1));
   }
-  body_.emplace(mesh_, std::move(built), UpdateOptions{.rules = rules}, workers);
+  body_.emplace(mesh_, std::move(built), UpdateOptions{.rules = rules, .details = {}}, workers);
   collider_.emplace(mesh_, *body_);
   collider_->place(placement);
 }

@@ -13,11 +13,11 @@ namespace morula::cli {
 /// As given; what was not is empty.
 struct SideFiles {
   char letter = 'a';  // of its options, for messages
-  std::string mesh;
-  std::string tree;
-  std::string motion;
-  std::string place;
-  std::string turn;
+  std::string mesh{};
+  std::string tree{};
+  std::string motion{};
+  std::string place{};
+  std::string turn{};
 };
 
 /// A rigid motion from "x,y,z" and "x,y,z,degrees": turned about the axis through the origin, then moved.

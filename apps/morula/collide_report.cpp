@@ -27,19 +27,21 @@ Json surface_point_json(const SurfacePoint& p) {
   return {{"facet", p.facet}, {"barycentric", p.barycentric}, {"point", vector_json(p.point)}};
 }
 
-Json contact_json(const Contact& c, const ContactSurface& s) {
-  return {{"node_a", c.node_a},
-          {"node_b", c.node_b},
-          {"finished", c.finished},
-          {"point", vector_json(c.point)},
-          {"normal", vector_json(c.normal)},
-          {"depth", c.depth},
-          {"lens_volume", c.lens_volume},
-          {"error_bound", c.error_bound},
-          {"surface_normal", vector_json(s.normal)},
-          {"surface_depth", s.depth},
-          {"on_a", surface_point_json(s.on_a)},
-          {"on_b", surface_point_json(s.on_b)}};
+Json contact_json(const Contact& c, const ContactSurface* s) {
+  Json json{{"node_a", c.node_a},
+            {"node_b", c.node_b},
+            {"finished", c.finished},
+            {"point", vector_json(c.point)},
+            {"normal", vector_json(c.normal)},
+            {"depth", c.depth},
+            {"lens_volume", c.lens_volume},
+            {"error_bound", c.error_bound}};
+  if (s == nullptr) return json;  // the budget ended before
+  json["surface_normal"] = vector_json(s->normal);
+  json["surface_depth"] = s->depth;
+  json["on_a"] = surface_point_json(s->on_a);
+  json["on_b"] = surface_point_json(s->on_b);
+  return json;
 }
 
 std::string vector_csv(const Vec3& v) {
@@ -59,7 +61,7 @@ std::string frame_cells(const CollidedFrame& frame) {
 
 double CollidedFrame::deepest() const {
   double deepest = 0;
-  for (const ContactSurface& s : facets) deepest = std::max(deepest, s.depth);
+  for (const ContactSurface& s : surfaces) deepest = std::max(deepest, s.depth);
   return deepest;
 }
 
@@ -120,7 +122,7 @@ Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frame
                {"microseconds", f.microseconds},
                {"contacts", Json::array()}};
     for (std::size_t i = 0; i < f.contacts.size(); ++i)
-      frame["contacts"].push_back(contact_json(f.contacts[i], f.facets[i]));
+      frame["contacts"].push_back(contact_json(f.contacts[i], i < f.surfaces.size() ? &f.surfaces[i] : nullptr));
     if (run.exact) {
       frame["exact_microseconds"] = f.exact_microseconds;
       frame["facet_pairs"] = Json::array();
@@ -143,11 +145,16 @@ std::string contacts_csv(const std::vector<CollidedFrame>& frames) {
   for (const CollidedFrame& f : frames)
     for (std::size_t i = 0; i < f.contacts.size(); ++i) {
       const Contact& c = f.contacts[i];
-      const ContactSurface& s = f.facets[i];
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame_cells(f), c.node_a,
-                     c.node_b, c.finished ? 1 : 0, vector_csv(c.point), vector_csv(c.normal), exact_digits(c.depth),
-                     exact_digits(c.lens_volume), exact_digits(c.error_bound), vector_csv(s.normal),
-                     exact_digits(s.depth), surface_point_csv(s.on_a), surface_point_csv(s.on_b));
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},", frame_cells(f), c.node_a, c.node_b,
+                     c.finished ? 1 : 0, vector_csv(c.point), vector_csv(c.normal), exact_digits(c.depth),
+                     exact_digits(c.lens_volume), exact_digits(c.error_bound));
+      if (i >= f.surfaces.size()) {  // the budget ended before
+        text += ",,,,,,,,,,,\n";
+        continue;
+      }
+      const ContactSurface& s = f.surfaces[i];
+      fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", vector_csv(s.normal), exact_digits(s.depth),
+                     surface_point_csv(s.on_a), surface_point_csv(s.on_b));
     }
   return text;
 }

@@ -14,9 +14,9 @@ namespace morula::cli {
 
 struct CollidedFrame {
   std::string name_a, name_b;
-  std::vector<Contact> contacts;
-  std::vector<ContactSurface> facets;  // one per contact
-  std::vector<Crossing> crossings;     // with --exact
+  std::vector<Contact> contacts{};
+  std::vector<ContactSurface> surfaces{};  // one per contact
+  std::vector<Crossing> crossings{};       // with --exact
   bool finished = false;
   std::size_t pair_tests = 0;
   std::uint32_t achieved_level = 0;

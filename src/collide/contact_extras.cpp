@@ -6,21 +6,25 @@
 
 namespace morula {
 
-void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Contacts& result) {
+void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
+                        Contacts& result) {
   result.surfaces.clear();
   result.crossings.clear();
   result.crossings_begin.clear();
   if (!options.containment) result.containment.clear();
-  if (options.surfaces) add_surfaces(pairs, result);
+  if (options.surfaces) add_surfaces(pairs, meter, result);
   if (options.exact) add_crossings(pairs, result);
   if (options.containment) add_containment(pairs, result);
 }
 
-void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Contacts& result) {
+// Finished contacts are first in the list: whatever time there is goes to them.
+void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result) {
   if (result.contacts.empty()) return;
+  if (meter != nullptr) meter->release_rest();
   if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
   for (const Contact& c : result.contacts) {
+    if (meter != nullptr && meter->out_of_time()) return;
     const ColliderPair& pair = pairs[c.bodies];
     result.surfaces.push_back(
         contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.bodies]));

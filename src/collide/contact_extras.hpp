@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "collide/contact_surface.hpp"
+#include "collide/meter.hpp"
 
 namespace morula {
 
@@ -21,14 +22,15 @@ class ContactExtras {
   /// Other colliders come: what was made for those before is of no use.
   void forget() { inside_.clear(); }
   /// Fills what the options ask for, and clears what they do not. The pairs have current positions then.
-  void add(std::span<const ColliderPair> pairs, const CollideOptions& options, Contacts& result);
+  /// meter: ends surfaces when its time is over; none: no budget.
+  void add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
 
  private:
   struct Inside {
     std::optional<InsideTest> a, b;  // none: an open surface
     std::vector<std::uint32_t> components_a, components_b;
   };
-  void add_surfaces(std::span<const ColliderPair> pairs, Contacts& result);
+  void add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result);
   void add_crossings(std::span<const ColliderPair> pairs, Contacts& result);
   void add_containment(std::span<const ColliderPair> pairs, Contacts& result);
 

@@ -61,7 +61,7 @@ void collide(const Collider& a, const Collider& b, const CollideOptions& options
   reused.finished_count = reused.contacts.size();
   reused.finished = true;
   reused.achieved_level.assign(1, trees.depth());
-  walk.extras.add(walk.pairs, options, reused);
+  walk.extras.add(walk.pairs, options, nullptr, reused);
 }
 
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options) {

@@ -257,10 +257,10 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
   }
   front.waiting.insert(front.waiting.end(), aside_.begin(), aside_.end());
   result.pair_tests = run.meter.done;
-  finish(options, result);
+  finish(options, run.meter, result);
 }
 
-void FrontWalk::finish(const CollideOptions& options, Contacts& result) {
+void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& result) {
   std::sort(front.waiting.begin(), front.waiting.end(),
             [](const Front::Waiting& x, const Front::Waiting& y) { return x.order < y.order; });
   result.finished_count = result.contacts.size();
@@ -277,7 +277,7 @@ void FrontWalk::finish(const CollideOptions& options, Contacts& result) {
     report(pair, false, result);
     result.achieved_level[pair.bodies] = std::min(result.achieved_level[pair.bodies], pair.depth);
   }
-  extras.add(pairs, options, result);
+  extras.add(pairs, options, &meter, result);
 }
 
 }  // namespace morula

@@ -52,7 +52,7 @@ class FrontWalk {
   void each_verdict(const F& f) const;
   void place(const CollideOptions& options);
   void refine(const CollideOptions& options, Workers& workers, Contacts& result);
-  void finish(const CollideOptions& options, Contacts& result);
+  void finish(const CollideOptions& options, Meter& meter, Contacts& result);
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
   double travelled(const Front::Waiting& pair) const;

@@ -18,11 +18,19 @@ class Meter {
  public:
   explicit Meter(const CollideOptions& options) : options_(&options) {
     if (options.budget.is_tests()) left_ = options.budget.tests();
-    if (options.budget.is_time()) start_ = now(options);
+    if (!options.budget.is_time()) return;
+    start_ = now(options);
+    // Surfaces get the other half.
+    limit_ = options.surfaces ? options.budget.time() / 2 : options.budget.time();
+  }
+  /// What was kept for surfaces may be spent now.
+  void release_rest() {
+    limit_ = options_->budget.time();
+    late_ = false;
   }
   bool by_time() const { return options_->budget.is_time(); }
   bool out_of_time() {
-    if (by_time() && !late_) late_ = now(*options_) - start_ >= options_->budget.time();
+    if (by_time() && !late_) late_ = now(*options_) - start_ >= limit_;
     return late_;
   }
   /// May so many tests be done? After the first no there are only noes, but for no tests.
@@ -38,7 +46,7 @@ class Meter {
  private:
   const CollideOptions* options_;
   std::int64_t left_ = std::numeric_limits<std::int64_t>::max();
-  std::chrono::nanoseconds start_{};
+  std::chrono::nanoseconds start_{}, limit_{};
   bool blocked_ = false, late_ = false;
 };
 

@@ -11,6 +11,7 @@
 #include <morula/io/tree_file.hpp>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "workbench.hpp"
 
@@ -50,11 +51,11 @@ TEST(CollideCommand, finds_the_contacts_and_facet_pairs_of_the_library) {
     const auto& frame = json["frames"][f];
     const Contacts contacts = collide(a, b);
     ASSERT_EQ(frame["contacts"].size(), contacts.contacts.size());
-    for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
-      EXPECT_EQ(frame["contacts"][i]["node_a"], contacts.contacts[i].node_a);
-      EXPECT_EQ(frame["contacts"][i]["node_b"], contacts.contacts[i].node_b);
-      EXPECT_EQ(frame["contacts"][i]["depth"], contacts.contacts[i].depth);
-    }
+    using Key = std::tuple<std::uint32_t, std::uint32_t, double>;  // the command asks a query, which has another order
+    std::set<Key> expected_contacts, found_contacts;
+    for (const Contact& c : contacts.contacts) expected_contacts.emplace(c.node_a, c.node_b, c.depth);
+    for (const auto& c : frame["contacts"]) found_contacts.emplace(c["node_a"], c["node_b"], c["depth"]);
+    EXPECT_EQ(found_contacts, expected_contacts);
     std::set<std::pair<std::uint32_t, std::uint32_t>> expected, found;
     for (const Crossing& c : brute_force::crossings(a, b)) expected.emplace(c.facet_a, c.facet_b);
     for (const auto& c : frame["facet_pairs"]) found.emplace(c["facet_a"], c["facet_b"]);

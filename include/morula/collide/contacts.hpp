@@ -95,8 +95,8 @@ struct CollideOptions {
   Budget budget{};    ///< not negative
   Priority priority = Priority::overlap;
   // The next three need current positions of both bodies (Collider::set_positions).
-  bool surfaces = false;     ///< fill Contacts::surfaces
-  bool exact = false;        ///< fill Contacts::crossings
+  bool surfaces = false;     ///< fill Contacts::surfaces; of a budget of time the search gets half then
+  bool exact = false;        ///< fill Contacts::crossings; on top of any budget
   bool containment = false;  ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
   Clock clock{};             ///< of a budget of time; none: std::chrono::steady_clock
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
@@ -125,7 +125,8 @@ class ContactScratch {
 struct Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
-  std::vector<ContactSurface> surfaces;  ///< one per contact when asked for, else none
+  /// When asked for: of the first contacts, which are all of them unless a budget of time ended.
+  std::vector<ContactSurface> surfaces;
   /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
   /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
   /// crossings_begin[i + 1]), in the order of (facet_a, facet_b).
