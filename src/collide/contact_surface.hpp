@@ -53,9 +53,11 @@ struct ContactSurface {
 
 /// point, sphere_normal (unit, from b to a) and depth: of the contact of two nodes' spheres.
 ///
-/// The normal is the difference of the mean normals of both regions, or the spheres' where that is below a half. The
-/// depth is (depth - E_a - E_b)⁺ at most, E the excess of a sphere: how far it sticks out beyond the farthest corner of
-/// its facets, along the contact.
+/// The normal lies between the spheres' and the difference of the mean normals of both regions: at the former where
+/// both spheres bulge with their regions, at the latter where one stands off its region by its radius, as it does where
+/// its centre lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
+/// (depth - E_a - E_b)⁺, E the excess of a sphere: how far it sticks out beyond the farthest corner of its facets,
+/// along the contact. docs/collide_surface.md has errors.
 ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
                                const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch);
 
