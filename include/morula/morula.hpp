@@ -6,6 +6,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/build/build.hpp>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>

@@ -71,9 +71,14 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   }
 }
 
+// Placed points lie off by the pads of leaf_pairs.cpp, for the same reasons.
+double placement_pad(const Collider& collider, const Vec3& center, double radius) {
+  const double reach = largest_component(center) + radius + largest_component(collider.placement().translation);
+  return radius * 0x1p-28 + reach * 0x1p-48;
+}
 double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
   const Sphere s = collider.body().sphere(node);
-  return dot(collider.placement()(s.center), direction) + s.radius;
+  return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
 }
 /// Of the corners of the facets that the node has a part of.
 double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
@@ -83,7 +88,9 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
   double reach = -std::numeric_limits<double>::infinity();
   surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
     const double beyond = static_cast<double>(facet_kernels().reach(surfaces.columns(leaf), narrow));
-    reach = std::max(reach, dot(leaf.center, turned) + beyond + 0x1p-20 * static_cast<double>(leaf.extent));
+    const auto extent = static_cast<double>(leaf.extent);
+    const double pad = 0x1p-20 * extent + placement_pad(collider, leaf.center, 2 * extent);
+    reach = std::max(reach, dot(leaf.center, turned) + beyond + pad);
   });
   return reach + dot(collider.placement().translation, direction);
 }
