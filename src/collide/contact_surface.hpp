@@ -4,6 +4,7 @@
 // what the spheres stick out of the surface.
 #pragma once
 
+#include <cassert>
 #include <morula/collide/surface_point.hpp>
 
 #include "collide/leaf_surfaces.hpp"
@@ -17,7 +18,10 @@ class SurfaceScratch {
   /// same collider may be both. Allocates when the bodies are others than before, or more is read than ever before.
   void start(const Collider& a, const Collider& b);
   /// Of one of the two.
-  LeafSurfaces& of(const Collider& collider) { return sides_[&collider == sides_[0].collider() ? 0 : 1]; }
+  LeafSurfaces& of(const Collider& collider) {
+    assert(&collider == sides_[0].collider() || &collider == sides_[1].collider());
+    return sides_[&collider == sides_[0].collider() ? 0 : 1];
+  }
 
   std::vector<float> gaps;  ///< memory
 
@@ -27,7 +31,8 @@ class SurfaceScratch {
 
 /// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
 /// closest_point() in the body's own frame, to positions that no rounding of a placement has touched; ties go to the
-/// lowest facet. The same bits as brute force. Cost: 0.1 to 0.2 µs, and 10 ns per facet of a leaf that is read.
+/// lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and 16
+/// ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
 
 namespace brute_force {
