@@ -47,9 +47,9 @@ std::span<const PeerKind> peer_kinds() {
 
 std::span<const CrossingPeerKind> crossing_peer_kinds() {
   static constexpr std::array kinds{
-      CrossingPeerKind{"FCL", "libfcl-dev", make_fcl_crossings},
-      CrossingPeerKind{"Bullet, GImpact and our test", "libbullet-dev", make_bullet_crossings},
-      CrossingPeerKind{"Embree and our test", "libembree-dev", make_embree_crossings},
+      CrossingPeerKind{"FCL", "libfcl-dev", false, make_fcl_crossings},
+      CrossingPeerKind{"Bullet, GImpact and our test", "libbullet-dev", true, make_bullet_crossings},
+      CrossingPeerKind{"Embree and our test", "libembree-dev", true, make_embree_crossings},
   };
   return kinds;
 }

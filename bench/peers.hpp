@@ -45,6 +45,7 @@ class CrossingPeer {
 struct CrossingPeerKind {
   const char* name;
   const char* package;
+  bool our_test;  ///< finds boxes, whose triangles intersect() judges: no pair of its can be wrong
   std::unique_ptr<CrossingPeer> (*make)(const Mesh& a, const Mesh& b);
 };
 std::span<const CrossingPeerKind> crossing_peer_kinds();

@@ -71,14 +71,14 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   }
 }
 
-struct MeanNormal {
-  Vec3 area_vector;
-  double area = 0;
-};
-
+// Placed points lie off by the pads of leaf_pairs.cpp, for the same reasons.
+double placement_pad(const Collider& collider, const Vec3& center, double radius) {
+  const double reach = largest_component(center) + radius + largest_component(collider.placement().translation);
+  return radius * 0x1p-28 + reach * 0x1p-48;
+}
 double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
   const Sphere s = collider.body().sphere(node);
-  return dot(collider.placement()(s.center), direction) + s.radius;
+  return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
 }
 /// Of the corners of the facets that the node has a part of.
 double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
@@ -88,9 +88,20 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
   double reach = -std::numeric_limits<double>::infinity();
   surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
     const double beyond = static_cast<double>(facet_kernels().reach(surfaces.columns(leaf), narrow));
-    reach = std::max(reach, dot(leaf.center, turned) + beyond + 0x1p-20 * static_cast<double>(leaf.extent));
+    const auto extent = static_cast<double>(leaf.extent);
+    const double pad = 0x1p-20 * extent + placement_pad(collider, leaf.center, 2 * extent);
+    reach = std::max(reach, dot(leaf.center, turned) + beyond + pad);
   });
   return reach + dot(collider.placement().translation, direction);
+}
+
+/// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
+/// surface and bulges with it, next to 1 where its centre is in the surface.
+double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
+  const Vec3 direction = normalized(mean);
+  const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
+  const double radius = collider.body().sphere(node).radius;
+  return radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
 }
 
 }  // namespace
@@ -116,12 +127,13 @@ SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t 
 }
 
 Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch) {
-  MeanNormal mean;
+  Vec3 area_vector;
+  double area = 0;
   scratch.of(collider).for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
-    mean.area_vector += leaf.area_vector;
-    mean.area += leaf.area;
+    area_vector += leaf.area_vector;
+    area += leaf.area;
   });
-  return mean.area > 0 ? collider.placement().turn(mean.area_vector / mean.area) : Vec3{};
+  return area > 0 ? collider.placement().turn(area_vector / area) : Vec3{};
 }
 
 double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
@@ -133,14 +145,15 @@ ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Co
   const auto overlap = [&](const Vec3& n) {
     return region_reach(a, node_a, -n, scratch) + region_reach(b, node_b, n, scratch);
   };
-  const Vec3 difference = mean_normal(b, node_b, scratch) - mean_normal(a, node_a, scratch);
-  // Regions that face each other differ by up to 2. Centres of spheres that hug a surface lie in it, so where normals
-  // tell anything, the line of the centres tells less.
-  constexpr double least_difference = 0.5;
-  const bool facing = length(difference) > least_difference;
-  const Vec3 normal = facing ? normalized(difference) : sphere_normal;
+  const Vec3 mean_a = mean_normal(a, node_a, scratch), mean_b = mean_normal(b, node_b, scratch);
+  const Vec3 difference = mean_b - mean_a;
+  double trust = 0;                         // in the mean normals
+  constexpr double least_difference = 0.5;  // of two units where regions face each other
+  if (length(difference) > least_difference)
+    trust = std::max(standing_off(a, node_a, mean_a, scratch), standing_off(b, node_b, mean_b, scratch));
+  const Vec3 normal = normalized(sphere_normal * (1 - trust) + normalized(difference) * trust, sphere_normal);
   double least = std::min(depth, overlap(sphere_normal));
-  if (facing) least = std::min(least, overlap(normal));
+  if (trust > 0) least = std::min(least, overlap(normal));
   return {nearest_facet(a, node_a, point, scratch), nearest_facet(b, node_b, point, scratch), normal,
           std::max(0.0, least)};
 }

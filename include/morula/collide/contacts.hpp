@@ -38,8 +38,8 @@ struct Contact {
 struct ContactSurface {
   /// The point nearest to Contact::point of the facets of which the node owns a part, on each body.
   SurfacePoint on_a, on_b;
-  /// Unit, from b to a: the difference of the mean normals of both regions, or Contact::normal where that is below a
-  /// half.
+  /// Unit, from b to a: between Contact::normal, where the spheres bulge with their regions, and the difference of the
+  /// regions' mean normals, where a sphere stands off its region.
   Vec3 normal;
   /// How far a's region has to move along the normal, or along that of the spheres, to be apart from b's: the lesser of
   /// these two upper bounds. It leaves out what the spheres stick out of the surface, so a response is not pushed
