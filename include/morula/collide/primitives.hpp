@@ -61,7 +61,7 @@ struct Touch {
 };
 
 /// Fills `result`; false when refused, which its status explains. Cost: that of the spheres and facets met, some 15 ns
-/// and 50...300 ns each; docs/collide_distance.md has medians.
+/// and 50...300 ns each; docs/distance.md has medians.
 bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result);
 bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result);
 bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result);
