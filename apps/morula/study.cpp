@@ -37,7 +37,7 @@ struct Options {
   std::size_t frames = 0;
   int resolution = 0;
   int branching = 8;
-  int depth = 3;
+  int depth = 0;
   std::uint64_t seed = 1;
   std::string unit = "volume";
   bool quick = false;
@@ -136,12 +136,12 @@ StudyPlan make_plan(const Options& o) {
   plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
   plan.fresh_poses = o.quick ? 1 : 2;
   plan.branching = o.branching;
-  plan.depth = o.depth;
+  plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
   plan.seed = o.seed;
   plan.sph_origin = o.sph_origin;
   plan.cost_repeats = o.quick ? 3 : 9;
   plan.motions = paper_motions();
-  if (o.mixes) plan.mixes = rule_mixes(o.depth);
+  if (o.mixes) plan.mixes = rule_mixes(plan.depth);
   add_bodies(o, plan);
   if (!o.trees.empty()) {
     add_tree_files(o, plan);
@@ -229,12 +229,11 @@ void add_study(CLI::App& app, Run& run) {
       ->type_name("N")
       ->check(CLI::Range(2, 64))
       ->capture_default_str();
-  command->add_option("--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured")
+  command->add_option("--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
-      ->check(CLI::Range(1, 6))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 6));
   command->add_option("--seed", o->seed, "Of every random choice")->type_name("N")->capture_default_str();
-  command->add_flag("--quick", o->quick, "A small limb, few samples and voxels: seconds instead of about a minute");
+  command->add_flag("--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(

@@ -146,7 +146,7 @@ StudyCell run_cell(const StudyPlan& plan, const StudySource& source, const Built
   const std::vector<double> parameters = plan.parameters();
   std::vector<std::size_t> wanted(plan.samples);
   for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = i;
-  if (rule.kind == StudyRule::Kind::fresh) wanted = plan.fresh_samples();
+  if (rule.kind == StudyRule::Kind::fresh) wanted = plan.fresh_samples(source);
   std::optional<std::uint64_t> first_hash;
   Mesh deformed = body.mesh;
   for (const std::size_t i : wanted) {

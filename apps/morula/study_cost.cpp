@@ -70,9 +70,7 @@ const UpdateCost* StudyCost::find(std::string_view name) const {
 
 StudyCost measure_cost(const StudyPlan& plan, const StudyResult& result, const StudyCache& cache) {
   const NamedMesh& body = plan.bodies.front();
-  std::size_t chosen = 0;
-  for (std::size_t i = 0; i < result.trees.size() && result.trees[i].body == body.name; ++i)
-    if (result.trees[i].method == "medial") chosen = i;
+  const std::size_t chosen = shown_tree(plan, result);
   const Built& built = result.shown[chosen];
   StudyCost cost{body.name, result.trees[chosen].method, body.mesh.vertex_count(), {}, {}, {}};
   std::vector<StudyRule> rules;

@@ -134,7 +134,7 @@ Study make_study(const StudyPlan& plan, const StudyCache& cache, Workers& worker
   study.figures = make_figures(plan, study.result);
   study.tables = make_tables(plan, study.result, study.cost, of_bodies);
   progress(1, "drawing");
-  study.pictures = make_pictures(study.plan, study.result, study.figures);
+  study.pictures = make_pictures(plan, study.result);
   study.json = study_json(study);
   return study;
 }

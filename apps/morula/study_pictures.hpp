@@ -9,8 +9,7 @@
 namespace morula::cli {
 
 /// Fig. 1 of the paper on the first body: the poses, and Approach 2 on the last two levels.
-std::vector<StudyPicture> make_pictures(const StudyPlan& plan, const StudyResult& result,
-                                        const std::vector<StudyFigure>& figures);
+std::vector<StudyPicture> make_pictures(const StudyPlan& plan, const StudyResult& result);
 
 /// A figure and its companions, one panel each.
 Plot plot_of(const std::vector<const StudyFigure*>& group);

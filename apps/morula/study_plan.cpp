@@ -17,10 +17,11 @@ std::vector<double> StudyPlan::parameters() const {
   return t;
 }
 
-std::vector<std::size_t> StudyPlan::fresh_samples() const {
+std::vector<std::size_t> StudyPlan::fresh_samples(const StudySource& source) const {
   std::vector<std::size_t> list{0};
-  for (std::size_t i = 1; i <= fresh_poses; ++i) {
-    const std::size_t sample = i * (samples - 1) / fresh_poses;
+  const std::size_t poses = source.method == "medial" ? fresh_poses : 1;
+  for (std::size_t i = 1; i <= poses; ++i) {
+    const std::size_t sample = i * (samples - 1) / poses;
     if (sample != list.back()) list.push_back(sample);
   }
   return list;
@@ -106,7 +107,7 @@ Json settings_json(const StudyPlan& plan) {
   for (const StudyRule& rule : plan.rules) rules.push_back(rule.name);
   return {{"samples", plan.samples},
           {"parameters", plan.parameters()},
-          {"fresh_samples", plan.fresh_samples()},
+          {"fresh_poses", plan.fresh_poses},
           {"levels", plan.levels()},
           {"branching", plan.branching},
           {"depth", plan.depth},

@@ -51,7 +51,7 @@ struct StudyPlan {
   int branching = 8;
   int depth = 3;
   std::uint64_t seed = 1;
-  std::size_t fresh_poses = 2;  // beside rest; the last at the full amount
+  std::size_t fresh_poses = 2;  // beside rest, of the medial tree; the last at the full amount
   double protrusion_tolerance = 0.05;
   ErrorUnit unit = ErrorUnit::volume;
   bool needles = true;  // the void spheres of a prism of long thin triangles, too
@@ -60,8 +60,9 @@ struct StudyPlan {
 
   /// 0 at rest, 1 at the full amount; one per sample.
   std::vector<double> parameters() const;
-  /// The samples at which trees are built anew, rest first.
-  std::vector<std::size_t> fresh_samples() const;
+  /// The samples at which trees are built anew, rest first. Builds take the most time of a study, so only the trees of
+  /// Fig. 2 a and b get more than the full amount.
+  std::vector<std::size_t> fresh_samples(const StudySource& source) const;
   /// The levels that are measured: the last two, as in the paper.
   std::vector<std::size_t> levels() const;
   bool has_method(std::string_view name) const;

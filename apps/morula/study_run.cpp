@@ -59,7 +59,7 @@ Json cell_settings(const StudyPlan& plan, const StudySource& source, const Built
   json["motion"] = motion;
   json["rule"] = rule_json(rule);
   json["samples"] = plan.samples;
-  if (rule.kind == StudyRule::Kind::fresh) json["at"] = plan.fresh_samples();
+  if (rule.kind == StudyRule::Kind::fresh) json["at"] = plan.fresh_samples(source);
   json["levels"] = plan.levels();
   json["resolution"] = plan.resolution;
   json["protrusion"] = with_protrusion ? Json(plan.protrusion_tolerance) : Json(nullptr);
@@ -231,6 +231,12 @@ std::vector<TreeLevel> tree_levels(const Mesh& mesh, const Built& built) {
     if (level < built.report.growth.size()) levels[level].grown = built.report.growth[level].grown;
   }
   return levels;
+}
+
+std::size_t shown_tree(const StudyPlan& plan, const StudyResult& result) {
+  for (std::size_t i = 0; i < result.trees.size() && result.trees[i].body == plan.bodies.front().name; ++i)
+    if (result.trees[i].method == "medial") return i;
+  return 0;
 }
 
 StudyResult run_study(const StudyPlan& plan, const StudyCache& cache, Workers& workers, const std::stop_token& stop,

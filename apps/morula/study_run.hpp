@@ -54,4 +54,7 @@ StudyResult run_study(const StudyPlan& plan, const StudyCache& cache, Workers& w
 /// Nodes per level, and how many of them are void.
 std::vector<TreeLevel> tree_levels(const Mesh& mesh, const Built& built);
 
+/// Which of the first body's trees stands for it in pictures and costs: the medial one, else the first.
+std::size_t shown_tree(const StudyPlan& plan, const StudyResult& result);
+
 }  // namespace morula::cli

@@ -13,9 +13,7 @@ namespace morula::cli {
 
 std::vector<StudyScene> study_scenes(const StudyPlan& plan, const StudyResult& result, const std::vector<Rule>& rules) {
   const NamedMesh& body = plan.bodies.front();
-  std::size_t chosen = 0;
-  for (std::size_t i = 0; i < result.shown.size(); ++i)
-    if (result.trees[i].method == "medial") chosen = i;
+  const std::size_t chosen = shown_tree(plan, result);
   const Built& built = result.shown[chosen];
   std::vector<std::string> skipped;
   std::vector<StudyScene> scenes;

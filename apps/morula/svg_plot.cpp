@@ -180,7 +180,7 @@ Ticks round_ticks(double low, double high, int count) {
     if (factor * power >= rough * 0.99) step = factor * power;
   ticks.decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
   for (double k = std::ceil(low / step - 1e-9); k * step <= high * (1 + 1e-9) + 1e-300; ++k)
-    ticks.values.push_back(k * step);
+    ticks.values.push_back(k == 0 ? 0.0 : k * step);  // not -0
   return ticks;
 }
 
