@@ -111,8 +111,21 @@ void add_tree_files(const Options& o, StudyPlan& plan) {
                     "MESH-METHOD.sph",
                     o.trees));
   }
+  for (std::size_t body = 0; body < plan.bodies.size(); ++body) {
+    if (std::any_of(plan.sources.begin(), plan.sources.end(), [&](const StudySource& s) { return s.body == body; }))
+      continue;
+    throw UsageError(fmt::format("--trees {}: holds no tree of {}; name it {}-METHOD.sph", o.trees,
+                                 plan.bodies[body].name, plan.bodies[body].name));
+  }
   std::stable_sort(plan.sources.begin(), plan.sources.end(),
                    [](const StudySource& a, const StudySource& b) { return a.body < b.body; });
+}
+
+void require_once(const char* option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError(fmt::format("{} names {} twice", option, names[i]));
 }
 
 StudyPlan make_plan(const Options& o) {
@@ -120,8 +133,9 @@ StudyPlan make_plan(const Options& o) {
   std::vector<std::string> methods = o.methods;
   if (methods.empty()) {
     methods = paper_methods();
-    methods.emplace_back("morula");
+    if (!o.quick) methods.emplace_back("morula");
   }
+  require_once("--methods", methods);
   if (o.trees.empty()) {
     for (const std::string& method : methods) parse_method(method);
   }
@@ -129,6 +143,7 @@ StudyPlan make_plan(const Options& o) {
       o.rules.empty()
           ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "refitted", "fresh"}
           : o.rules;
+  require_once("--rules", rules);
   for (const std::string& rule : rules) plan.rules.push_back(study_rule(rule));
   check_name("unit", o.unit, {"volume", "box"});
   plan.unit = o.unit == "box" ? ErrorUnit::box : ErrorUnit::volume;
@@ -203,9 +218,9 @@ void add_study(CLI::App& app, Run& run) {
       ->type_name("N")
       ->capture_default_str();
   command
-      ->add_option(
-          "--methods", o->methods,
-          fmt::format("Of {}; default: {}, morula", fmt::join(method_names(), ", "), fmt::join(paper_methods(), ", ")))
+      ->add_option("--methods", o->methods,
+                   fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
+                               fmt::join(paper_methods(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   command
