@@ -155,12 +155,13 @@ StudyPlan make_plan(const Options& o) {
   plan.seed = o.seed;
   plan.sph_origin = o.sph_origin;
   plan.cost_repeats = o.quick ? 3 : 9;
+  if (o.quick) plan.needle_sides = 16;
   plan.motions = paper_motions();
   if (o.mixes) plan.mixes = rule_mixes(plan.depth);
   add_bodies(o, plan);
   if (!o.trees.empty()) {
     add_tree_files(o, plan);
-    plan.needles = false;
+    plan.needle_sides = 0;
   } else {
     for (std::size_t body = 0; body < plan.bodies.size(); ++body)
       for (const std::string& method : methods) plan.sources.push_back({body, method, parse_method(method), {}});

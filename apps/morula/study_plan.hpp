@@ -54,7 +54,7 @@ struct StudyPlan {
   std::size_t fresh_poses = 2;  // beside rest, of the medial tree; the last at the full amount
   double protrusion_tolerance = 0.05;
   ErrorUnit unit = ErrorUnit::volume;
-  bool needles = true;  // the void spheres of a prism of long thin triangles, too
+  std::size_t needle_sides = 64;  // of a prism of long thin triangles, for void spheres; 0: none
   int cost_repeats = 9;
   std::string sph_origin = "none";
 

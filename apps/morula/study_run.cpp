@@ -193,7 +193,7 @@ class BodyRun {
 
 void run_needles(const StudyPlan& plan, const StudyCache& cache, Workers& workers, const std::stop_token& stop,
                  Counter& counter, StudyResult& result) {
-  const NamedMesh prism{"prism", needle_prism(64)};
+  const NamedMesh prism{"prism", needle_prism(plan.needle_sides)};
   std::vector<const StudySource*> sources;
   for (const StudySource& source : plan.sources)
     if (source.body == 0 && source.generator) sources.push_back(&source);
@@ -243,7 +243,7 @@ StudyResult run_study(const StudyPlan& plan, const StudyCache& cache, Workers& w
                       const std::function<void(double, std::string)>& progress) {
   std::size_t total = plan.sources.size() * (1 + plan.motions.size() * plan.rules.size());
   total += plan.motions.size() * plan.mixes.size();
-  if (plan.needles)
+  if (plan.needle_sides > 0)
     total += static_cast<std::size_t>(std::count_if(plan.sources.begin(), plan.sources.end(),
                                                     [](const StudySource& s) { return s.body == 0 && s.generator; }));
   Counter counter(total, progress);
@@ -251,7 +251,7 @@ StudyResult run_study(const StudyPlan& plan, const StudyCache& cache, Workers& w
   try {
     for (std::size_t body = 0; body < plan.bodies.size(); ++body)
       BodyRun(plan, body, cache, workers, stop, counter, result).run();
-    if (plan.needles) run_needles(plan, cache, workers, stop, counter, result);
+    if (plan.needle_sides > 0) run_needles(plan, cache, workers, stop, counter, result);
   } catch (const BuildStopped&) {
     throw StudyStopped();
   }

@@ -41,7 +41,7 @@ StudyTable tree_table(const StudyResult& result) {
       "trees",
       "Trees at rest, and void spheres",
       "A void sphere encloses no vertex. Grown: radii of trees from files that had to grow for their level "
-      "to cover. The prism has 64 sides and no division along: long thin triangles.",
+      "to cover. The prism has many sides and no division along: long thin triangles.",
       false,
       {"body", "method", "level", "nodes", "void spheres", "void, %", "grown"},
       {}};
