@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string small = "study --quick --mesh body.obj --frames 4 --resolution 32";
+const std::string small = "study --quick --mesh body.obj --frames 4 --resolution 32 --branching 4";
 
 /// One run of a small study that several tests look at.
 class StudyCommand : public testing::Test {
@@ -290,7 +290,7 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
 }
 
 TEST_F(StudyCommand, its_figures_come_again_from_files) {
-  bench().require("build body.obj -o grid.morula --method grid --depth 2");
+  bench().require("build body.obj -o grid.morula --method grid --depth 2 --branching 4");
   bench().require("deform body.obj -o motion --twist 180 --frames 7");
   bench().require("update body.obj grid.morula motion -o spheres --rule approach2");
   const json again =
