@@ -144,6 +144,7 @@ StudyClaim exponential_claim(const Evidence& evidence) {
                    "",
                    {"fig2a", "fig2b"}};
   std::size_t count = 0;
+  std::size_t faster = 0;  // than a straight line, by far
   std::size_t total = 0;
   std::string text;
   for (const std::size_t level : evidence.levels()) {
@@ -151,13 +152,17 @@ StudyClaim exponential_claim(const Evidence& evidence) {
     if (e.size() < 4) continue;
     const GrowthFit fit = fit_growth(evidence.parameters(), e);
     ++total;
-    count += fit.b >= 1 && fit.r2 >= 0.98 ? 1 : 0;
-    text += fmt::format("{}level {}: from {} to {}, best fit c + a·exp(b t) with b = {} (R² {}; a straight line: {})",
-                        text.empty() ? "" : "; ", level, figure(e.front()), figure(e.back()), figure(fit.b),
-                        fmt::format("{:.4f}", fit.r2), fmt::format("{:.4f}", fit.r2_line));
+    const bool bends_up = fit.b >= 1 && fit.r2 >= 0.98;
+    faster += bends_up ? 1 : 0;
+    count += bends_up && fit.r2 > fit.r2_parabola ? 1 : 0;  // which has as many free numbers
+    text += fmt::format(
+        "{}level {}: from {} to {}, best fit c + a·exp(b t) with b = {} (R² {}; a straight line {}, a parabola {})",
+        text.empty() ? "" : "; ", level, figure(e.front()), figure(e.back()), figure(fit.b),
+        fmt::format("{:.4f}", fit.r2), fmt::format("{:.4f}", fit.r2_line), fmt::format("{:.4f}", fit.r2_parabola));
   }
-  claim.verdict = verdict_of(count, total);
-  if (total > 0) claim.numbers = fmt::format("Exponential means b ≥ 1 with R² ≥ 0.98; {}.", text);
+  claim.verdict = total == 0 ? "untested" : count == total ? "holds" : faster > 0 ? "partly" : "fails";
+  if (total > 0)
+    claim.numbers = fmt::format("Exponential means b ≥ 1 with R² ≥ 0.98, and no parabola fits better; {}.", text);
   return claim;
 }
 
@@ -526,8 +531,15 @@ std::vector<StudyClaim> join_claims(const std::vector<std::vector<StudyClaim>>& 
                         : count["holds"] == tested ? "holds"
                         : count["fails"] == tested ? "fails"
                                                    : "partly";
-    joined[i].numbers = fmt::format("Of {} bodies it holds on {}, partly on {}, fails on {}. On the first: {}", tested,
-                                    count["holds"], count["partly"], count["fails"], joined[i].numbers);
+    if (tested == 0) continue;
+    const auto first = static_cast<std::size_t>(
+        std::find_if(of_bodies.begin(), of_bodies.end(),
+                     [&](const std::vector<StudyClaim>& claims) { return claims[i].verdict != "untested"; }) -
+        of_bodies.begin());
+    joined[i].numbers =
+        fmt::format("Of {} it holds on {}, partly on {}, fails on {}. {}: {}", counted(tested, "body", "bodies"),
+                    count["holds"], count["partly"], count["fails"],
+                    first == 0 ? "On the first" : fmt::format("On number {}", first + 1), of_bodies[first][i].numbers);
   }
   return joined;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The claims of the paper and ours, each with a criterion that was fixed before anything was measured.
+// The claims of the paper and ours, each with its criterion: docs/study.md.
 #pragma once
 
 #include <span>
@@ -33,6 +33,7 @@ struct GrowthFit {
   double a = 0, b = 0, c = 0;
   double r2 = 0;       // share of the variance that the exponential explains
   double r2_line = 0;  // and a straight line
+  double r2_parabola = 0;
 };
 GrowthFit fit_growth(std::span<const double> t, std::span<const double> e);
 

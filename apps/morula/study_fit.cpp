@@ -36,6 +36,22 @@ LineFit fit_with(double b, std::span<const double> t, std::span<const double> e,
   return fit_line(x, e);
 }
 
+/// What is left of e by a parabola in t: by a line, and by what t² adds to it.
+double parabola_residual(std::span<const double> t, std::span<const double> e) {
+  std::vector<double> square(t.size()), bend(t.size()), rest(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) square[i] = t[i] * t[i];
+  const LineFit of_square = fit_line(t, square);
+  const LineFit of_e = fit_line(t, e);
+  double bb = 0, be = 0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    bend[i] = square[i] - of_square.offset - of_square.slope * t[i];
+    rest[i] = e[i] - of_e.offset - of_e.slope * t[i];
+    bb += bend[i] * bend[i];
+    be += bend[i] * rest[i];
+  }
+  return bb > 0 ? of_e.residual - be * be / bb : of_e.residual;
+}
+
 }  // namespace
 
 GrowthFit fit_growth(std::span<const double> t, std::span<const double> e) {
@@ -60,6 +76,7 @@ GrowthFit fit_growth(std::span<const double> t, std::span<const double> e) {
   fit.c = best_b == 0 ? best.offset : best.offset - fit.a;
   fit.r2 = variance > 0 ? 1 - best.residual / variance : 1;
   fit.r2_line = variance > 0 ? 1 - line.residual / variance : 1;
+  fit.r2_parabola = variance > 0 ? 1 - parabola_residual(t, e) / variance : 1;
   return fit;
 }
 

@@ -90,7 +90,7 @@ Plot plot_of(const std::vector<const StudyFigure*>& group) {
       PlotLine line{s.name, s.x, s.y, color_of(s.name), PlotLine::Style::solid, s.role != SeriesRole::reference};
       if (s.name.find("fresh") != std::string::npos) {
         line.style = PlotLine::Style::dots;
-      } else if (!line.strong) {
+      } else if (!line.strong && s.name != "morula") {
         line.style = PlotLine::Style::dashed;
       }
       panel.lines.push_back(std::move(line));

@@ -187,12 +187,13 @@ StudyTable cost_table(const StudyCost& cost) {
 }
 
 StudyTable body_table(const StudyPlan& plan, const std::vector<std::vector<StudyClaim>>& of_bodies) {
-  StudyTable table{"bodies", "Verdicts body by body", "", false, {"claim"}, {}};
-  for (const NamedMesh& body : plan.bodies) table.columns.push_back(body.name);
-  for (std::size_t i = 0; i < of_bodies.front().size(); ++i) {
-    if (of_bodies.front()[i].timed) continue;
-    std::vector<Json> row{of_bodies.front()[i].id};
-    for (const std::vector<StudyClaim>& claims : of_bodies) row.emplace_back(claims[i].verdict);
+  StudyTable table{"bodies", "Verdicts body by body", "", false, {"body"}, {}};
+  for (const StudyClaim& claim : of_bodies.front())
+    if (!claim.timed) table.columns.push_back(claim.id);
+  for (std::size_t body = 0; body < of_bodies.size(); ++body) {
+    std::vector<Json> row{plan.bodies[body].name};
+    for (const StudyClaim& claim : of_bodies[body])
+      if (!claim.timed) row.emplace_back(claim.verdict);
     table.rows.push_back(std::move(row));
   }
   return table;
