@@ -39,7 +39,7 @@ struct StudyResult {
                         std::string_view rule) const;
 };
 
-/// How many of the cells that are wanted were done when a stop was requested; they are kept.
+/// A stop was requested; finished cells are kept.
 class StudyStopped : public std::runtime_error {
  public:
   StudyStopped() : std::runtime_error("study: stopped on request") {}
