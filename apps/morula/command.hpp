@@ -14,7 +14,7 @@ inline constexpr int exit_done = 0;
 inline constexpr int exit_check_failed = 1;  ///< a check failed or the result is incomplete
 inline constexpr int exit_bad_use = 2;       ///< bad options or bad input; nothing was written
 inline constexpr int exit_internal_error = 3;
-// 130, 143: ended by Ctrl-C or SIGTERM, with nothing written (interrupt.hpp).
+// 130, 143: ended by Ctrl-C or SIGTERM, with nothing written (interrupt.hpp); a study keeps its finished cells.
 
 /// Bad use of the command line: what() is one line with the remedy.
 class UsageError : public std::runtime_error {
@@ -35,5 +35,6 @@ void add_info(CLI::App& app, Run& run);
 void add_sample(CLI::App& app, Run& run);
 void add_convert(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_study(CLI::App& app, Run& run);
 
 }  // namespace morula::cli

@@ -8,7 +8,6 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <scenes/scenes.hpp>
-#include <variant>
 
 #include "command.hpp"
 #include "demo_run.hpp"
@@ -29,13 +28,13 @@ struct Options {
 };
 
 /// A scanned or modelled mesh with an inside, when the corpus is unpacked.
-std::optional<DemoBody> real_body() {
+std::optional<NamedMesh> real_body() {
   const std::optional<std::filesystem::path> corpus = scenes::corpus_folder();
   if (!corpus) return std::nullopt;
   for (const char* file : {"bunny00.off", "elephant.off"}) {
     const std::filesystem::path path = *corpus / file;
     if (!std::filesystem::is_regular_file(path)) continue;
-    DemoBody body{path.stem().string(), read_mesh(path)};
+    NamedMesh body{path.stem().string(), read_mesh(path)};
     if (inspect(body.mesh).has_volume()) return body;
   }
   return std::nullopt;
@@ -48,16 +47,10 @@ DemoPlan make_plan(bool quick) {
     plan.frame_count = 9;
     plan.repeats = 3;
     plan.resolution = 96;
-  } else if (std::optional<DemoBody> body = real_body()) {
+  } else if (std::optional<NamedMesh> body = real_body()) {
     plan.bodies.push_back(std::move(*body));
   }
-  for (const scenes::NamedMotion& motion : scenes::standard_motions()) {
-    const Deformation& first = motion.deformations.front();
-    if (std::holds_alternative<Stretch>(first) || std::holds_alternative<Twist>(first) ||
-        std::holds_alternative<Bend>(first)) {
-      plan.motions.push_back(motion.deformations);
-    }
-  }
+  plan.motions = paper_motions();
   return plan;
 }
 

@@ -17,12 +17,6 @@
 namespace morula::cli {
 namespace {
 
-/// The positions of every frame of one motion of one body.
-struct DemoMotion {
-  std::string name;
-  std::vector<std::vector<Vec3>> frames;
-};
-
 struct Counter {
   std::size_t done = 0;
   std::size_t total = 0;
@@ -34,13 +28,7 @@ struct Counter {
   }
 };
 
-std::string describe_all(const Deformations& deformations) {
-  std::string text;
-  for (const Deformation& deformation : deformations) text += (text.empty() ? "" : ", ") + describe(deformation);
-  return text;
-}
-
-DemoCell run_cell(const DemoBody& body, const Built& built, const DemoMotion& motion, const DemoTree& tree, Rule rule,
+DemoCell run_cell(const NamedMesh& body, const Built& built, const MovedFrames& motion, const DemoTree& tree, Rule rule,
                   const DemoPlan& plan, const std::filesystem::path& folder, Workers& workers) {
   DemoCell cell;
   cell.body = body.name;
@@ -88,23 +76,6 @@ DemoCell run_cell(const DemoBody& body, const Built& built, const DemoMotion& mo
   return cell;
 }
 
-std::vector<DemoMotion> make_motions(const DemoBody& body, const DemoPlan& plan, std::vector<std::string>& skipped) {
-  std::vector<DemoMotion> motions;
-  for (const Deformations& deformations : plan.motions) {
-    DemoMotion motion{describe_all(deformations), {}};
-    try {
-      for (const double t : frame_parameters(plan.frame_count)) {
-        motion.frames.push_back(deform(body.mesh, deformations, t));
-      }
-    } catch (const std::invalid_argument& error) {
-      skipped.push_back(fmt::format("{} cannot {}: {}", body.name, motion.name, error.what()));
-      continue;
-    }
-    motions.push_back(std::move(motion));
-  }
-  return motions;
-}
-
 }  // namespace
 
 double DemoCell::worst_looseness() const {
@@ -130,12 +101,6 @@ std::vector<std::size_t> measured_frames(std::size_t frame_count) {
   return {0, last / 4, last / 2, last};
 }
 
-std::string file_stem(const std::string& body, const std::string& motion) {
-  std::string stem = body + '-' + motion;
-  std::replace(stem.begin(), stem.end(), ' ', '-');
-  return stem;
-}
-
 // The loosest generator and the tightest.
 constexpr std::array shown_methods{Method::octree, Method::morula};
 
@@ -144,12 +109,12 @@ std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path
   const std::size_t per_tree = 1 + plan.motions.size() * demo_rules.size();
   Counter counter{0, plan.bodies.size() * shown_methods.size() * per_tree, progress};
   std::vector<DemoTree> trees;
-  for (const DemoBody& body : plan.bodies) {
+  for (const NamedMesh& body : plan.bodies) {
     std::vector<std::string> skipped;
-    const std::vector<DemoMotion> motions = make_motions(body, plan, skipped);
-    write_mesh(folder / (body.name + ".obj"), body.mesh);
     const std::vector<double> parameters = frame_parameters(plan.frame_count);
-    for (const DemoMotion& motion : motions) {
+    const std::vector<MovedFrames> motions = move_frames(body, plan.motions, parameters, skipped);
+    write_mesh(folder / (body.name + ".obj"), body.mesh);
+    for (const MovedFrames& motion : motions) {
       for (std::size_t i = 0; i < parameters.size(); ++i) {
         if (parameters[i] != 1.0) continue;
         write_mesh(folder / (file_stem(body.name, motion.name) + ".obj"), Mesh{motion.frames[i], body.mesh.facets});
@@ -170,7 +135,7 @@ std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path
       tree.voxel_edge = bounding_box(body.mesh).diagonal() / plan.resolution;
       tree.skipped = skipped;
       write_tree(folder / fmt::format("{}-{}.morula", body.name, name(method)), built);
-      for (const DemoMotion& motion : motions) {
+      for (const MovedFrames& motion : motions) {
         for (const Rule rule : demo_rules) {
           counter.next(fmt::format("{} {} {} {}", body.name, name(method), motion.name, name(rule)));
           tree.cells.push_back(run_cell(body, built, motion, tree, rule, plan, folder, workers));

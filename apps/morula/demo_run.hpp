@@ -15,12 +15,9 @@
 #include <string>
 #include <vector>
 
-namespace morula::cli {
+#include "experiment.hpp"
 
-struct DemoBody {
-  std::string name;
-  Mesh mesh;
-};
+namespace morula::cli {
 
 struct FrameFigures {
   std::size_t frame = 0;
@@ -68,7 +65,7 @@ struct DemoTree {
 };
 
 struct DemoPlan {
-  std::vector<DemoBody> bodies;
+  std::vector<NamedMesh> bodies;
   std::vector<Deformations> motions;
   std::size_t frame_count = 25;
   int repeats = 5;  // of every update, for the times
@@ -82,8 +79,5 @@ std::vector<std::size_t> measured_frames(std::size_t frame_count);
 /// what is being done.
 std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path& folder, Workers& workers,
                                const std::function<void(double, std::string)>& progress);
-
-/// "limb-twist-180": a file name from the words of a motion.
-std::string file_stem(const std::string& body, const std::string& motion);
 
 }  // namespace morula::cli

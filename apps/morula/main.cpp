@@ -74,6 +74,7 @@ int run(int argc, char** argv) {
   add_sample(app, run);
   add_convert(app, run);
   add_demo(app, run);
+  add_study(app, run);
 
   if (argc < 2) {
     fmt::print("{}", app.help());

@@ -81,5 +81,41 @@ TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
   std::filesystem::remove(err);
 }
 
+TEST(Interrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
+  const Workbench bench;
+  bench.require("sample limb -o body.obj --resolution 8");
+  const std::vector<std::string> arguments{"study",   "--quick",         "--mesh",    "body.obj",  "--frames",
+                                           "30",      "--resolution",    "64",        "--methods", "grid,octree",
+                                           "--rules", "approach2,exact", "--threads", "1"};
+  const std::filesystem::path err = bench.folder().string() + ".err";
+  const auto with_output = [&](const char* folder) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), {"-o", folder});
+    return all;
+  };
+  Child child(bench, with_output("stopped"), err);
+  const auto cells = [&] {
+    std::error_code missing;
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(bench / "stopped/cells", missing)) {
+      count += entry.path().extension() == ".json" ? 1 : 0;
+    }
+    return count;
+  };
+  while (cells() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  child.send(SIGINT);
+  EXPECT_EQ(child.wait(), 130);
+  EXPECT_LT(cells(), 12u);
+  EXPECT_FALSE(std::filesystem::exists(bench / "stopped/study.json"));
+  std::filesystem::remove(err);
+  for (const char* folder : {"stopped", "whole"}) {
+    Child again(bench, with_output(folder), err);
+    EXPECT_EQ(again.wait(), 0);
+  }
+  EXPECT_TRUE(bench.read("stopped/cells.csv") == bench.read("whole/cells.csv"));
+  EXPECT_TRUE(bench.read("stopped/fig2d-twist.csv") == bench.read("whole/fig2d-twist.csv"));
+  std::filesystem::remove(err);
+}
+
 }  // namespace
 }  // namespace morula::test

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "study_judge.hpp"
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+using nlohmann::json;
+
+const std::string small = "study --quick --mesh body.obj --frames 4 --resolution 32 --branching 4";
+
+/// One run of a small study that several tests look at.
+class StudyCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    bench_ = std::make_unique<Workbench>();
+    bench_->require("sample limb -o body.obj --resolution 8");
+    text_ = bench_->require(small + " -o study --threads 1").out;
+  }
+  static void TearDownTestSuite() { bench_.reset(); }
+
+  static const Workbench& bench() { return *bench_; }
+  static const std::string& text() { return text_; }
+  static json study(const std::string& folder = "study") { return json::parse(bench().read(folder + "/study.json")); }
+  /// Without what is measured in time.
+  static json untimed(json study) {
+    study.erase("cost");
+    for (const char* part : {"claims", "tables"}) {
+      json kept = json::array();
+      for (const json& item : study[part])
+        if (!item.value("timed", false)) kept.push_back(item);
+      study[part] = kept;
+    }
+    return study;
+  }
+
+ private:
+  static std::unique_ptr<Workbench> bench_;
+  static std::string text_;
+};
+std::unique_ptr<Workbench> StudyCommand::bench_;
+std::string StudyCommand::text_;
+
+TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
+  const json data = study();
+  std::set<std::string> figures;
+  for (const json& figure : data["figures"]) {
+    figures.insert(figure["id"].get<std::string>());
+    EXPECT_TRUE(figure["frame_axis"].get<bool>());
+    EXPECT_FALSE(figure["y"]["unit"].get<std::string>().empty());
+    ASSERT_FALSE(figure["series"].empty()) << figure["id"];
+    for (const json& series : figure["series"]) {
+      ASSERT_EQ(series["x"].size(), series["y"].size());
+      EXPECT_EQ(std::set<std::string>({"method", "reference", "bare"}).count(series["role"]), 1u);
+      for (const json& x : series["x"]) {
+        EXPECT_GE(x.get<double>(), 0);
+        EXPECT_LE(x.get<double>(), 3);
+      }
+    }
+  }
+  for (const char* id : {"fig2a", "fig2a-bare", "fig2a-gap", "fig2a-protrusion", "fig2b", "fig2c-stretch",
+                         "fig2c-twist", "fig2c-bend", "fig2d-stretch", "fig2d-twist-bare", "fig2d-bend"}) {
+    EXPECT_EQ(figures.count(id), 1u) << id;
+  }
+  std::set<std::string> claims;
+  for (const json& claim : data["claims"]) {
+    EXPECT_TRUE(claims.insert(claim["id"].get<std::string>()).second) << claim["id"];
+    EXPECT_EQ(std::set<std::string>({"paper", "new"}).count(claim["source"]), 1u);
+    EXPECT_EQ(std::set<std::string>({"holds", "partly", "fails", "untested"}).count(claim["verdict"]), 1u);
+    EXPECT_NE(text().find(claim["claim"].get<std::string>()), std::string::npos) << claim["claim"];
+    EXPECT_NE(text().find(claim["numbers"].get<std::string>()), std::string::npos) << claim["numbers"];
+    for (const json& figure : claim["figures"]) EXPECT_EQ(figures.count(figure), 1u) << figure;
+  }
+  for (const json& table : data["tables"]) {
+    for (const json& row : table["rows"]) EXPECT_EQ(row.size(), table["columns"].size()) << table["id"];
+    EXPECT_TRUE(std::filesystem::is_regular_file(bench() / ("study/" + table["id"].get<std::string>() + ".csv")));
+  }
+  ASSERT_EQ(data["pictures"].size(), 1u);
+  EXPECT_EQ(data["pictures"][0]["svg"].get<std::string>(), bench().read("study/fig1.svg"));
+  for (const char* name : {"fig1.svg", "fig2a.svg", "fig2d-bend.svg"}) {
+    const std::string svg = bench().read(std::string("study/") + name);
+    EXPECT_EQ(svg.rfind("<svg", 0), 0u) << name;
+    EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n") << name;
+    EXPECT_EQ(svg.find("nan"), std::string::npos) << name;
+  }
+}
+
+TEST_F(StudyCommand, has_the_same_figures_for_any_number_of_threads) {
+  bench().require(small + " -o two --threads 2");
+  EXPECT_TRUE(untimed(study()) == untimed(study("two")));
+  for (const char* file : {"cells.csv", "fig2a.csv", "fig1.svg", "fig2c-twist.svg", "rules.csv", "trees.csv"})
+    EXPECT_TRUE(bench().read(std::string("study/") + file) == bench().read(std::string("two/") + file)) << file;
+}
+
+TEST_F(StudyCommand, goes_on_from_the_cells_that_are_there) {
+  std::filesystem::copy(bench() / "study", bench() / "again", std::filesystem::copy_options::recursive);
+  std::vector<std::filesystem::path> cells;
+  for (const auto& entry : std::filesystem::directory_iterator(bench() / "again/cells")) cells.push_back(entry.path());
+  std::sort(cells.begin(), cells.end());
+  ASSERT_GT(cells.size(), 20u);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::string name = cells[i].filename().string();
+    if (name.find("cost") != std::string::npos) continue;
+    if (i % 3 == 0) std::filesystem::remove(cells[i]);
+    if (i % 3 == 1 && i % 2 == 0) bench().write("again/cells/" + name, R"({"settings": {}, "resu)");
+  }
+  std::filesystem::remove(bench() / "again/study.json");
+  const std::string out = bench().require(small + " -o again").out;
+  EXPECT_EQ(out.find("; 0 of "), std::string::npos) << out;
+  EXPECT_TRUE(bench().read("again/study.json") == bench().read("study/study.json"));
+  EXPECT_TRUE(bench().read("again/cells.csv") == bench().read("study/cells.csv"));
+}
+
+TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
+  const Judge judge(rows_of(bench().read("study/cells.csv")));
+  ASSERT_EQ(judge.methods, (std::set<std::string>{"grid", "hubbard", "medial", "spawn"}));
+  ASSERT_EQ(judge.motions.size(), 3u);
+  ASSERT_EQ(judge.levels, (std::set<int>{1, 2}));
+  std::map<std::string, std::string> expected{
+      {"approach1-below-traditional", judge.loss_below_traditional("approach1")},
+      {"approach2-below-traditional", judge.loss_below_traditional("approach2")},
+      {"approach1-exponential", judge.exponential()},
+      {"returns-to-rest", judge.returns()},
+      {"level2-hubbard-medial", judge.best({1}, 1, {"hubbard", "medial"})},
+      {"level3-grid", judge.best({2}, 1, {"grid"})},
+      {"medial-best-average", judge.best({1, 2}, 0, {"medial"})},
+      {"traditional-bare", judge.bare_free("traditional", true)},
+      {"weighted-bare", judge.bare_free("weighted", true)},
+      {"approach1-bare", judge.bare_free("approach1", true)},
+      {"approach2-bare", judge.bare_free("approach2", true)},
+      {"exact-covers", judge.bare_free("exact", false)},
+      {"refitted-covers", judge.bare_free("refitted", false)},
+      {"exact-cost", judge.ratio("exact", "approach2", 2, false)},
+      {"exact-below-approach1", judge.ratio("exact", "approach1", 1, false)},
+      {"refitted-near-floor", judge.ratio("refitted", "fresh", 2, true)}};
+  std::size_t compared = 0;
+  const json data = study();
+  for (const json& claim : data["claims"]) {
+    const auto found = expected.find(claim["id"].get<std::string>());
+    if (found == expected.end()) continue;
+    EXPECT_EQ(claim["verdict"].get<std::string>(), found->second) << claim["id"] << claim["numbers"];
+    ++compared;
+  }
+  EXPECT_EQ(compared, expected.size());
+  EXPECT_EQ(expected["exact-covers"], "holds");
+  EXPECT_EQ(expected["refitted-covers"], "holds");
+  EXPECT_EQ(expected["returns-to-rest"], "holds");
+}
+
+TEST_F(StudyCommand, its_figures_come_again_from_files) {
+  bench().require("build body.obj -o grid.morula --method grid --depth 2 --branching 4");
+  bench().require("deform body.obj -o motion --twist 180 --frames 7");
+  bench().require("update body.obj grid.morula motion -o spheres --rule approach2");
+  const json again =
+      bench().require("measure body.obj spheres --motion motion --resolution 32 --no-protrusion --json").json();
+  const Judge judge(rows_of(bench().read("study/cells.csv")));
+  for (const int level : {1, 2}) {
+    const std::vector<double> curve = judge.curve("grid", "twist 180", "approach2", level);
+    ASSERT_EQ(curve.size(), 4u);
+    for (std::size_t i = 0; i < curve.size(); ++i)
+      EXPECT_EQ(curve[i], again["frames"][i]["levels"][static_cast<std::size_t>(level)]["looseness"].get<double>());
+  }
+}
+
+TEST_F(StudyCommand, runs_on_trees_from_elsewhere) {
+  std::filesystem::create_directory(bench() / "trees");
+  bench().require("build body.obj -o trees/body-octree.sph --method octree --depth 2");
+  bench().require(
+      "study --quick -o elsewhere --mesh body.obj --trees trees --sph-origin none --frames 3 "
+      "--resolution 16 --rules approach2,exact,fresh");
+  const json data = study("elsewhere");
+  EXPECT_EQ(data["cells"].size(), 6u);
+  for (const json& cell : data["cells"]) {
+    EXPECT_EQ(cell["method"], "octree");
+    EXPECT_NE(cell["rule"], "fresh");
+  }
+}
+
+TEST_F(StudyCommand, ranks_mixes_that_cover_before_the_others) {
+  bench().require(
+      "study --quick -o mixed --mesh body.obj --mixes --methods grid --rules exact --frames 3 "
+      "--resolution 16");
+  const json data = study("mixed");
+  const auto table =
+      std::find_if(data["tables"].begin(), data["tables"].end(), [](const json& t) { return t["id"] == "mixes"; });
+  ASSERT_NE(table, data["tables"].end());
+  double last = 0;
+  bool bare = false;
+  std::size_t covering = 0;
+  for (const json& row : (*table)["rows"]) {
+    const bool is_bare = row[2].get<double>() > 0;
+    EXPECT_TRUE(is_bare || !bare) << row;
+    if (is_bare != bare) last = 0;
+    bare = is_bare;
+    EXPECT_GE(row[1].get<double>(), last) << row;
+    last = row[1].get<double>();
+    if (row[0].get<std::string>().find("covering") == std::string::npos && row[0] != "exact+exact") continue;
+    EXPECT_FALSE(is_bare) << row;
+    ++covering;
+  }
+  EXPECT_EQ(covering, 16u);
+}
+
+TEST_F(StudyCommand, names_what_is_wrong_and_writes_nothing) {
+  std::filesystem::create_directory(bench() / "none");
+  bench().write("file", "");
+  const auto before = bench().listing();
+  const std::map<std::string, std::string> bad{{"--methods medal", "medal"},
+                                               {"--methods grid,grid", "grid twice"},
+                                               {"--rules exat", "exat"},
+                                               {"--unit meter", "meter"},
+                                               {"--frames 2", "frames"},
+                                               {"--depth 0", "depth"},
+                                               {"--trees nowhere", "nowhere"},
+                                               {"--trees none", "none"},
+                                               {"--mesh nothing.obj", "nothing.obj"}};
+  for (const auto& [options, named] : bad) {
+    const CommandResult result = bench().run("study -o bad " + options);
+    EXPECT_EQ(result.exit_code, 2) << options;
+    EXPECT_NE(result.err.find(named), std::string::npos) << options << ": " << result.err;
+  }
+  EXPECT_EQ(bench().run("study -o file --quick").exit_code, 2);
+  EXPECT_EQ(bench().listing(), before);
+}
+
+}  // namespace
+}  // namespace morula::test
