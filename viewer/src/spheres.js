@@ -1,0 +1,234 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The spheres of a level set: one small ball drawn many times. Translucent, they show the skin of their union only.
+import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from 'three';
+import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+
+/** A round ball of radius 1: its vertices are its normals. */
+function ball(detail) {
+  const geometry = new IcosahedronGeometry(1, detail);
+  geometry.deleteAttribute('normal');
+  geometry.deleteAttribute('uv');
+  return mergeVertices(geometry, 1e-6);
+}
+
+const vertexShader = `
+#include <clipping_planes_pars_vertex>
+attribute vec4 ball;
+attribute vec3 tint;
+varying vec3 vNormal, vToEye, vTint;
+void main() {
+  vec4 mvPosition = modelViewMatrix * vec4(ball.xyz + ball.w * position, 1.0);
+  vNormal = normalMatrix * position;
+  vToEye = -mvPosition.xyz;
+  vTint = tint;
+  gl_Position = projectionMatrix * mvPosition;
+  #include <clipping_planes_vertex>
+}`;
+
+const fragmentShader = `
+#include <clipping_planes_pars_fragment>
+uniform float opacity, glass;
+uniform vec3 rim;
+varying vec3 vNormal, vToEye, vTint;
+void main() {
+  #include <clipping_planes_fragment>
+  vec3 n = normalize(vNormal);
+  float facing = abs(dot(n, normalize(vToEye)));
+  float edge = pow(1.0 - facing, 2.6);
+  float light = 0.62 + 0.38 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
+  float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), normalize(vToEye))), 28.0);
+  vec3 colour = vTint * light * 1.06 + 0.16 * gloss;
+  colour = mix(colour, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
+  float alpha = mix(opacity, min(1.0, opacity + 0.55), edge);
+  if (glass > 0.5) alpha = clamp(0.10 + 1.25 * edge, 0.0, 1.0);
+  gl_FragColor = vec4(colour, alpha);
+}`;
+
+// Circles in which the section plane cuts the spheres.
+const ringVertex = `
+attribute vec4 ball;
+attribute vec3 tint;
+uniform vec3 planeNormal;
+uniform float planeConstant;
+varying vec2 vAt;
+varying vec3 vTint;
+void main() {
+  float height = dot(planeNormal, ball.xyz) + planeConstant;
+  float radius = sqrt(max(0.0, ball.w * ball.w - height * height));
+  vec3 u = normalize(abs(planeNormal.x) > 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0));
+  vec3 v = cross(planeNormal, u);
+  vec2 at = 2.2 * position.xy;
+  vec3 where = ball.xyz - height * planeNormal + radius * (at.x * u + at.y * v);
+  vAt = at;
+  vTint = tint;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(where, 1.0);
+}`;
+const ringFragment = `
+uniform vec3 ink;
+varying vec2 vAt;
+varying vec3 vTint;
+void main() {
+  float d = length(vAt);
+  float width = fwidth(d);
+  float line = 1.0 - smoothstep(0.6 * width, 1.6 * width, abs(d - 1.0 + width));
+  if (line < 0.02) discard;
+  gl_FragColor = vec4(mix(vTint, ink, 0.25), line);
+}`;
+
+export class SpheresView {
+  constructor(plane) {
+    this.plane = plane;
+    this.group = new Group();
+    const material = (options, glass = 0) =>
+      new ShaderMaterial({
+        vertexShader,
+        fragmentShader,
+        clipping: true,
+        side: FrontSide,
+        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, rim: { value: null } },
+        ...options,
+      });
+    // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it.
+    this.depth = material({ colorWrite: false, depthWrite: true });
+    this.skin = material({ transparent: true, depthWrite: false });
+    this.glass = material({ transparent: true, depthWrite: false, depthTest: false }, 1);
+    this.ring = new ShaderMaterial({
+      vertexShader: ringVertex,
+      fragmentShader: ringFragment,
+      transparent: true,
+      depthWrite: false,
+      side: DoubleSide,
+      uniforms: { planeNormal: { value: new Vector3(1, 0, 0) }, planeConstant: { value: 0 }, ink: { value: null } },
+    });
+    const part = (of, order) => {
+      const mesh = new Mesh(undefined, of);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = order;
+      this.group.add(mesh);
+      return mesh;
+    };
+    this.meshes = [part(this.depth, 1), part(this.skin, 2)];
+    this.rings = part(this.ring, 3);
+    this.picked = part(this.glass, 4);
+    this.rings.visible = this.picked.visible = false;
+    this.on = true;
+    this.nodes = new Int32Array(0);
+  }
+
+  theme(accent, rim, ink) {
+    this.accent = accent;
+    for (const material of [this.skin, this.glass, this.depth]) material.uniforms.rim.value = rim;
+    this.ring.uniforms.ink.value = ink;
+    this.mark();
+  }
+
+  show(scene) {
+    this.scene = scene;
+    this.pickedNode = -1;
+  }
+
+  /** Room for as many balls; finer ones when they are few and so large on the screen. */
+  reserve(count) {
+    const detail = count <= 16 ? 20 : count <= 160 ? 10 : count <= 1500 ? 6 : count <= 8000 ? 3 : 2;
+    if (this.detail === detail && this.room >= count) return;
+    this.detail = detail;
+    this.room = Math.max(count, 64);
+    const instanced = (base) => {
+      const made = new InstancedBufferGeometry();
+      made.setIndex(base.index);
+      made.setAttribute('position', base.attributes.position);
+      return made;
+    };
+    this.geometry?.dispose();
+    this.rings.geometry?.dispose();
+    this.geometry = instanced(ball(detail));
+    this.rings.geometry = instanced(new PlaneGeometry(1, 1));
+    this.ball = new InstancedBufferAttribute(new Float32Array(4 * this.room), 4).setUsage(DynamicDrawUsage);
+    this.tint = new InstancedBufferAttribute(new Float32Array(3 * this.room), 3).setUsage(DynamicDrawUsage);
+    for (const geometry of [this.geometry, this.rings.geometry]) {
+      geometry.setAttribute('ball', this.ball);
+      geometry.setAttribute('tint', this.tint);
+    }
+    for (const mesh of this.meshes) mesh.geometry = this.geometry;
+  }
+
+  /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
+  pose(frame, level, colour) {
+    this.frame = frame;
+    this.nodes = this.scene.levelSets[level];
+    this.reserve(this.nodes.length);
+    const spheres = this.scene.frames[frame];
+    this.nodes.forEach((node, i) => {
+      this.ball.array.set(spheres.subarray(4 * node, 4 * node + 4), 4 * i);
+      this.tint.array.set(colour(node), 3 * i);
+    });
+    this.ball.needsUpdate = this.tint.needsUpdate = true;
+    this.geometry.instanceCount = this.rings.geometry.instanceCount = this.nodes.length;
+    this.mark();
+  }
+
+  /** Outlines one node's sphere; -1: none. */
+  mark(node = this.pickedNode) {
+    this.pickedNode = node;
+    this.picked.visible = node >= 0;
+    if (!(node >= 0) || this.frame === undefined) return;
+    const geometry = new InstancedBufferGeometry();
+    const base = ball(20);
+    geometry.setIndex(base.index);
+    geometry.setAttribute('position', base.attributes.position);
+    const sphere = this.scene.frames[this.frame].slice(4 * node, 4 * node + 4);
+    geometry.setAttribute('ball', new InstancedBufferAttribute(sphere, 4));
+    geometry.setAttribute('tint', new InstancedBufferAttribute(new Float32Array(this.accent.toArray()), 3));
+    geometry.instanceCount = 1;
+    this.picked.geometry?.dispose();
+    this.picked.geometry = geometry;
+  }
+
+  look(on, opacity) {
+    this.on = on;
+    const solid = opacity >= 0.995;
+    this.skin.uniforms.opacity.value = opacity;
+    this.skin.transparent = !solid;
+    this.meshes[0].visible = on;
+    this.meshes[1].visible = on;
+    this.rings.visible = on && this.cutting;
+  }
+
+  cut(planes) {
+    this.cutting = planes.length > 0;
+    for (const material of [this.depth, this.skin, this.glass]) material.clippingPlanes = planes;
+    if (this.cutting) {
+      this.ring.uniforms.planeNormal.value.copy(this.plane.normal);
+      this.ring.uniforms.planeConstant.value = this.plane.constant;
+    }
+    this.rings.visible = this.on && this.cutting;
+  }
+
+  /** The node whose sphere the ray meets first, in front of the section plane; -1 for none. */
+  hit(ray, planes) {
+    if (!this.on) return -1;
+    const { origin: o, direction: d } = ray;
+    const spheres = this.scene.frames[this.frame];
+    let nearest = Infinity;
+    let found = -1;
+    const point = new Vector3();
+    for (const node of this.nodes) {
+      const x = spheres[4 * node] - o.x;
+      const y = spheres[4 * node + 1] - o.y;
+      const z = spheres[4 * node + 2] - o.z;
+      const along = x * d.x + y * d.y + z * d.z;
+      const apart = x * x + y * y + z * z - along * along;
+      const inside = spheres[4 * node + 3] ** 2 - apart;
+      if (inside < 0) continue;
+      for (const t of [along - Math.sqrt(inside), along + Math.sqrt(inside)]) {
+        if (t <= 0 || t >= nearest) continue;
+        point.copy(o).addScaledVector(d, t);
+        if (planes.some((plane) => plane.distanceToPoint(point) < 0)) continue;
+        [nearest, found] = [t, node];
+        break;
+      }
+    }
+    return found;
+  }
+}
