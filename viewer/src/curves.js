@@ -52,6 +52,8 @@ export class Curves {
     const data = aligned(content.series);
     if (log) for (let i = 1; i < data.length; ++i) data[i] = data[i].map((y) => (y > 0 ? y : null));
     const font = '11px ' + styleValue('--sans');
+    // Of a log scale only the powers of ten.
+    const decades = (_, splits) => splits.map((v) => (Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v : null));
     const axis = (label, more) => ({
       stroke: styleValue('--muted'),
       font,
@@ -75,7 +77,7 @@ export class Curves {
         scales: { x: { time: false }, y: { distr: log ? 3 : 1, ...ranges } },
         axes: [
           axis(content.xLabel, { size: 24, space: 44, incrs: content.frames ? [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] : undefined }),
-          axis(content.yLabel, { size: 46, space: log ? 18 : 28, values: (_, splits) => splits.map((v) => (v === null ? '' : figure(v))) }),
+          axis(content.yLabel, { size: 46, ...(log ? { filter: decades, grid: { stroke: styleValue('--line'), width: 1, filter: decades } } : {}), space: log ? 18 : 28, values: (_, splits) => splits.map((v) => (v === null ? '' : figure(v))) }),
         ],
         series: [
           {},

@@ -55,7 +55,7 @@ function start() {
 
   const state = new State({
     scene: -1, frame: 0, level: -1, colour: 'level', measure: first.entry.measured ? 'looseness' : 'growth',
-    body: true, spheres: true, bare: true, facets: false, opacity: 0.42,
+    body: true, spheres: true, bare: true, facets: false, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false,
   });
   let stage = null;
@@ -99,6 +99,7 @@ function start() {
     if (has('scene', 'sectionAxis', 'sectionAt', 'sectionFlip')) stage.cut(state.get('sectionAxis'), state.get('sectionAt'), state.get('sectionFlip'));
     if (has('scene', 'spheres', 'opacity', 'sectionAxis')) stage.spheres.look(state.get('spheres'), state.get('opacity'));
     if (has('scene', 'frame', 'picked')) drawPicked(scene, state);
+    panel.follow(changed);
     stage.ask();
   });
 

@@ -48,7 +48,6 @@ export class Panel {
       this.bindRange(byId(id), name);
     }
     byId('play').addEventListener('click', () => state.set({ playing: !state.get('playing') }));
-    state.listen((changed) => this.follow(changed));
   }
 
   bindBox(box, name) {
@@ -204,11 +203,16 @@ export class Panel {
     legend.hidden = parts.length === 0;
   }
 
+  /** After the scene of the state is the one that is shown. */
   follow(changed) {
     const { state, scene } = this;
     if (!scene) return;
     const has = (...names) => names.some((name) => changed.has(name));
-    if (has('scene', 'frame')) byId('frame-name').textContent = scene.motionEntry.frames[state.get('frame')];
+    if (has('scene', 'frame')) {
+      const frame = state.get('frame');
+      byId('frame-name').textContent = `${frame} / ${scene.frameCount - 1}`;
+      byId('frame-name').title = scene.motionEntry.frames[frame];
+    }
     if (has('scene', 'level')) {
       const level = state.get('level');
       byId('level-name').textContent = `${level} · ${counted(scene.levelSets[level].length, 'sphere')}`;

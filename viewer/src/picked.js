@@ -39,12 +39,12 @@ export function drawPicked(scene, state) {
       row('Centre', [place(x, 0), place(y, 1), place(z, 2)].join('  '), 'picked-centre'),
       row('Radius', figure(r), 'picked-radius'),
       row('Radius at rest', figure(scene.rest[4 * node + 3])),
-      row('Growth', `× ${figure(scene.growth(frame, node))}`, 'picked-growth'),
+      row('Growth', `× ${scene.growth(frame, node).toFixed(3)}`, 'picked-growth'),
       scene.emptyShare ? row('Outside the body', percent(scene.empty(frame, node))) : null),
     scene.frameCount > 1 ? element('div', { class: 'spark-line' }, element('span', { class: 'muted' }, 'radius over the frames'), sparkline(scene, node, frame)) : null,
     element('footer', {},
       element('button', { type: 'button', disabled: scene.parent[node] < 0, onclick: () => go(scene.parent[node]) }, scene.parent[node] < 0 ? 'Root' : `Parent ${scene.parent[node]}`),
       element('button', { type: 'button', disabled: children === 0, onclick: () => go(scene.firstChild[node]) },
-        children === 0 ? 'No children' : children === 1 ? `Child ${scene.firstChild[node]}` : `Children ${scene.firstChild[node]}–${scene.firstChild[node] + children - 1}`)),
+        children === 0 ? 'No children' : children === 1 ? '1 child' : `${children} children`)),
   );
 }

@@ -36,17 +36,18 @@ void main() {
   vec3 n = normalize(vNormal);
   float facing = abs(dot(n, normalize(vToEye)));
   float edge = pow(1.0 - facing, 2.6);
-  float light = 0.62 + 0.38 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
+  float light = 0.80 + 0.26 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
   float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), normalize(vToEye))), 28.0);
-  vec3 colour = vTint * light * 1.06 + 0.16 * gloss;
+  vec3 colour = vTint * light + 0.14 * gloss;
   colour = mix(colour, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
   float alpha = mix(opacity, min(1.0, opacity + 0.55), edge);
   if (glass > 0.5) alpha = clamp(0.10 + 1.25 * edge, 0.0, 1.0);
   gl_FragColor = vec4(colour, alpha);
 }`;
 
-// Circles in which the section plane cuts the spheres.
-const ringVertex = `
+// Discs in which the section plane cuts the spheres: dark ones, then slightly smaller ones in colour over all of them, so
+// that of the circles only the outline of the union stays.
+const discVertex = `
 attribute vec4 ball;
 attribute vec3 tint;
 uniform vec3 planeNormal;
@@ -64,16 +65,16 @@ void main() {
   vTint = tint;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(where, 1.0);
 }`;
-const ringFragment = `
-uniform vec3 ink;
+const discFragment = `
+uniform vec3 paper;
+uniform float inner;
 varying vec2 vAt;
 varying vec3 vTint;
 void main() {
   float d = length(vAt);
   float width = fwidth(d);
-  float line = 1.0 - smoothstep(0.6 * width, 1.6 * width, abs(d - 1.0 + width));
-  if (line < 0.02) discard;
-  gl_FragColor = vec4(mix(vTint, ink, 0.25), line);
+  if (d > 1.0 - inner * 1.7 * width) discard;
+  gl_FragColor = vec4(inner > 0.5 ? mix(paper, vTint, 0.42) : mix(vTint, vec3(0.0), 0.25), 1.0);
 }`;
 
 export class SpheresView {
@@ -93,14 +94,16 @@ export class SpheresView {
     this.depth = material({ colorWrite: false, depthWrite: true });
     this.skin = material({ transparent: true, depthWrite: false });
     this.glass = material({ transparent: true, depthWrite: false, depthTest: false }, 1);
-    this.ring = new ShaderMaterial({
-      vertexShader: ringVertex,
-      fragmentShader: ringFragment,
-      transparent: true,
-      depthWrite: false,
-      side: DoubleSide,
-      uniforms: { planeNormal: { value: new Vector3(1, 0, 0) }, planeConstant: { value: 0 }, ink: { value: null } },
-    });
+    this.disc = [0, 1].map(
+      (inner) =>
+        new ShaderMaterial({
+          vertexShader: discVertex,
+          fragmentShader: discFragment,
+          side: DoubleSide,
+          depthWrite: false,
+          uniforms: { planeNormal: { value: plane.normal }, planeConstant: { value: 0 }, paper: { value: null }, inner: { value: inner } },
+        }),
+    );
     const part = (of, order) => {
       const mesh = new Mesh(undefined, of);
       mesh.frustumCulled = false;
@@ -109,17 +112,18 @@ export class SpheresView {
       return mesh;
     };
     this.meshes = [part(this.depth, 1), part(this.skin, 2)];
-    this.rings = part(this.ring, 3);
-    this.picked = part(this.glass, 4);
-    this.rings.visible = this.picked.visible = false;
+    // Among the transparent ones, which are drawn last and in this order.
+    this.discs = this.disc.map((of, inner) => part(Object.assign(of, { transparent: true }), 3 + inner));
+    this.picked = part(this.glass, 8);
+    for (const hidden of [...this.discs, this.picked]) hidden.visible = false;
     this.on = true;
     this.nodes = new Int32Array(0);
   }
 
-  theme(accent, rim, ink) {
+  theme(accent, rim, paper) {
     this.accent = accent;
     for (const material of [this.skin, this.glass, this.depth]) material.uniforms.rim.value = rim;
-    this.ring.uniforms.ink.value = ink;
+    for (const disc of this.disc) disc.uniforms.paper.value = paper;
     this.mark();
   }
 
@@ -141,16 +145,17 @@ export class SpheresView {
       return made;
     };
     this.geometry?.dispose();
-    this.rings.geometry?.dispose();
+    this.discGeometry?.dispose();
     this.geometry = instanced(ball(detail));
-    this.rings.geometry = instanced(new PlaneGeometry(1, 1));
+    this.discGeometry = instanced(new PlaneGeometry(1, 1));
     this.ball = new InstancedBufferAttribute(new Float32Array(4 * this.room), 4).setUsage(DynamicDrawUsage);
     this.tint = new InstancedBufferAttribute(new Float32Array(3 * this.room), 3).setUsage(DynamicDrawUsage);
-    for (const geometry of [this.geometry, this.rings.geometry]) {
+    for (const geometry of [this.geometry, this.discGeometry]) {
       geometry.setAttribute('ball', this.ball);
       geometry.setAttribute('tint', this.tint);
     }
     for (const mesh of this.meshes) mesh.geometry = this.geometry;
+    for (const mesh of this.discs) mesh.geometry = this.discGeometry;
   }
 
   /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
@@ -164,7 +169,7 @@ export class SpheresView {
       this.tint.array.set(colour(node), 3 * i);
     });
     this.ball.needsUpdate = this.tint.needsUpdate = true;
-    this.geometry.instanceCount = this.rings.geometry.instanceCount = this.nodes.length;
+    this.geometry.instanceCount = this.discGeometry.instanceCount = this.nodes.length;
     this.mark();
   }
 
@@ -192,17 +197,14 @@ export class SpheresView {
     this.skin.transparent = !solid;
     this.meshes[0].visible = on;
     this.meshes[1].visible = on;
-    this.rings.visible = on && this.cutting;
+    for (const mesh of this.discs) mesh.visible = on && this.cutting;
   }
 
   cut(planes) {
     this.cutting = planes.length > 0;
     for (const material of [this.depth, this.skin, this.glass]) material.clippingPlanes = planes;
-    if (this.cutting) {
-      this.ring.uniforms.planeNormal.value.copy(this.plane.normal);
-      this.ring.uniforms.planeConstant.value = this.plane.constant;
-    }
-    this.rings.visible = this.on && this.cutting;
+    for (const disc of this.disc) disc.uniforms.planeConstant.value = this.plane.constant;
+    for (const mesh of this.discs) mesh.visible = this.on && this.cutting;
   }
 
   /** The node whose sphere the ray meets first, in front of the section plane; -1 for none. */

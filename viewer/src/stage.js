@@ -14,7 +14,7 @@ export class Stage {
   constructor(place) {
     this.place = place;
     try {
-      this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'high-performance' });
+      this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' });
     } catch {
       throw new PageError('this browser gives no WebGL, which the picture needs: turn on hardware acceleration or try another browser');
     }
@@ -30,15 +30,15 @@ export class Stage {
     this.camera = new PerspectiveCamera(32, 1, 0.01, 100);
     this.scene.add(this.camera);
     this.lights = new Group();
-    const key = new DirectionalLight(0xfff6ea, 2.1);
+    const key = new DirectionalLight(0xfff8f0, 1.75);
     key.position.set(-0.7, 1.1, 1.2);
-    const fill = new DirectionalLight(0xdfe9ff, 0.55);
+    const fill = new DirectionalLight(0xe6eeff, 0.7);
     fill.position.set(1.4, -0.3, 0.8);
     const rim = new DirectionalLight(0xffffff, 0.9);
     rim.position.set(0.5, 0.9, -1.6);
     this.lights.add(key, fill, rim, key.target, fill.target, rim.target);
     this.camera.add(this.lights);
-    this.sky = new HemisphereLight(0xffffff, 0xb9b2a8, 1.0);
+    this.sky = new HemisphereLight(0xffffff, 0xcfc9c2, 1.35);
     this.scene.add(this.sky);
 
     this.plane = new Plane(new Vector3(-1, 0, 0), 0);
@@ -69,6 +69,10 @@ export class Stage {
     this.asked = true;
     requestAnimationFrame(() => {
       this.asked = false;
+      // Seen from the side that is cut away, nothing is in front of the plane; what is cut along it has depths too
+      // uncertain to compare with.
+      const open = this.plane.distanceToPoint(this.camera.position) < 0;
+      for (const material of [this.body.cap.material, ...this.spheres.disc]) material.depthTest = !open;
       this.renderer.render(this.scene, this.camera);
       this.place.dataset.drawn = String(1 + Number(this.place.dataset.drawn ?? 0));
     });
@@ -90,7 +94,7 @@ export class Stage {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
     // The spheres' shaders write colours as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
-    this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--ink'));
+    this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));
     this.ask();
   }
 
@@ -161,7 +165,7 @@ export class Stage {
       this.plane.constant = -sign * at;
     }
     const planes = axis ? [this.plane] : [];
-    this.body.cut(planes);
+    this.body.cut(planes, this.box);
     this.spheres.cut(planes);
     this.planes = planes;
     this.ask();
