@@ -123,6 +123,7 @@ export class Curves {
     ctx.save();
     ctx.strokeStyle = styleValue('--accent');
     ctx.fillStyle = styleValue('--accent');
+    ctx.setLineDash([]);
     ctx.lineWidth = 1.5 * scale;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);

@@ -7,6 +7,7 @@ import { css, kindColour } from './colours.js';
 import { counted, figure } from './numbers.js';
 
 const verdicts = { holds: 'holds', partly: 'in part', fails: 'fails', untested: 'not tested' };
+const tallies = { holds: ['holds', 'hold'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
 const list = (value) => (Array.isArray(value) ? value : []);
 const labelled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
 
@@ -81,7 +82,7 @@ export class Report {
     const groups = [['paper', 'Claims of the paper'], ['new', 'Claims of Morula']];
     return [
       this.section('claims', 'Claims', null,
-        element('p', { class: 'tally' }, ...count.map(([verdict, n]) => element('span', { 'data-verdict': verdict }, element('b', {}, String(n)), ` ${verdicts[verdict]}`))),
+        element('p', { class: 'tally' }, ...count.map(([verdict, n]) => element('span', { 'data-verdict': verdict }, element('b', {}, String(n)), ` ${tallies[verdict][n === 1 ? 0 : 1]}`))),
         ...groups.flatMap(([source, title]) => {
           const its = claims.filter((claim) => (claim.source ?? 'new') === source);
           return its.length === 0 ? [] : [element('h4', {}, title), ...its.map(card)];

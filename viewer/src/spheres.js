@@ -4,11 +4,17 @@
 import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from 'three';
 import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
-/** A round ball of radius 1: its vertices are its normals. */
+/** Fineness of the drawn balls: edges along a side of the icosahedron's facets, less one. */
+const details = [1, 2, 3, 4, 6, 9, 14, 20];
+const mostFacets = 1.2e6;
+
+/** A ball whose facets touch the sphere of radius 1 at their middles; normalised, its vertices are its normals. */
 function ball(detail) {
   const geometry = new IcosahedronGeometry(1, detail);
   geometry.deleteAttribute('normal');
   geometry.deleteAttribute('uv');
+  const angle = (1.107 / (detail + 1)) * 0.58; // from the middle of a facet to its corners
+  geometry.scale(1 / Math.cos(angle), 1 / Math.cos(angle), 1 / Math.cos(angle));
   return mergeVertices(geometry, 1e-6);
 }
 
@@ -19,7 +25,7 @@ attribute vec3 tint;
 varying vec3 vNormal, vToEye, vTint;
 void main() {
   vec4 mvPosition = modelViewMatrix * vec4(ball.xyz + ball.w * position, 1.0);
-  vNormal = normalMatrix * position;
+  vNormal = normalMatrix * position; // normalised per pixel
   vToEye = -mvPosition.xyz;
   vTint = tint;
   gl_Position = projectionMatrix * mvPosition;
@@ -118,6 +124,8 @@ export class SpheresView {
     for (const hidden of [...this.discs, this.picked]) hidden.visible = false;
     this.on = true;
     this.nodes = new Int32Array(0);
+    this.room = 0;
+    this.pixels = 100;
   }
 
   theme(accent, rim, paper) {
@@ -132,10 +140,25 @@ export class SpheresView {
     this.pickedNode = -1;
   }
 
-  /** Room for as many balls; finer ones when they are few and so large on the screen. */
-  reserve(count) {
-    const detail = count <= 16 ? 20 : count <= 160 ? 10 : count <= 1500 ? 6 : count <= 8000 ? 3 : 2;
-    if (this.detail === detail && this.room >= count) return;
+  /**
+   * Balls just fine enough for the screen: typical ones are round to a third of a pixel.
+   * pixels: that one unit of length takes on the screen, at the middle of the picture.
+   */
+  refine(pixels) {
+    this.pixels = pixels;
+    if (!this.frame && this.frame !== 0) return false;
+    const radii = Array.from(this.nodes, (node) => this.scene.frames[this.frame][4 * node + 3]).sort((a, b) => a - b);
+    const typical = radii[Math.floor(0.9 * (radii.length - 1))] * pixels;
+    const edges = Math.PI * Math.sqrt(typical / 0.7); // around the equator, five times those of a facet's side
+    const count = this.nodes.length;
+    const fits = details.filter((d) => count * 20 * (d + 1) ** 2 <= mostFacets);
+    const detail = fits.find((d) => 5 * (d + 1) >= edges) ?? fits[fits.length - 1] ?? details[0];
+    if (detail === this.detail && count <= this.room) return false;
+    this.reserve(count, detail);
+    return true;
+  }
+
+  reserve(count, detail) {
     this.detail = detail;
     this.room = Math.max(count, 64);
     const instanced = (base) => {
@@ -160,9 +183,15 @@ export class SpheresView {
 
   /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
   pose(frame, level, colour) {
-    this.frame = frame;
-    this.nodes = this.scene.levelSets[level];
-    this.reserve(this.nodes.length);
+    Object.assign(this, { frame, colour, nodes: this.scene.levelSets[level] });
+    this.refine(this.pixels);
+    this.fill();
+    this.mark();
+  }
+
+  /** The spheres of now into the balls of now. */
+  fill() {
+    const { frame, colour } = this;
     const spheres = this.scene.frames[frame];
     this.nodes.forEach((node, i) => {
       this.ball.array.set(spheres.subarray(4 * node, 4 * node + 4), 4 * i);
@@ -170,7 +199,11 @@ export class SpheresView {
     });
     this.ball.needsUpdate = this.tint.needsUpdate = true;
     this.geometry.instanceCount = this.discGeometry.instanceCount = this.nodes.length;
-    this.mark();
+  }
+
+  /** Finer or coarser balls for another distance, when they need it. */
+  zoom(pixels) {
+    if (this.refine(pixels)) this.fill();
   }
 
   /** Outlines one node's sphere; -1: none. */

@@ -60,7 +60,18 @@ export class Stage {
   steer() {
     this.controls?.dispose();
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.addEventListener('change', () => this.ask());
+    this.controls.addEventListener('change', () => {
+      this.zoom();
+      this.ask();
+    });
+  }
+
+  /** Tells the spheres how large they are on the screen. */
+  zoom() {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const height = this.place.clientHeight * this.renderer.getPixelRatio();
+    const pixels = height / (2 * Math.tan(0.5 * this.camera.fov * (Math.PI / 180)) * distance);
+    if (pixels > 0 && Number.isFinite(pixels)) this.spheres.zoom(pixels);
   }
 
   /** Draws in the next frame of the screen, once, however often asked. */
@@ -86,6 +97,7 @@ export class Stage {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.zoom();
     if (wasNarrow !== this.camera.aspect < 1 && !this.turned) this.fit();
     this.ask();
   }
