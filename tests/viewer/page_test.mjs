@@ -20,7 +20,7 @@ morula('view limb.obj limb.morula bend -o study.html --rule exact --rule approac
 
 const browser = await launch(packages);
 const helper = await (await browser.newContext()).newPage();
-const small = { width: 930, height: 480 };
+const small = { width: 930, height: 360 };
 
 /** Pixels of the picture, without what lies over it. */
 async function picture(page) {
@@ -58,10 +58,23 @@ async function opened(name, options, test) {
   equal(complaints.join('\n'), '', 'complaints of the browser');
   await close();
 }
+/** One page for all claims that leave it as they found it; opening one takes longest. */
+const shared = await open(browser, at('limb.html'), small);
+async function onShared(test) {
+  const { page, complaints } = shared;
+  await page.selectOption('#choose-rule', 'exact');
+  await page.click('#colouring [data-value=level]');
+  await page.keyboard.press('Escape');
+  await slide(page, 'frame', 0);
+  await slide(page, 'level', 3);
+  await page.evaluate(() => document.activeElement?.blur());
+  await test(page);
+  equal(complaints.join('\n'), '', 'complaints of the browser');
+}
 const words = (page, selector) => page.locator(selector).innerText();
 
 await claim('sliders_change_what_is_drawn_and_back_again_draws_the_same', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     const leaves = await words(page, '#figures tbody tr:last-child td:nth-child(2)');
     equal(await words(page, '#level-name'), `3 · ${leaves} spheres`, 'level');
     const first = await picture(page);
@@ -76,7 +89,7 @@ await claim('sliders_change_what_is_drawn_and_back_again_draws_the_same', () =>
   }));
 
 await claim('every_colouring_draws_something_else', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     await slide(page, 'frame', 6);
     const seen = [];
     for (const colour of ['level', 'branch', 'empty', 'growth']) {
@@ -88,7 +101,7 @@ await claim('every_colouring_draws_something_else', () =>
   }));
 
 await claim('bare_surface_is_red_and_only_bare_surface', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     await slide(page, 'frame', 6);
     const covered = await picture(page);
     equal((await compare(covered, covered)).red, 0, 'red pixels of the rule exact');
@@ -100,10 +113,11 @@ await claim('bare_surface_is_red_and_only_bare_surface', () =>
     await page.uncheck('#show-bare');
     const hidden = await picture(page);
     equal((await compare(hidden, hidden)).red, 0, 'red pixels when it is turned off');
+    await page.check('#show-bare');
   }));
 
 await claim('a_picked_sphere_shows_its_numbers', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     await page.selectOption('#choose-rule', 'approach2');
     await slide(page, 'frame', 5);
     await slide(page, 'level', 2);
@@ -126,7 +140,7 @@ await claim('a_picked_sphere_shows_its_numbers', () =>
   }));
 
 await claim('the_section_plane_opens_the_body', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     const whole = await picture(page);
     await page.keyboard.press('z');
     const cut = await picture(page);
@@ -138,7 +152,7 @@ await claim('the_section_plane_opens_the_body', () =>
   }));
 
 await claim('the_keyboard_does_all', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     const frame = () => page.locator('#frame').inputValue();
     await page.keyboard.press('ArrowRight');
     await page.keyboard.press('ArrowRight');
@@ -156,8 +170,10 @@ await claim('the_keyboard_does_all', () =>
     equal(await theme(), 'light', 'theme');
     await page.keyboard.press('t');
     equal(await theme(), 'dark', 'theme');
+    await page.keyboard.press('t');
     await page.keyboard.press('s');
     check(!(await page.isChecked('#show-spheres')), 's hides the spheres');
+    await page.keyboard.press('s');
     await page.keyboard.press('?');
     check(await page.isVisible('#help'), 'the list of keys');
     await page.keyboard.press('Escape');
@@ -165,7 +181,7 @@ await claim('the_keyboard_does_all', () =>
   }));
 
 await claim('curves_lead_to_the_frame', () =>
-  opened('limb.html', {}, async (page) => {
+  onShared(async (page) => {
     await page.click('#measure [data-value=bare_area]');
     const box = await page.locator('#curves .u-over').boundingBox();
     await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
@@ -243,7 +259,7 @@ await claim('without_webgl_the_page_says_so', async () => {
 
 await claim('screenshots_are_written', async () => {
   for (const dark of [false, true]) {
-    await opened('limb.html', { width: 1440, height: 900, dark }, async (page) => {
+    await opened('limb.html', { width: 1280, height: 800, dark }, async (page) => {
       await page.selectOption('#choose-rule', dark ? 'approach2' : 'exact');
       await slide(page, 'frame', 6);
       await page.click('#colouring [data-value=branch]');
