@@ -48,8 +48,8 @@ function oklch(lightness, chroma, hue) {
   });
 }
 
-/** The k-th of many kinds: the golden angle keeps neighbours apart. Red is left to bare surface. */
+/** The k-th of many kinds: the golden angle keeps neighbours apart, and so does their lightness. Red is left to bare surface. */
 export function kindColour(k) {
-  const hue = 60 + ((k * 137.508) % 290);
-  return oklch(0.7, 0.115, hue);
+  const hue = 62 + ((k * 191.6) % 310);
+  return oklch([0.76, 0.64, 0.7][k % 3], 0.12, hue);
 }

@@ -154,7 +154,7 @@ export class Stage {
     const angle = 0.5 * this.camera.fov * (Math.PI / 180);
     const high = 0.5 * size[vertical] + 0.3 * size[along];
     const wide = 0.5 * size[across] + 0.15 * size[along];
-    const distance = 0.5 * size[along] + Math.max(high, wide / this.camera.aspect, 0.3 * radius) * (1.16 / Math.tan(angle));
+    const distance = 0.5 * size[along] + Math.max(high, wide / this.camera.aspect, 0.3 * radius) * (1.08 / Math.tan(angle));
     this.camera.position.copy(center).addScaledVector(toward, distance);
     this.camera.near = radius * 0.01;
     this.camera.far = radius * 60;
