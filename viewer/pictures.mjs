@@ -38,7 +38,7 @@ const half = (name, { png, share, loose }, colour) => `
 await sheet.setContent(`<style>
   body { margin: 0; background: #fff; display: flex; font: 16px 'DejaVu Sans', sans-serif; color: #1b2026 }
   figure { margin: 0; width: 560px; white-space: nowrap } figure div { width: 560px; height: 330px; overflow: hidden; position: relative }
-  img { position: absolute; width: 780px; left: -108px; top: -78px } figcaption { display: flex; gap: 18px; justify-content: center; padding-top: 8px }
+  img { position: absolute; width: 690px; left: -65px; top: -46px } figcaption { display: flex; gap: 18px; justify-content: center; padding-top: 8px }
 </style>${half('approach 2', left, '#e02d2d')}${half('exact', right, '#1a7f5a')}`);
 await sheet.screenshot({ path: join(folder, 'rules.png') });
 
