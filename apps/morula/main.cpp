@@ -69,6 +69,7 @@ int run(int argc, char** argv) {
   add_deform(app, run);
   add_update(app, run);
   add_collide(app, run);
+  add_view(app, run);
   add_medial(app, run);
   add_info(app, run);
   add_sample(app, run);

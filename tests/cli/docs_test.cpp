@@ -44,8 +44,8 @@ TEST(CliPage, mentions_every_option_of_every_command) {
   std::string page;
   for (const std::string& line : page_lines()) page += line + '\n';
   const Workbench bench;
-  for (const char* command :
-       {"build", "measure", "deform", "update", "medial", "info", "sample", "convert", "demo", "study"}) {
+  for (const char* command : {"build", "measure", "deform", "update", "collide", "view", "medial", "info", "sample",
+                              "convert", "demo", "study"}) {
     EXPECT_NE(page.find("## " + std::string(command) + "\n"), std::string::npos) << command;
     std::istringstream words(bench.require(std::string(command) + " --help").out);
     for (std::string word; words >> word;) {

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A study as `morula study` writes it, with numbers made up for the tests of the page.
+const frames = Array.from({ length: 13 }, (_, frame) => frame);
+const arch = (low, high) => frames.map((frame) => low + (high - low) * Math.sin((Math.PI * frame) / 12));
+
+export const study = {
+  morula: '0.0.0',
+  title: 'Evaluation',
+  settings: { branching: 8, depth: 3, frames: 13, note: 'made-up numbers </script><b>not markup</b>' },
+  bodies: [{ name: 'limb', vertices: 1282, facets: 2560, volume: 3.2 }],
+  claims: [
+    { id: 'approach2-below-approach1', source: 'paper', claim: 'Approach 2 stays tighter than approach 1 while the body bends.', verdict: 'holds', numbers: 'Worst frame: 0.224 against 0.537 object volumes.', figures: ['fig2a'] },
+    { id: 'covers', source: 'paper', claim: 'Spheres keep containing the surface under every update.', verdict: 'fails', numbers: 'Approach 2 leaves 13.4 % of the surface bare in the worst frame.', figures: ['fig3'] },
+    { id: 'cost', source: 'paper', claim: 'The cost of an update grows with the number of links.', verdict: 'partly', numbers: 'It does for leaves; inner nodes cost the same.', figures: ['fig4', 'nowhere'] },
+    { id: 'exact', source: 'new', claim: 'The rule exact is bare nowhere, and tighter than the other rules under bending.', verdict: 'holds', numbers: '0.0824 object volumes, 0 bare.', figures: ['fig2a', 'fig3'] },
+    { id: 'later', source: 'new', claim: 'Contacts are found in time.', verdict: 'untested', numbers: '', figures: [] },
+  ],
+  figures: [
+    { id: 'fig2a', title: 'Looseness while bending', note: 'Leaves, grid tree.', x: { label: 'frame', unit: '' }, y: { label: 'looseness', unit: 'volumes' }, frame_axis: true, motion: 'bend', body: 'limb',
+      series: [
+        { name: 'approach 1', x: frames, y: arch(0.02, 0.54), role: 'method' },
+        { name: 'approach 2', x: frames, y: arch(0.02, 0.22), role: 'method' },
+        { name: 'exact', x: frames, y: arch(0.02, 0.08), role: 'method' },
+        { name: 'built anew', x: frames, y: arch(0.02, 0.05), role: 'reference' },
+      ] },
+    { id: 'fig3', title: 'Bare area while bending', x: { label: 'frame', unit: '' }, y: { label: 'bare', unit: '%' }, frame_axis: true, motion: 'bend', body: 'limb',
+      series: [
+        { name: 'approach 2', x: frames, y: arch(0, 13.4), role: 'bare' },
+        { name: 'exact', x: frames, y: frames.map((frame) => (frame === 4 ? null : 0)), role: 'method' },
+      ] },
+    { id: 'fig4', title: 'Time of an update', x: { label: 'vertices', unit: '' }, y: { label: 'time', unit: 'µs', log: true }, frame_axis: false,
+      series: [
+        { name: 'exact', x: [1000, 10000, 40000, 176000], y: [9, 80, 290, 940], role: 'method' },
+        { name: 'approach 2', x: [1000, 10000, 40000, 176000], y: [5, 40, 160, 640], role: 'method' },
+      ] },
+  ],
+  tables: [{ id: 'worst', title: 'Worst frames', note: 'Looseness in object volumes.', columns: ['rule', 'looseness', 'bare', 'frame'], rows: [['traditional', 0.43, 0.004, 6], ['approach 2', 0.224, 0.134, 6], ['exact', 0.0824, 0, null]] }],
+  pictures: [{ id: 'levels', title: 'Levels', svg: '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 80"><script>document.title = "no"</script><g fill="none" stroke="currentColor"><circle cx="50" cy="40" r="34"/><circle cx="120" cy="40" r="20" onclick="alert(1)"/><circle cx="165" cy="40" r="12"/></g></svg>' }],
+};

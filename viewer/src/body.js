@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The mesh: shaded, red where no sphere reaches, and its inside where the section plane opens it.
+import {
+  AlwaysDepth, BackSide, BufferAttribute, BufferGeometry, DataTexture, DecrementWrapStencilOp, DoubleSide, DynamicDrawUsage, FloatType,
+  FrontSide, Group, IncrementWrapStencilOp, Mesh, MeshBasicMaterial, MeshStandardMaterial, NotEqualStencilFunc, PlaneGeometry, RedFormat,
+  ReplaceStencilOp, RGBAFormat, Vector3,
+} from 'three';
+import { distanceOutsideShader, sphereGrid, textureWidth } from './bare.js';
+
+/** Smooth normals, weighted by area. */
+function normalsInto(normals, positions, facets) {
+  normals.fill(0);
+  for (let i = 0; i < facets.length; i += 3) {
+    const a = 3 * facets[i];
+    const b = 3 * facets[i + 1];
+    const c = 3 * facets[i + 2];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    for (const at of [a, b, c]) {
+      normals[at] += x;
+      normals[at + 1] += y;
+      normals[at + 2] += z;
+    }
+  }
+  for (let i = 0; i < normals.length; i += 3) {
+    const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]) || 1;
+    normals[i] /= length;
+    normals[i + 1] /= length;
+    normals[i + 2] /= length;
+  }
+}
+
+/** A row of numbers as a texture that shaders fetch from, large enough for `texels`. */
+function numbersTexture(texels, channels) {
+  const rows = Math.max(1, Math.ceil(texels / textureWidth));
+  return new DataTexture(new Float32Array(textureWidth * rows * channels), textureWidth, rows, channels === 1 ? RedFormat : RGBAFormat, FloatType);
+}
+
+export class BodyView {
+  constructor() {
+    this.group = new Group();
+    this.bareness = {
+      bareOn: { value: 0 }, bareFrom: { value: 0 }, bareColour: { value: null },
+      gridFirst: { value: numbersTexture(1, 1) }, gridItems: { value: numbersTexture(1, 4) },
+      gridLow: { value: new Vector3() }, gridEdge: { value: 1 }, gridSize: { value: [1, 1, 1] },
+    };
+    this.material = new MeshStandardMaterial({ roughness: 0.6, metalness: 0, side: FrontSide });
+    this.material.onBeforeCompile = (shader) => {
+      Object.assign(shader.uniforms, this.bareness);
+      shader.vertexShader = shader.vertexShader
+        .replace('#include <common>', '#include <common>\nvarying vec3 vPlace;')
+        .replace('#include <begin_vertex>', '#include <begin_vertex>\nvPlace = position;');
+      shader.fragmentShader = shader.fragmentShader
+        .replace('#include <common>', `#include <common>\nuniform float bareOn, bareFrom;\nuniform vec3 bareColour;\nvarying vec3 vPlace;\n${distanceOutsideShader}`)
+        .replace(
+          '#include <color_fragment>',
+          `#include <color_fragment>
+          float bareShare = 0.0;
+          if (bareOn > 0.5) {
+            float outside = distanceOutside(vPlace) - bareFrom;
+            float pixel = min(fwidth(outside), length(fwidth(vPlace))) + 1e-20;
+            bareShare = smoothstep(-0.5 * pixel, 0.5 * pixel, outside);
+          }
+          diffuseColor.rgb = mix(diffuseColor.rgb, bareColour, bareShare);`,
+        )
+        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * bareShare * bareColour;');
+    };
+    this.inside = new MeshBasicMaterial({ side: BackSide });
+    this.lines = new MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.16, color: 0x000000, depthWrite: false });
+    this.material.polygonOffset = true;
+    this.material.polygonOffsetFactor = 1;
+    this.material.polygonOffsetUnits = 1;
+    this.parts = [this.material, this.inside, this.lines].map((material) => {
+      const mesh = new Mesh(undefined, material);
+      mesh.frustumCulled = false;
+      this.group.add(mesh);
+      return mesh;
+    });
+    this.parts[2].visible = false;
+
+    // Where the plane is inside the body: back faces count up, front faces down, and what is not zero is filled.
+    const counting = (side, op) =>
+      new MeshBasicMaterial({
+        side, colorWrite: false, depthWrite: false, depthFunc: AlwaysDepth,
+        stencilWrite: true, stencilFail: op, stencilZFail: op, stencilZPass: op,
+      });
+    this.counts = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp)];
+    for (const material of this.counts) {
+      const mesh = new Mesh(undefined, material);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 0.1;
+      this.parts.push(mesh);
+      this.group.add(mesh);
+    }
+    this.cap = new Mesh(
+      new PlaneGeometry(1, 1),
+      new MeshBasicMaterial({
+        side: DoubleSide, transparent: true, depthWrite: false,
+        stencilWrite: true, stencilRef: 0, stencilFunc: NotEqualStencilFunc,
+        stencilFail: ReplaceStencilOp, stencilZFail: ReplaceStencilOp, stencilZPass: ReplaceStencilOp,
+      }),
+    );
+    this.cap.renderOrder = 6;
+    this.group.add(this.cap);
+    this.cut([]);
+  }
+
+  theme(body, bare, cut) {
+    this.material.color.copy(body);
+    this.bareness.bareColour.value = bare;
+    this.inside.color.copy(cut);
+    this.cap.material.color.copy(cut);
+    this.lines.color.copy(cut).multiplyScalar(0.2);
+  }
+
+  show(scene) {
+    this.scene = scene;
+    this.geometry?.dispose();
+    const vertices = scene.motion.frames[0].length / 3;
+    const geometry = new BufferGeometry();
+    const attribute = (name, size) => {
+      const made = new BufferAttribute(new Float32Array(size * vertices), size).setUsage(DynamicDrawUsage);
+      geometry.setAttribute(name, made);
+    };
+    attribute('position', 3);
+    attribute('normal', 3);
+    geometry.setIndex(new BufferAttribute(scene.motion.facets, 1));
+    this.geometry = geometry;
+    for (const part of this.parts) part.geometry = geometry;
+    this.material.flatShading = scene.motion.facets.length / 3 < 400;
+    this.material.needsUpdate = true;
+    this.bareness.bareFrom.value = scene.tolerance;
+  }
+
+  pose(frame) {
+    const positions = this.scene.positions(frame);
+    const { position, normal } = this.geometry.attributes;
+    position.array.set(positions);
+    position.needsUpdate = true;
+    normalsInto(normal.array, positions, this.scene.motion.facets);
+    normal.needsUpdate = true;
+  }
+
+  /** Red where the spheres of the level set leave the surface bare; on: whether to show it. */
+  compare(frame, level, on) {
+    this.bareness.bareOn.value = on ? 1 : 0;
+    if (!on) return;
+    const grid = sphereGrid(this.scene.positions(frame), this.scene.frames[frame], this.scene.levelSets[level]);
+    const fill = (uniform, values, channels) => {
+      const room = uniform.value.image.data.length;
+      if (values.length > room || values.length < room / 8) {
+        uniform.value.dispose();
+        uniform.value = numbersTexture((1.25 * values.length) / channels, channels);
+      }
+      uniform.value.image.data.set(values);
+      uniform.value.needsUpdate = true;
+    };
+    fill(this.bareness.gridFirst, grid.first, 1);
+    fill(this.bareness.gridItems, grid.items, 4);
+    this.bareness.gridLow.value.set(...grid.low);
+    this.bareness.gridEdge.value = grid.edge;
+    this.bareness.gridSize.value = grid.size;
+  }
+
+  facets(on) {
+    this.parts[2].visible = on;
+  }
+  /** box: {low, high} of the body in all frames. */
+  cut(planes, box) {
+    for (const material of [this.material, this.inside, this.lines, ...this.counts]) material.clippingPlanes = planes;
+    const on = planes.length > 0;
+    this.cap.visible = this.parts[3].visible = this.parts[4].visible = on;
+    if (!on) return;
+    const middle = new Vector3(...box.low.map((low, k) => 0.5 * (low + box.high[k])));
+    planes[0].projectPoint(middle, this.cap.position);
+    this.cap.lookAt(this.cap.position.clone().add(planes[0].normal));
+    this.cap.scale.setScalar(3 * Math.hypot(...box.low.map((low, k) => box.high[k] - low)));
+  }
+}

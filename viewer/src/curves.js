@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Curves over frames or anything else, drawn by uPlot in the colours of the page.
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { figure } from './numbers.js';
+import { styleValue } from './dom.js';
+
+const dashes = { reference: [6, 4], bare: [2, 3] };
+
+/** Log scales need something above zero; a curve of all zeros has nothing. */
+function suitsLog(series) {
+  const values = series.flatMap((s) => s.y).filter((y) => y !== null && y !== undefined);
+  const above = values.filter((y) => y > 0);
+  return above.length > 0 && above.length === values.length && Math.max(...above) / Math.min(...above) > 20;
+}
+
+/** All x of several series in one ascending list, and each series' y along it. */
+function aligned(series) {
+  const xs = [...new Set(series.flatMap((s) => s.x))].sort((a, b) => a - b);
+  const place = new Map(xs.map((x, i) => [x, i]));
+  const rows = series.map((s) => {
+    const row = new Array(xs.length).fill(null);
+    s.x.forEach((x, i) => (row[place.get(x)] = s.y[i] ?? null));
+    return row;
+  });
+  return [xs, ...rows];
+}
+
+export class Curves {
+  /**
+   * content: {series: [{name, x, y, colour, strong, role}], xLabel, yLabel, log, frames: whether x is the frame}.
+   * onframe(frame): the reader pressed or dragged there.
+   */
+  constructor(place, height, onframe) {
+    Object.assign(this, { place, height, onframe, frame: 0 });
+    new ResizeObserver(() => {
+      const width = this.place.clientWidth;
+      if (this.plot && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
+      else if (!this.plot && this.content) this.draw(this.content);
+    }).observe(place);
+  }
+
+  draw(content) {
+    this.content = content;
+    this.plot?.destroy();
+    this.plot = null;
+    const width = this.place.clientWidth;
+    if (width === 0) return;
+    const log = content.log === undefined ? false : content.log === 'auto' ? suitsLog(content.series) : content.log;
+    // Zeros have no place on a log scale: they leave a hole there.
+    const data = aligned(content.series);
+    if (log) for (let i = 1; i < data.length; ++i) data[i] = data[i].map((y) => (y > 0 ? y : null));
+    const font = '11px ' + styleValue('--sans');
+    // Of a log scale only the powers of ten.
+    const decades = (_, splits) => splits.map((v) => (Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v : null));
+    const axis = (label, more) => ({
+      stroke: styleValue('--muted'),
+      font,
+      labelFont: font,
+      label,
+      labelSize: label ? 18 : 0,
+      labelGap: 0,
+      gap: 4,
+      ticks: { show: false },
+      grid: { stroke: styleValue('--line'), width: 1 },
+      ...more,
+    });
+    const ranges = log ? {} : { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? high * 1.06 : 1] };
+    this.plot = new uPlot(
+      {
+        width,
+        height: this.height,
+        padding: [8, 8, 0, 0],
+        legend: { show: false },
+        cursor: { x: false, y: false, drag: { x: false, y: false }, points: { show: false } },
+        scales: { x: { time: false }, y: { distr: log ? 3 : 1, ...ranges } },
+        axes: [
+          axis(content.xLabel, { size: 24, space: 44, incrs: content.frames ? [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] : undefined }),
+          axis(content.yLabel, { size: 46, ...(log ? { filter: decades, grid: { stroke: styleValue('--line'), width: 1, filter: decades } } : {}), space: log ? 18 : 28, values: (_, splits) => splits.map((v) => (v === null ? '' : figure(v))) }),
+        ],
+        series: [
+          {},
+          ...content.series.map((s) => ({
+            label: s.name,
+            stroke: s.colour,
+            width: s.strong ? 2.4 : 1.3,
+            alpha: s.strong === false ? 0.65 : 1,
+            dash: dashes[s.role],
+            points: { show: s.x.length === 1, size: 6 },
+            spanGaps: false,
+          })),
+        ],
+        hooks: { draw: [(plot) => this.drawFrame(plot)] },
+      },
+      data,
+      this.place,
+    );
+    if (content.frames) this.watch(this.plot);
+  }
+
+  watch(plot) {
+    const go = (event) => {
+      const { left } = plot.over.getBoundingClientRect();
+      const xs = plot.data[0];
+      const x = Math.round(plot.posToVal(event.clientX - left, 'x'));
+      this.onframe(Math.min(Math.max(x, xs[0]), xs[xs.length - 1]));
+    };
+    plot.over.style.cursor = 'ew-resize';
+    plot.over.style.touchAction = 'pan-y';
+    plot.over.addEventListener('pointerdown', (event) => {
+      plot.over.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    plot.over.addEventListener('pointermove', (event) => event.buttons & 1 && go(event));
+  }
+
+  drawFrame(plot) {
+    if (!this.content.frames || this.hidden) return;
+    const { ctx, bbox } = plot;
+    const scale = devicePixelRatio || 1;
+    const x = Math.round(plot.valToPos(this.frame, 'x', true));
+    ctx.save();
+    ctx.strokeStyle = styleValue('--accent');
+    ctx.fillStyle = styleValue('--accent');
+    ctx.setLineDash([]);
+    ctx.lineWidth = 1.5 * scale;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    const at = plot.data[0].indexOf(this.frame);
+    this.content.series.forEach((s, i) => {
+      const y = at < 0 ? null : plot.data[i + 1][at];
+      if (y === null || y === undefined || s.strong === false) return;
+      ctx.fillStyle = s.colour;
+      ctx.beginPath();
+      ctx.arc(x, plot.valToPos(y, 'y', true), 3.6 * scale, 0, 2 * Math.PI);
+      ctx.fill();
+    });
+    ctx.restore();
+  }
+
+  moveTo(frame) {
+    this.frame = frame;
+    this.plot?.redraw(false, false);
+  }
+  retheme() {
+    if (this.content) this.draw(this.content);
+  }
+}

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Elements in few words.
+
+/** element('button', {class: 'x', onclick: f}, 'text', child, ...) */
+export function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith('on')) made.addEventListener(name.slice(2), value);
+    else made.setAttribute(name, value === true ? '' : value);
+  }
+  made.append(...children.filter((child) => child !== null && child !== undefined));
+  return made;
+}
+export const byId = (id) => document.getElementById(id);
+/** A colour or length of the style sheet, as it is now. */
+export const styleValue = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The keyboard, and the list of its keys.
+import { byId, element } from './dom.js';
+import { colourings } from './panel.js';
+
+const keys = [
+  ['Space', 'play, pause'],
+  ['← →', 'frame before, after'],
+  ['Home End', 'first, last frame'],
+  ['[ ]', 'coarser, finer level'],
+  ['c', 'next colouring'],
+  ['m s', 'mesh, spheres'],
+  ['b w', 'bare surface in red, facets'],
+  ['x y z', 'section plane across an axis'],
+  [', .', 'move the section plane'],
+  ['f u', 'fit the view, another axis up'],
+  ['t', 'light or dark'],
+  ['Esc', 'let go of the sphere'],
+  ['?', 'this list'],
+];
+
+export function bindKeys(state, actions) {
+  const help = byId('help');
+  help.querySelector('dl').replaceChildren(
+    ...keys.map(([names, text]) =>
+      element('div', {}, element('dt', {}, ...names.split(' ').map((name) => element('kbd', {}, name))), element('dd', {}, text)),
+    ),
+  );
+  const showHelp = () => (help.open ? help.close() : help.showModal());
+  byId('help-button').addEventListener('click', showHelp);
+  help.addEventListener('click', (event) => event.target === help && help.close());
+
+  const flip = (name) => () => state.set({ [name]: !state.get(name) });
+  const step = (name, by) => () => actions.step(name, by);
+  const section = (axis) => () => state.set({ sectionAxis: state.get('sectionAxis') === axis ? '' : axis });
+  const slide = (by) => () => state.set({ sectionAt: Math.min(1, Math.max(0, state.get('sectionAt') + by)) });
+  const bindings = {
+    ' ': actions.play,
+    ArrowLeft: step('frame', -1),
+    ArrowRight: step('frame', 1),
+    Home: () => state.set({ frame: 0, playing: false }),
+    End: step('frame', Infinity),
+    '[': step('level', -1),
+    ']': step('level', 1),
+    c: () => {
+      const usable = colourings.map(([value]) => value).filter(actions.hasColour);
+      state.set({ colour: usable[(usable.indexOf(state.get('colour')) + 1) % usable.length] });
+    },
+    m: flip('body'),
+    s: flip('spheres'),
+    b: flip('bare'),
+    w: flip('facets'),
+    x: section('x'),
+    y: section('y'),
+    z: section('z'),
+    ',': slide(-0.02),
+    '.': slide(0.02),
+    f: actions.fit,
+    u: actions.turnUp,
+    t: actions.theme,
+    Escape: () => state.set({ picked: -1 }),
+    '?': showHelp,
+  };
+  document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || (help.open && event.key !== '?')) return;
+    const at = event.target;
+    if (at instanceof HTMLSelectElement) return;
+    // A slider keeps its own arrows, a button its own space.
+    if (at instanceof HTMLInputElement && at.type === 'range' && /^(Arrow|Home|End)/.test(event.key)) return;
+    if (event.key === ' ' && (at instanceof HTMLButtonElement || at instanceof HTMLInputElement && at.type === 'checkbox')) return;
+    const act = bindings[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+}

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What is shown: the scenes of the page, decoded when they are first asked for, and the reader's choices.
+import { PageError, decodeMotion, decodeScene, readBytes } from './decode.js';
+
+/** A value that others listen to: set() calls every listener with the names of what changed. */
+export class State {
+  constructor(values) {
+    this.values = { ...values };
+    this.listeners = [];
+  }
+  get(name) {
+    return this.values[name];
+  }
+  listen(f) {
+    this.listeners.push(f);
+  }
+  set(values) {
+    const changed = new Set(Object.keys(values).filter((name) => this.values[name] !== values[name]));
+    if (changed.size === 0) return;
+    Object.assign(this.values, values);
+    for (const f of this.listeners) f(changed);
+  }
+}
+
+/** The motion's vertices and the spheres that follow them. Lengths are about `origin`. */
+class Scene {
+  constructor(entry, motionEntry, motion, spheres) {
+    Object.assign(this, { entry, motionEntry, motion, ...spheres });
+    this.origin = motionEntry.origin;
+    this.step = motionEntry.step;
+    this.frameCount = motionEntry.frames.length;
+    this.nodeCount = entry.child_count.length;
+    this.levelCount = entry.level_begin.length - 1;
+    this.parent = new Int32Array(this.nodeCount).fill(-1);
+    this.firstChild = new Int32Array(this.nodeCount).fill(-1);
+    for (let node = 0, next = 1; node < this.nodeCount; ++node) {
+      if (entry.child_count[node] > 0) this.firstChild[node] = next;
+      for (let k = 0; k < entry.child_count[node]; ++k) this.parent[next++] = node;
+    }
+    this.levelOf = new Uint8Array(this.nodeCount);
+    this.branchOf = new Int32Array(this.nodeCount);
+    for (let node = 1; node < this.nodeCount; ++node) {
+      this.levelOf[node] = this.levelOf[this.parent[node]] + 1;
+      this.branchOf[node] = this.levelOf[node] === 1 ? node - 1 : this.branchOf[this.parent[node]];
+    }
+    this.levelSets = Array.from({ length: this.levelCount }, (_, level) =>
+      Int32Array.from(
+        [...Array(this.nodeCount).keys()].filter(
+          (node) => this.levelOf[node] === level || (this.levelOf[node] < level && entry.child_count[node] === 0),
+        ),
+      ),
+    );
+    this.ranges = new Map();
+    this.pointsOf = { frame: -1, positions: new Float32Array(motion.frames[0].length) };
+  }
+
+  /** x, y, z of every vertex of a frame. The array is reused by the next call. */
+  positions(frame) {
+    const { positions } = this.pointsOf;
+    if (this.pointsOf.frame !== frame) {
+      const places = this.motion.frames[frame];
+      const [x, y, z] = this.step;
+      for (let i = 0; i < positions.length; i += 3) {
+        positions[i] = places[i] * x;
+        positions[i + 1] = places[i + 1] * y;
+        positions[i + 2] = places[i + 2] * z;
+      }
+      this.pointsOf.frame = frame;
+    }
+    return positions;
+  }
+  /** Half of what rounding to steps may have moved a vertex by, at most. */
+  get tolerance() {
+    return Math.hypot(...this.step);
+  }
+  growth(frame, node) {
+    const rest = this.rest[4 * node + 3];
+    return rest > 0 ? this.frames[frame][4 * node + 3] / rest : 1;
+  }
+  empty(frame, node) {
+    return this.emptyShare ? this.emptyShare[frame][node] / 65535 : null;
+  }
+  /** [least, most] over all frames of what the nodes of a level set have. */
+  range(quantity, level) {
+    const key = `${quantity} ${level}`;
+    if (!this.ranges.has(key)) {
+      let least = Infinity;
+      let most = -Infinity;
+      for (let frame = 0; frame < this.frameCount; ++frame) {
+        for (const node of this.levelSets[level]) {
+          const value = this[quantity](frame, node);
+          least = Math.min(least, value);
+          most = Math.max(most, value);
+        }
+      }
+      this.ranges.set(key, [least, most]);
+    }
+    return this.ranges.get(key);
+  }
+  /** Per frame the largest growth in a level set. */
+  largestGrowth(level) {
+    return this.motionEntry.frames.map((_, frame) =>
+      this.levelSets[level].reduce((most, node) => Math.max(most, this.growth(frame, node)), 0),
+    );
+  }
+  measured(figure, level, frame) {
+    const all = this.entry.measured;
+    return all ? all[figure][level][frame] : null;
+  }
+}
+
+export class Library {
+  constructor(manifest, text) {
+    this.manifest = manifest;
+    this.text = text;
+    this.motions = new Map();
+    this.scenes = new Map();
+  }
+  motionEntry(index) {
+    return this.manifest.motions[this.manifest.scenes[index].motion];
+  }
+  scene(index) {
+    if (!this.scenes.has(index)) {
+      const entry = this.manifest.scenes[index];
+      const motionEntry = this.manifest.motions[entry.motion];
+      if (!motionEntry) throw new PageError(`scene ${index} has no motion`);
+      if (!this.motions.has(entry.motion)) {
+        this.motions.set(entry.motion, decodeMotion(readBytes(this.text, motionEntry.data), motionEntry));
+      }
+      const spheres = decodeScene(readBytes(this.text, entry.data), entry, motionEntry.frames.length);
+      this.scenes.set(index, new Scene(entry, motionEntry, this.motions.get(entry.motion), spheres));
+    }
+    return this.scenes.get(index);
+  }
+  /** What tells scenes apart: [{key, label, values}], those with one value left out. */
+  choices() {
+    const of = (index) => this.describe(index);
+    const count = this.manifest.scenes.length;
+    return [
+      ['body', 'Body'], ['motion', 'Motion'], ['tree', 'Tree'], ['rule', 'Rule'],
+    ].map(([key, label]) => ({
+      key,
+      label,
+      values: [...new Set([...Array(count).keys()].map((index) => of(index)[key]))],
+    })).filter((choice) => choice.values.length > 1);
+  }
+  describe(index) {
+    const entry = this.manifest.scenes[index];
+    const motion = this.motionEntry(index);
+    return { body: motion.body, motion: motion.name, tree: entry.tree, rule: entry.rule };
+  }
+  /** The scene with the wanted values that is otherwise most like the given one; -1 when no scene has them. */
+  nearest(wanted, index) {
+    const now = this.describe(index);
+    let best = -1;
+    let likeness = -1;
+    for (let other = 0; other < this.manifest.scenes.length; ++other) {
+      const its = this.describe(other);
+      if (Object.keys(wanted).some((key) => its[key] !== wanted[key])) continue;
+      const alike = Object.keys(now).filter((key) => its[key] === now[key]).length;
+      if (alike > likeness) [best, likeness] = [other, alike];
+    }
+    return best;
+  }
+}

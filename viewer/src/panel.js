@@ -1,0 +1,231 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The controls beside the picture: what is shown, how, and the figures of the frame.
+import { Curves } from './curves.js';
+import { byId, element } from './dom.js';
+import { levelColours, mapGradient } from './colours.js';
+import { counted, figure, percent } from './numbers.js';
+
+export const colourings = [
+  ['level', 'Level', 'Every sphere in the colour of its level'],
+  ['branch', 'Branch', 'Spheres below the same child of the root share a colour'],
+  ['empty', 'Looseness', 'The share of a sphere that is outside the body'],
+  ['growth', 'Growth', 'Radius over radius at rest'],
+];
+const measures = [
+  ['looseness', 'Looseness'],
+  ['bare_area', 'Bare area'],
+  ['gap', 'Gap'],
+  ['growth', 'Growth'],
+];
+
+/** Buttons of which one is pressed. */
+export function segments(place, options, state, name) {
+  const buttons = options.map(([value, label, title]) =>
+    element('button', { type: 'button', title, 'data-value': value, onclick: () => state.set({ [name]: value }) }, label),
+  );
+  place.replaceChildren(...buttons);
+  place.classList.add('segments');
+  place.setAttribute('role', 'group');
+  const press = () => buttons.forEach((b) => b.setAttribute('aria-pressed', String(b.dataset.value === state.get(name))));
+  state.listen((changed) => changed.has(name) && press());
+  press();
+  return buttons;
+}
+
+export class Panel {
+  constructor(library, state) {
+    Object.assign(this, { library, state });
+    this.curves = new Curves(byId('curves'), 168, (frame) => state.set({ frame, playing: false }));
+    this.makeChoices();
+    this.colourButtons = segments(byId('colouring'), colourings, state, 'colour');
+    this.measureButtons = segments(byId('measure'), measures, state, 'measure');
+    segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
+    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-bare', 'bare'], ['show-facets', 'facets'], ['section-flip', 'sectionFlip']]) {
+      this.bindBox(byId(id), name);
+    }
+    for (const [id, name] of [['level', 'level'], ['frame', 'frame'], ['opacity', 'opacity'], ['section-at', 'sectionAt']]) {
+      this.bindRange(byId(id), name);
+    }
+    byId('play').addEventListener('click', () => state.set({ playing: !state.get('playing') }));
+  }
+
+  bindBox(box, name) {
+    box.checked = this.state.get(name);
+    box.addEventListener('change', () => this.state.set({ [name]: box.checked }));
+    this.state.listen((changed) => changed.has(name) && (box.checked = this.state.get(name)));
+  }
+  bindRange(range, name) {
+    const paint = () => {
+      const share = (range.value - range.min) / (range.max - range.min || 1);
+      range.style.setProperty('--share', String(share));
+    };
+    range.addEventListener('input', () => {
+      this.state.set(name === 'frame' ? { frame: range.valueAsNumber, playing: false } : { [name]: range.valueAsNumber });
+    });
+    const take = () => {
+      range.value = String(this.state.get(name));
+      paint();
+    };
+    this.state.listen((changed) => (changed.has(name) || changed.has('scene')) && take());
+    range.take = take;
+  }
+
+  makeChoices() {
+    const place = byId('choices');
+    this.choices = this.library.choices();
+    place.hidden = this.choices.length === 0;
+    place.replaceChildren(
+      ...this.choices.map(({ key, label, values }) => {
+        const select = element('select', { id: `choose-${key}` }, ...values.map((value) => element('option', { value }, value)));
+        select.addEventListener('change', () => {
+          const scene = this.library.nearest({ [key]: select.value }, this.state.get('scene'));
+          if (scene >= 0) this.state.set({ scene });
+        });
+        return element('label', { class: 'choice' }, element('span', {}, label), select);
+      }),
+    );
+  }
+
+  /** Another scene: other ranges, other choices. */
+  show(scene) {
+    this.scene = scene;
+    const its = this.library.describe(this.state.get('scene'));
+    for (const { key } of this.choices) byId(`choose-${key}`).value = its[key];
+    byId('level').max = String(scene.levelCount - 1);
+    byId('frame').max = String(scene.frameCount - 1);
+    for (const id of ['level', 'frame', 'opacity', 'section-at']) byId(id).take();
+    byId('level-ticks').replaceChildren(
+      ...scene.levelSets.map((nodes, level) =>
+        element('button', { type: 'button', title: counted(nodes.length, 'sphere'), onclick: () => this.state.set({ level }) }, String(level)),
+      ),
+    );
+    document.body.dataset.moves = String(scene.frameCount > 1);
+    for (const button of this.colourButtons) {
+      if (button.dataset.value === 'empty') button.disabled = scene.emptyShare === null;
+    }
+    for (const button of this.measureButtons) {
+      button.disabled = button.dataset.value !== 'growth' && this.series(button.dataset.value).every((s) => s.y.every((y) => y === null));
+    }
+    this.drawCurves();
+    this.drawFigures();
+    this.drawLegend();
+  }
+
+  series(measure) {
+    const { scene } = this;
+    const x = scene.motionEntry.frames.map((_, frame) => frame);
+    return scene.levelSets.map((_, level) => ({
+      name: `level ${level}`,
+      x,
+      y: measure === 'growth' ? scene.largestGrowth(level) : x.map((frame) => scene.measured(measure, level, frame)),
+      colour: levelColours[level % levelColours.length],
+      strong: level === this.state.get('level'),
+    }));
+  }
+
+  drawCurves() {
+    const measure = this.state.get('measure');
+    const shares = measure === 'bare_area';
+    const series = this.series(measure).map((s) => (shares ? { ...s, y: s.y.map((y) => (y === null ? null : 100 * y)) } : s));
+    // The chosen level last, so that it lies on top.
+    series.sort((a, b) => Number(a.strong) - Number(b.strong));
+    byId('curves-note').textContent = {
+      looseness: 'Volume in the spheres and outside the body, in body volumes',
+      bare_area: 'Share of the surface outside all spheres, in per cent',
+      gap: 'Largest distance of a surface point from the spheres, mesh units',
+      growth: 'Largest radius over radius at rest',
+    }[measure];
+    this.curves.frame = this.state.get('frame');
+    this.curves.draw({ series, frames: true, log: measure === 'looseness' ? 'auto' : false });
+  }
+
+  drawFigures() {
+    const { scene, state } = this;
+    const frame = state.get('frame');
+    const measured = scene.entry.measured !== null;
+    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Bare area', 'Gap'] : ['Largest growth'])];
+    const rows = scene.levelSets.map((nodes, level) => {
+      const cells = measured
+        ? [
+            element('td', {}, figure(scene.measured('looseness', level, frame))),
+            element('td', { class: scene.measured('bare_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('bare_area', level, frame))),
+            element('td', {}, figure(scene.measured('gap', level, frame))),
+          ]
+        : [element('td', {}, figure(nodes.reduce((most, node) => Math.max(most, scene.growth(frame, node)), 0)))];
+      const dot = element('i', { class: 'dot', style: `background:${levelColours[level % levelColours.length]}` });
+      return element(
+        'tr',
+        { class: level === state.get('level') ? 'chosen' : null, onclick: () => state.set({ level }) },
+        element('th', { scope: 'row' }, dot, String(level)),
+        element('td', {}, nodes.length.toLocaleString('en')),
+        ...cells,
+      );
+    });
+    byId('figures').replaceChildren(
+      element('thead', {}, element('tr', {}, ...head.map((text) => element('th', { scope: 'col' }, text)))),
+      element('tbody', {}, ...rows),
+    );
+  }
+
+  drawLegend() {
+    const { scene, state } = this;
+    const level = state.get('level');
+    const colour = state.get('colour');
+    const legend = byId('legend');
+    const parts = [];
+    if (state.get('spheres')) {
+      if (colour === 'growth' || colour === 'empty') {
+        const [low, high] = scene.range(colour, level);
+        parts.push(
+          element('div', { class: 'scale' },
+            element('span', { class: 'scale-name' }, colour === 'growth' ? 'radius / radius at rest' : 'share of the sphere outside the body'),
+            element('span', { class: 'scale-bar', style: `background:${mapGradient()}` }),
+            element('span', { class: 'scale-ends' }, element('span', {}, figure(low)), element('span', {}, figure(high)))),
+        );
+      } else {
+        const levels = [...new Set([...scene.levelSets[level]].map((node) => scene.levelOf[node]))].sort();
+        const text = (l) => (l === level ? `level ${l}` : `level ${l}, leaves`);
+        parts.push(
+          element('div', { class: 'kinds' },
+            ...(colour === 'level'
+              ? levels.map((l) => element('span', { class: 'kind' }, element('i', { class: 'dot', style: `background:${levelColours[l % levelColours.length]}` }), text(l)))
+              : [element('span', { class: 'kind' }, 'one colour for every child of the root')])),
+        );
+      }
+    }
+    if (state.get('bare') && state.get('body')) {
+      const share = scene.measured('bare_area', level, state.get('frame'));
+      const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
+      parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
+    }
+    legend.replaceChildren(...parts);
+    legend.hidden = parts.length === 0;
+  }
+
+  /** After the scene of the state is the one that is shown. */
+  follow(changed) {
+    const { state, scene } = this;
+    if (!scene) return;
+    const has = (...names) => names.some((name) => changed.has(name));
+    if (has('scene', 'frame')) {
+      const frame = state.get('frame');
+      byId('frame-name').textContent = `${frame} / ${scene.frameCount - 1}`;
+      byId('frame-name').title = scene.motionEntry.frames[frame];
+    }
+    if (has('scene', 'level')) {
+      const level = state.get('level');
+      byId('level-name').textContent = `${level} · ${counted(scene.levelSets[level].length, 'sphere')}`;
+      [...byId('level-ticks').children].forEach((tick, l) => tick.setAttribute('aria-pressed', String(l === level)));
+    }
+    if (has('level', 'measure')) this.drawCurves();
+    else if (has('frame')) this.curves.moveTo(state.get('frame'));
+    if (has('scene', 'level', 'frame')) this.drawFigures();
+    if (has('scene', 'level', 'frame', 'colour', 'spheres', 'bare', 'body')) this.drawLegend();
+    if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
+    if (has('playing')) {
+      byId('play').setAttribute('aria-label', state.get('playing') ? 'Pause' : 'Play');
+      byId('play').dataset.playing = String(state.get('playing'));
+    }
+  }
+}

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A study: its claims with their verdicts, then figures, tables and pictures; curves over frames follow the body's.
+import { Curves } from './curves.js';
+import { byId, element } from './dom.js';
+import { css, kindColour } from './colours.js';
+import { counted, figure } from './numbers.js';
+
+const verdicts = { holds: 'holds', partly: 'in part', fails: 'fails', untested: 'not tested' };
+const tallies = { holds: ['holds', 'hold'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
+const list = (value) => (Array.isArray(value) ? value : []);
+const labelled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
+
+/** Drawings come as text; only what draws is taken over. */
+function drawing(svg) {
+  const root = new DOMParser().parseFromString(svg, 'image/svg+xml').documentElement;
+  if (root.nodeName !== 'svg') return element('p', { class: 'muted' }, 'this picture cannot be read');
+  for (const bad of root.querySelectorAll('script, foreignObject')) bad.remove();
+  for (const part of [root, ...root.querySelectorAll('*')]) {
+    for (const { name } of [...part.attributes]) if (/^on/i.test(name) || /href$/i.test(name)) part.removeAttribute(name);
+  }
+  return document.importNode(root, true);
+}
+
+export class Report {
+  constructor(study, library, state) {
+    Object.assign(this, { study, library, state, curves: [] });
+    const place = byId('report');
+    place.hidden = false;
+    place.replaceChildren(
+      ...this.claims(), ...this.figures(), ...this.tables(), ...this.pictures(), this.settings());
+    state.listen((changed) => {
+      if (!changed.has('frame') && !changed.has('scene')) return;
+      for (const { curves, spec } of this.curves) {
+        if (!spec.frame_axis) continue;
+        curves.hidden = !this.matches(spec);
+        curves.moveTo(state.get('frame'));
+      }
+    });
+  }
+
+  /** Whether the body shown is in the motion that the figure is about. */
+  matches(spec) {
+    const its = this.library.describe(this.state.get('scene'));
+    return (!spec.motion || its.motion.includes(spec.motion)) && (!spec.body || its.body === spec.body);
+  }
+  /** Shows frame `frame` of the body and motion that a figure is about. */
+  go(spec, frame) {
+    let scene = this.state.get('scene');
+    if (!this.matches(spec)) {
+      const all = this.library.manifest.scenes.map((_, index) => index);
+      const rule = this.library.describe(scene).rule;
+      const fits = (index) => {
+        const its = this.library.describe(index);
+        return (!spec.motion || its.motion.includes(spec.motion)) && (!spec.body || its.body === spec.body);
+      };
+      scene = all.find((index) => fits(index) && this.library.describe(index).rule === rule) ?? all.find(fits) ?? scene;
+    }
+    const frames = this.library.motionEntry(scene).frames.length;
+    this.state.set({ scene, frame: Math.min(frame, frames - 1), playing: false });
+  }
+
+  section(id, title, note, ...children) {
+    return element('section', { id }, element('h2', {}, title), note ? element('p', { class: 'muted' }, note) : null, ...children);
+  }
+
+  claims() {
+    const claims = list(this.study.claims);
+    if (claims.length === 0) return [];
+    const count = Object.keys(verdicts)
+      .map((verdict) => [verdict, claims.filter((claim) => claim.verdict === verdict).length])
+      .filter(([, n]) => n > 0);
+    const figures = new Map(list(this.study.figures).map((spec) => [spec.id, spec.title]));
+    const card = (claim) =>
+      element('article', { class: 'claim', 'data-verdict': claim.verdict, id: `claim-${claim.id}` },
+        element('span', { class: 'verdict' }, verdicts[claim.verdict] ?? claim.verdict),
+        element('div', {},
+          element('h3', {}, claim.claim),
+          claim.numbers ? element('p', {}, claim.numbers) : null,
+          element('p', { class: 'links' },
+            ...list(claim.figures).filter((id) => figures.has(id)).map((id) => element('a', { href: `#figure-${id}` }, figures.get(id))))));
+    const groups = [['paper', 'Claims of the paper'], ['new', 'Claims of Morula']];
+    return [
+      this.section('claims', 'Claims', null,
+        element('p', { class: 'tally' }, ...count.map(([verdict, n]) => element('span', { 'data-verdict': verdict }, element('b', {}, String(n)), ` ${tallies[verdict][n === 1 ? 0 : 1]}`))),
+        ...groups.flatMap(([source, title]) => {
+          const its = claims.filter((claim) => (claim.source ?? 'new') === source);
+          return its.length === 0 ? [] : [element('h4', {}, title), ...its.map(card)];
+        })),
+    ];
+  }
+
+  figures() {
+    const specs = list(this.study.figures);
+    if (specs.length === 0) return [];
+    const cards = specs.map((spec) => {
+      const place = element('div', { class: 'plot' });
+      const colours = list(spec.series).map((s, k) => (s.role === 'reference' ? 'var(--muted)' : css(kindColour(k))));
+      const legend = element('p', { class: 'kinds' },
+        ...list(spec.series).map((s, k) => element('span', { class: 'kind' }, element('i', { class: 'line', style: `background:${colours[k]}` }), s.name)));
+      const card = element('article', { class: 'figure', id: `figure-${spec.id}` },
+        element('h3', {}, spec.title), legend, place,
+        spec.note ? element('p', { class: 'muted' }, spec.note) : null,
+        spec.frame_axis ? element('p', { class: 'muted hint' }, 'Press or drag in the curves to pose the body.') : null);
+      const curves = new Curves(place, 230, (frame) => this.go(spec, frame));
+      const content = () => ({
+        series: list(spec.series).map((s, k) => ({
+          name: s.name, x: list(s.x), y: list(s.y), role: s.role,
+          colour: s.role === 'reference' ? getComputedStyle(document.documentElement).getPropertyValue('--muted').trim() : colours[k],
+        })),
+        xLabel: labelled(spec.x), yLabel: labelled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis),
+      });
+      this.curves.push({ curves, spec, content });
+      curves.content = content(); // drawn as soon as it has a width
+      return card;
+    });
+    return [this.section('study-figures', 'Figures', null, element('div', { class: 'cards' }, ...cards))];
+  }
+
+  tables() {
+    return list(this.study.tables).map((table) => {
+      const numeric = list(table.columns).map((_, k) => list(table.rows).every((row) => typeof row[k] !== 'string'));
+      const cell = (value, k) => element('td', { class: numeric[k] ? 'number' : null }, typeof value === 'number' ? figure(value) : (value ?? '–'));
+      return this.section(`table-${table.id}`, table.title, table.note,
+        element('div', { class: 'wide' },
+          element('table', { class: 'figures' },
+            element('thead', {}, element('tr', {}, ...list(table.columns).map((name, k) => element('th', { scope: 'col', class: numeric[k] ? 'number' : null }, name)))),
+            element('tbody', {}, ...list(table.rows).map((row) => element('tr', {}, ...row.map(cell)))))));
+    });
+  }
+
+  pictures() {
+    const pictures = list(this.study.pictures);
+    if (pictures.length === 0) return [];
+    return [
+      this.section('pictures', 'Pictures', null,
+        element('div', { class: 'cards' },
+          ...pictures.map((picture) => element('article', { class: 'figure', id: `picture-${picture.id}` }, element('h3', {}, picture.title), element('div', { class: 'drawing' }, drawing(picture.svg)))))),
+    ];
+  }
+
+  settings() {
+    const bodies = list(this.study.bodies).map((body) =>
+      element('li', {}, `${body.name}: ${counted(body.vertices, 'vertex', 'vertices')}, ${counted(body.facets, 'facet')}, volume ${figure(body.volume)}`));
+    return this.section('settings', 'Settings', null,
+      bodies.length ? element('ul', {}, ...bodies) : null,
+      element('pre', {}, JSON.stringify(this.study.settings ?? {}, null, 2)));
+  }
+
+  retheme() {
+    for (const { curves, content } of this.curves) curves.draw(content());
+  }
+}

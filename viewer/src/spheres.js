@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The spheres of a level set: one small ball drawn many times. Translucent, they show the skin of their union only.
+import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from 'three';
+import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+
+/** Fineness of the drawn balls: edges along a side of the icosahedron's facets, less one. */
+const details = [1, 2, 3, 4, 6, 9, 14, 20];
+const mostFacets = 1.2e6;
+
+/** A ball whose facets touch the sphere of radius 1 at their middles; normalised, its vertices are its normals. */
+function ball(detail) {
+  const geometry = new IcosahedronGeometry(1, detail);
+  geometry.deleteAttribute('normal');
+  geometry.deleteAttribute('uv');
+  const angle = (1.107 / (detail + 1)) * 0.58; // from the middle of a facet to its corners
+  geometry.scale(1 / Math.cos(angle), 1 / Math.cos(angle), 1 / Math.cos(angle));
+  return mergeVertices(geometry, 1e-6);
+}
+
+const vertexShader = `
+#include <clipping_planes_pars_vertex>
+attribute vec4 ball;
+attribute vec3 tint;
+varying vec3 vNormal, vToEye, vTint;
+void main() {
+  vec4 mvPosition = modelViewMatrix * vec4(ball.xyz + ball.w * position, 1.0);
+  vNormal = normalMatrix * position; // normalised per pixel
+  vToEye = -mvPosition.xyz;
+  vTint = tint;
+  gl_Position = projectionMatrix * mvPosition;
+  #include <clipping_planes_vertex>
+}`;
+
+const fragmentShader = `
+#include <clipping_planes_pars_fragment>
+uniform float opacity, glass;
+uniform vec3 rim;
+varying vec3 vNormal, vToEye, vTint;
+void main() {
+  #include <clipping_planes_fragment>
+  vec3 n = normalize(vNormal);
+  float facing = abs(dot(n, normalize(vToEye)));
+  float edge = pow(1.0 - facing, 2.6);
+  float light = 0.80 + 0.26 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
+  float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), normalize(vToEye))), 28.0);
+  vec3 colour = vTint * light + 0.14 * gloss;
+  colour = mix(colour, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
+  float alpha = mix(opacity, min(1.0, opacity + 0.55), edge);
+  if (glass > 0.5) alpha = clamp(0.10 + 1.25 * edge, 0.0, 1.0);
+  gl_FragColor = vec4(colour, alpha);
+}`;
+
+// Discs in which the section plane cuts the spheres: dark ones, then slightly smaller ones in colour over all of them, so
+// that of the circles only the outline of the union stays.
+const discVertex = `
+attribute vec4 ball;
+attribute vec3 tint;
+uniform vec3 planeNormal;
+uniform float planeConstant;
+varying vec2 vAt;
+varying vec3 vTint;
+void main() {
+  float height = dot(planeNormal, ball.xyz) + planeConstant;
+  float radius = sqrt(max(0.0, ball.w * ball.w - height * height));
+  vec3 u = normalize(abs(planeNormal.x) > 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0));
+  vec3 v = cross(planeNormal, u);
+  vec2 at = 2.2 * position.xy;
+  vec3 where = ball.xyz - height * planeNormal + radius * (at.x * u + at.y * v);
+  vAt = at;
+  vTint = tint;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(where, 1.0);
+}`;
+const discFragment = `
+uniform vec3 paper;
+uniform float inner;
+varying vec2 vAt;
+varying vec3 vTint;
+void main() {
+  float d = length(vAt);
+  float width = fwidth(d);
+  if (d > 1.0 - inner * 1.7 * width) discard;
+  gl_FragColor = vec4(inner > 0.5 ? mix(paper, vTint, 0.42) : mix(vTint, vec3(0.0), 0.25), 1.0);
+}`;
+
+export class SpheresView {
+  constructor(plane) {
+    this.plane = plane;
+    this.group = new Group();
+    const material = (options, glass = 0) =>
+      new ShaderMaterial({
+        vertexShader,
+        fragmentShader,
+        clipping: true,
+        side: FrontSide,
+        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, rim: { value: null } },
+        ...options,
+      });
+    // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it.
+    this.depth = material({ colorWrite: false, depthWrite: true });
+    this.skin = material({ transparent: true, depthWrite: false });
+    this.glass = material({ transparent: true, depthWrite: false, depthTest: false }, 1);
+    this.disc = [0, 1].map(
+      (inner) =>
+        new ShaderMaterial({
+          vertexShader: discVertex,
+          fragmentShader: discFragment,
+          side: DoubleSide,
+          depthWrite: false,
+          uniforms: { planeNormal: { value: plane.normal }, planeConstant: { value: 0 }, paper: { value: null }, inner: { value: inner } },
+        }),
+    );
+    const part = (of, order) => {
+      const mesh = new Mesh(undefined, of);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = order;
+      this.group.add(mesh);
+      return mesh;
+    };
+    this.meshes = [part(this.depth, 1), part(this.skin, 2)];
+    // Among the transparent ones, which are drawn last and in this order.
+    this.discs = this.disc.map((of, inner) => part(Object.assign(of, { transparent: true }), 3 + inner));
+    this.picked = part(this.glass, 8);
+    for (const hidden of [...this.discs, this.picked]) hidden.visible = false;
+    this.on = true;
+    this.nodes = new Int32Array(0);
+    this.room = 0;
+    this.pixels = 100;
+  }
+
+  theme(accent, rim, paper) {
+    this.accent = accent;
+    for (const material of [this.skin, this.glass, this.depth]) material.uniforms.rim.value = rim;
+    for (const disc of this.disc) disc.uniforms.paper.value = paper;
+    this.mark();
+  }
+
+  show(scene) {
+    this.scene = scene;
+    this.pickedNode = -1;
+  }
+
+  /**
+   * Balls just fine enough for the screen: typical ones are round to a third of a pixel.
+   * pixels: that one unit of length takes on the screen, at the middle of the picture.
+   */
+  refine(pixels) {
+    this.pixels = pixels;
+    if (!this.frame && this.frame !== 0) return false;
+    const radii = Array.from(this.nodes, (node) => this.scene.frames[this.frame][4 * node + 3]).sort((a, b) => a - b);
+    const typical = radii[Math.floor(0.9 * (radii.length - 1))] * pixels;
+    const edges = Math.PI * Math.sqrt(typical / 0.7); // around the equator, five times those of a facet's side
+    const count = this.nodes.length;
+    const fits = details.filter((d) => count * 20 * (d + 1) ** 2 <= mostFacets);
+    const detail = fits.find((d) => 5 * (d + 1) >= edges) ?? fits[fits.length - 1] ?? details[0];
+    if (detail === this.detail && count <= this.room) return false;
+    this.reserve(count, detail);
+    return true;
+  }
+
+  reserve(count, detail) {
+    this.detail = detail;
+    this.room = Math.max(count, 64);
+    const instanced = (base) => {
+      const made = new InstancedBufferGeometry();
+      made.setIndex(base.index);
+      made.setAttribute('position', base.attributes.position);
+      return made;
+    };
+    this.geometry?.dispose();
+    this.discGeometry?.dispose();
+    this.geometry = instanced(ball(detail));
+    this.discGeometry = instanced(new PlaneGeometry(1, 1));
+    this.ball = new InstancedBufferAttribute(new Float32Array(4 * this.room), 4).setUsage(DynamicDrawUsage);
+    this.tint = new InstancedBufferAttribute(new Float32Array(3 * this.room), 3).setUsage(DynamicDrawUsage);
+    for (const geometry of [this.geometry, this.discGeometry]) {
+      geometry.setAttribute('ball', this.ball);
+      geometry.setAttribute('tint', this.tint);
+    }
+    for (const mesh of this.meshes) mesh.geometry = this.geometry;
+    for (const mesh of this.discs) mesh.geometry = this.discGeometry;
+  }
+
+  /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
+  pose(frame, level, colour) {
+    Object.assign(this, { frame, colour, nodes: this.scene.levelSets[level] });
+    this.refine(this.pixels);
+    this.fill();
+    this.mark();
+  }
+
+  /** The spheres of now into the balls of now. */
+  fill() {
+    const { frame, colour } = this;
+    const spheres = this.scene.frames[frame];
+    this.nodes.forEach((node, i) => {
+      this.ball.array.set(spheres.subarray(4 * node, 4 * node + 4), 4 * i);
+      this.tint.array.set(colour(node), 3 * i);
+    });
+    this.ball.needsUpdate = this.tint.needsUpdate = true;
+    this.geometry.instanceCount = this.discGeometry.instanceCount = this.nodes.length;
+  }
+
+  /** Finer or coarser balls for another distance, when they need it. */
+  zoom(pixels) {
+    if (this.refine(pixels)) this.fill();
+  }
+
+  /** Outlines one node's sphere; -1: none. */
+  mark(node = this.pickedNode) {
+    this.pickedNode = node;
+    this.picked.visible = node >= 0;
+    if (!(node >= 0) || this.frame === undefined) return;
+    const geometry = new InstancedBufferGeometry();
+    const base = ball(20);
+    geometry.setIndex(base.index);
+    geometry.setAttribute('position', base.attributes.position);
+    const sphere = this.scene.frames[this.frame].slice(4 * node, 4 * node + 4);
+    geometry.setAttribute('ball', new InstancedBufferAttribute(sphere, 4));
+    geometry.setAttribute('tint', new InstancedBufferAttribute(new Float32Array(this.accent.toArray()), 3));
+    geometry.instanceCount = 1;
+    this.picked.geometry?.dispose();
+    this.picked.geometry = geometry;
+  }
+
+  look(on, opacity) {
+    this.on = on;
+    const solid = opacity >= 0.995;
+    this.skin.uniforms.opacity.value = opacity;
+    this.skin.transparent = !solid;
+    this.meshes[0].visible = on;
+    this.meshes[1].visible = on;
+    for (const mesh of this.discs) mesh.visible = on && this.cutting;
+  }
+
+  cut(planes) {
+    this.cutting = planes.length > 0;
+    for (const material of [this.depth, this.skin, this.glass]) material.clippingPlanes = planes;
+    for (const disc of this.disc) disc.uniforms.planeConstant.value = this.plane.constant;
+    for (const mesh of this.discs) mesh.visible = this.on && this.cutting;
+  }
+
+  /** The node whose sphere the ray meets first, in front of the section plane; -1 for none. */
+  hit(ray, planes) {
+    if (!this.on) return -1;
+    const { origin: o, direction: d } = ray;
+    const spheres = this.scene.frames[this.frame];
+    let nearest = Infinity;
+    let found = -1;
+    const point = new Vector3();
+    for (const node of this.nodes) {
+      const x = spheres[4 * node] - o.x;
+      const y = spheres[4 * node + 1] - o.y;
+      const z = spheres[4 * node + 2] - o.z;
+      const along = x * d.x + y * d.y + z * d.z;
+      const apart = x * x + y * y + z * z - along * along;
+      const inside = spheres[4 * node + 3] ** 2 - apart;
+      if (inside < 0) continue;
+      for (const t of [along - Math.sqrt(inside), along + Math.sqrt(inside)]) {
+        if (t <= 0 || t >= nearest) continue;
+        point.copy(o).addScaledVector(d, t);
+        if (planes.some((plane) => plane.distanceToPoint(point) < 0)) continue;
+        [nearest, found] = [t, node];
+        break;
+      }
+    }
+    return found;
+  }
+}

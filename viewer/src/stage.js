@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The three-dimensional picture: camera, light, section plane, and what stands in it. It draws only when asked to.
+import { Color, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { PageError } from './decode.js';
+import { BodyView } from './body.js';
+import { SpheresView } from './spheres.js';
+import { styleValue } from './dom.js';
+
+const axes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
+
+export class Stage {
+  constructor(place) {
+    this.place = place;
+    try {
+      this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' });
+    } catch {
+      throw new PageError('this browser gives no WebGL, which the picture needs: turn on hardware acceleration or try another browser');
+    }
+    this.renderer.setClearColor(0, 0);
+    this.renderer.localClippingEnabled = true;
+    const canvas = this.renderer.domElement;
+    canvas.tabIndex = 0;
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'The body and its spheres. Drag to turn, scroll or pinch to come closer, press a sphere for its numbers.');
+    place.prepend(canvas);
+
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(32, 1, 0.01, 100);
+    this.scene.add(this.camera);
+    this.lights = new Group();
+    const key = new DirectionalLight(0xfff8f0, 1.75);
+    key.position.set(-0.7, 1.1, 1.2);
+    const fill = new DirectionalLight(0xe6eeff, 0.7);
+    fill.position.set(1.4, -0.3, 0.8);
+    const rim = new DirectionalLight(0xffffff, 0.9);
+    rim.position.set(0.5, 0.9, -1.6);
+    this.lights.add(key, fill, rim, key.target, fill.target, rim.target);
+    this.camera.add(this.lights);
+    this.sky = new HemisphereLight(0xffffff, 0xcfc9c2, 1.35);
+    this.scene.add(this.sky);
+
+    this.plane = new Plane(new Vector3(-1, 0, 0), 0);
+    this.planes = [];
+    this.body = new BodyView();
+    this.spheres = new SpheresView(this.plane);
+    this.scene.add(this.body.group, this.spheres.group);
+
+    this.steer();
+    this.watchPresses(canvas);
+    new ResizeObserver(() => this.resize()).observe(place);
+    canvas.addEventListener('webglcontextrestored', () => this.ask());
+    this.onpick = () => {};
+    this.box = { low: [0, 0, 0], high: [1, 1, 1] };
+    this.resize();
+  }
+
+  /** Controls take their idea of up from the camera, once: another up, other controls. */
+  steer() {
+    this.controls?.dispose();
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.addEventListener('change', () => {
+      this.zoom();
+      this.ask();
+    });
+  }
+
+  /** Tells the spheres how large they are on the screen. */
+  zoom() {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const height = this.place.clientHeight * this.renderer.getPixelRatio();
+    const pixels = height / (2 * Math.tan(0.5 * this.camera.fov * (Math.PI / 180)) * distance);
+    if (pixels > 0 && Number.isFinite(pixels)) this.spheres.zoom(pixels);
+  }
+
+  /** Draws in the next frame of the screen, once, however often asked. */
+  ask() {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      // Seen from the side that is cut away, nothing is in front of the plane; what is cut along it has depths too
+      // uncertain to compare with.
+      const open = this.plane.distanceToPoint(this.camera.position) < 0;
+      for (const material of [this.body.cap.material, ...this.spheres.disc]) material.depthTest = !open;
+      this.renderer.render(this.scene, this.camera);
+      this.place.dataset.drawn = String(1 + Number(this.place.dataset.drawn ?? 0));
+    });
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (width === 0 || height === 0) return;
+    const wasNarrow = this.camera.aspect < 1;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.zoom();
+    if (wasNarrow !== this.camera.aspect < 1 && !this.turned) this.fit();
+    this.ask();
+  }
+
+  theme() {
+    this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
+    // The spheres' shaders write colours as the screen has them.
+    const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
+    this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));
+    this.ask();
+  }
+
+  /** A new mesh: its box over all frames decides where the camera stands. */
+  show(scene) {
+    const low = [Infinity, Infinity, Infinity];
+    const high = [-Infinity, -Infinity, -Infinity];
+    for (const frame of scene.motion.frames) {
+      for (const vertex of scene.motion.facets) {
+        for (let k = 0; k < 3; ++k) {
+          const x = frame[3 * vertex + k] * scene.step[k];
+          if (x < low[k]) low[k] = x;
+          if (x > high[k]) high[k] = x;
+        }
+      }
+    }
+    const same = this.shown === scene.motion;
+    this.shown = scene.motion;
+    this.box = { low, high };
+    this.body.show(scene);
+    this.spheres.show(scene);
+    if (!same) this.fit();
+    this.ask();
+  }
+
+  /** Puts the camera where the two longer sides of the box are seen, a little from above. up: 'y', 'z' or 'x'. */
+  fit(up = this.up ?? 'y') {
+    if (up !== (this.up ?? 'y')) {
+      this.camera.up.copy(axes[up]);
+      this.steer();
+    }
+    this.up = up;
+    this.turned = false;
+    const size = this.box.low.map((low, k) => this.box.high[k] - low);
+    const center = new Vector3(...this.box.low.map((low, k) => 0.5 * (low + this.box.high[k])));
+    const vertical = 'xyz'.indexOf(up);
+    const [a, b] = [0, 1, 2].filter((k) => k !== vertical);
+    const [across, along] = size[a] >= size[b] ? [a, b] : [b, a];
+    const direction = [0, 0, 0];
+    direction[along] = along === 2 || across === 2 ? 1 : -1;
+    direction[vertical] = 0.34;
+    direction[across] = 0.32;
+    const toward = new Vector3(...direction).normalize();
+    const radius = 0.5 * Math.hypot(...size) || 1;
+    const angle = 0.5 * this.camera.fov * (Math.PI / 180);
+    const high = 0.5 * size[vertical] + 0.3 * size[along];
+    const wide = 0.5 * size[across] + 0.15 * size[along];
+    const distance = 0.5 * size[along] + Math.max(high, wide / this.camera.aspect, 0.3 * radius) * (1.08 / Math.tan(angle));
+    this.camera.position.copy(center).addScaledVector(toward, distance);
+    this.camera.near = radius * 0.01;
+    this.camera.far = radius * 60;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(center);
+    this.controls.minDistance = 0.15 * radius;
+    this.controls.maxDistance = 20 * radius;
+    this.controls.update();
+    this.ask();
+  }
+
+  /** axis: '', 'x', 'y' or 'z'; share: 0 to 1 of the box. What lies beyond is not drawn. */
+  cut(axis, share, flip) {
+    if (axis) {
+      const k = 'xyz'.indexOf(axis);
+      const reach = 0.02 * (this.box.high[k] - this.box.low[k]);
+      const at = this.box.low[k] - reach + share * (this.box.high[k] - this.box.low[k] + 2 * reach);
+      const sign = flip ? 1 : -1;
+      this.plane.normal.copy(axes[axis]).multiplyScalar(sign);
+      this.plane.constant = -sign * at;
+    }
+    const planes = axis ? [this.plane] : [];
+    this.body.cut(planes, this.box);
+    this.spheres.cut(planes);
+    this.planes = planes;
+    this.ask();
+  }
+
+  /** A press that is not a turn picks: the first sphere along the ray, by its equation. */
+  watchPresses(canvas) {
+    let from = null;
+    canvas.addEventListener('pointerdown', (event) => (from = event.isPrimary ? [event.clientX, event.clientY] : null));
+    canvas.addEventListener('pointerup', (event) => {
+      const moved = from && Math.hypot(event.clientX - from[0], event.clientY - from[1]);
+      if (moved === null || moved > 5) {
+        this.turned = true;
+        return;
+      }
+      const rect = canvas.getBoundingClientRect();
+      const x = ((event.clientX - rect.left) / rect.width) * 2 - 1;
+      const y = 1 - ((event.clientY - rect.top) / rect.height) * 2;
+      const caster = new Raycaster();
+      caster.setFromCamera(new Vector2(x, y), this.camera);
+      this.onpick(this.spheres.hit(caster.ray, this.planes));
+    });
+  }
+}
