@@ -158,6 +158,10 @@ struct Packer {
 
 }  // namespace
 
+bool has_page() {
+  return why_no_page().empty();
+}
+
 void require_page() {
   const std::string reason = why_no_page();
   if (reason.empty()) return;

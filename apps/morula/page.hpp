@@ -43,6 +43,8 @@ struct PageContent {
   Json study;
 };
 
+/// Was this program built with the page?
+bool has_page();
 /// Throws UsageError that says what is missing when this program was built without the page.
 void require_page();
 

@@ -13,10 +13,12 @@
 
 #include "command.hpp"
 #include "figures.hpp"
+#include "files.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "study_files.hpp"
+#include "study_page.hpp"
 #include "study_run.hpp"
 
 namespace morula::cli {
@@ -186,12 +188,25 @@ int study_command(const Options& o) {
                         [&](double share, std::string label) { progress.update(share, std::move(label)); });
     }();
     write_study(study, folder);
+    const bool with_page = has_page();
+    if (with_page) {
+      Progress progress("study");
+      const PageContent page =
+          study_page(plan, study.result, study.json, workers,
+                     [&](double share, std::string label) { progress.update(share, std::move(label)); });
+      write_text_file(folder / "index.html", make_page(page));
+    }
     if (o.json) {
       print_json(study.json);
     } else {
       fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}", claims_text(study.claims),
                  o.output, seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
                  contents_text(study));
+      if (with_page) {
+        fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
+      } else {
+        fmt::print("- no index.html: this morula was built without its page\n");
+      }
     }
     const std::vector<std::string> faults = study_faults(study.result);
     for (const std::string& fault : faults) fmt::print(stderr, "morula: error: {}: please report it\n", fault);

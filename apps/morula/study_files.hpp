@@ -5,7 +5,6 @@
 
 #include "study_claims.hpp"
 #include "study_figures.hpp"
-#include "study_scenes.hpp"
 #include "study_tables.hpp"
 
 namespace morula::cli {

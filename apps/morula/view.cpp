@@ -8,19 +8,14 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <morula/geometry/inspect.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
-#include <morula/query/sphere_volume.hpp>
-#include <morula/update/body.hpp>
-#include <numbers>
-#include <optional>
 
 #include "command.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
-#include "page.hpp"
+#include "page_scene.hpp"
 #include "progress.hpp"
 #include "report.hpp"
 
@@ -76,56 +71,6 @@ Json read_study(const std::string& path) {
   return study;
 }
 
-/// How much of each sphere is empty. Nothing to say of a mesh without inside.
-std::vector<float> empty_shares(const SignedDistance& object, const std::vector<Sphere>& spheres, Workers& workers) {
-  std::vector<float> shares(spheres.size(), 0.0f);
-  parallel_for(workers, spheres.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t node = begin; node < end; ++node) {
-      const double radius = spheres[node].radius;
-      const double volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
-      if (volume > 0) shares[node] = static_cast<float>(outside_volume(object, spheres[node]) / volume);
-    }
-  });
-  return shares;
-}
-
-/// One lattice for all frames and levels, so that their figures compare; the same as that of morula update --measure.
-MeasureOptions measure_options(const Mesh& rest) {
-  MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
-  options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;
-  return options;
-}
-
-PageScene follow(const Options& o, const Mesh& rest, const Built& built, const std::vector<Rule>& rules,
-                 const PageMotion& motion, Workers& workers) {
-  Body body(rest, built, {.rules = rules}, workers);
-  PageScene scene{.motion = 0,
-                  .tree = file_name(o.tree),
-                  .rule = describe_rules(rules, built.tree.level_count()),
-                  .rest = body.current_tree(),
-                  .frames = {},
-                  .measured = {},
-                  .empty_share = {}};
-  const bool has_inside = inspect(rest).has_volume();
-  Mesh mesh = rest;
-  Progress progress(o.measure ? "updating and measuring" : "updating");
-  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
-    progress.update(static_cast<double>(i) / static_cast<double>(motion.frames.size()));
-    if (!body.update(motion.frames[i], workers)) {
-      throw UsageError(
-          fmt::format("{}: a vertex is too far away for single precision; nothing was written", motion.frame_names[i]));
-    }
-    scene.frames.emplace_back();
-    body.copy_spheres(scene.frames.back());
-    if (!o.measure) continue;
-    mesh.positions = motion.frames[i];
-    scene.measured.push_back(measure(mesh, body.current_tree(), measure_options(rest), workers));
-    if (has_inside)
-      scene.empty_share.push_back(empty_shares(SignedDistance(mesh, workers), scene.frames.back(), workers));
-  }
-  return scene;
-}
-
 void print_result(const Options& o, const PageContent& content, const Built& built, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
@@ -178,7 +123,9 @@ int view_command(const Options& o) {
   }
   content.motions.push_back(read_motion(o, mesh));
   for (const std::vector<Rule>& list : rules) {
-    content.scenes.push_back(follow(o, mesh, built, list, content.motions.front(), workers));
+    Progress progress(o.measure ? "updating and measuring" : "updating");
+    content.scenes.push_back(follow_motion(content.motions.front(), mesh, built, file_name(o.tree), list, o.measure,
+                                           workers, [&](double share) { progress.update(share); }));
   }
   content.title = o.title.empty() ? content.motions.front().body : o.title;
 
