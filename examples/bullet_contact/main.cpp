@@ -208,7 +208,7 @@ struct Outcome {
 Outcome run(Response response) {
   World world;
   Soft lower(world, "torus", 28, 0.38, response), upper(world, "blob", 20, 2.2, response);
-  morula::ContactQuery query({.margin = skin, .surfaces = true, .exact = true});
+  morula::ContactQuery query({.margin = skin, .surfaces = true, .exact = true, .containment = true});
   query.add(upper.collider(), lower.collider());
   query.start();
 
@@ -243,7 +243,9 @@ Outcome run(Response response) {
       const std::vector<morula::Crossing> all = morula::brute_force::crossings(upper.collider(), lower.collider());
       outcome.differ += found.crossings != all;
       outcome.pairs_compared += all.size();
-      outcome.last_deepest = std::max(lower.deepest(upper), upper.deepest(lower));
+      const morula::MutualContainment& inside = found.containment[0];
+      const bool apart = found.crossings.empty() && !inside.a_in_b.any() && !inside.b_in_a.any();
+      outcome.last_deepest = apart ? 0 : std::max(lower.deepest(upper), upper.deepest(lower));
       outcome.deepest = std::max(outcome.deepest, outcome.last_deepest);
     }
   }
