@@ -46,15 +46,22 @@ struct World {
   ~World() { world.removeRigidBody(&floor); }
 };
 
+// What both runs share.
+struct Model {
+  morula::Mesh mesh;
+  std::shared_ptr<const morula::Built> built;
+
+  Model(const char* name, int resolution, double z) : mesh(morula::sample_body(name, resolution)) {
+    for (Vec3& p : mesh.positions) p.z += z;
+    built = std::make_shared<const morula::Built>(morula::build(mesh, {.method = morula::Method::grid}));
+  }
+};
+
 // Bullet's soft body and the body and collider that follow its nodes. It stays where it was made.
 class Soft {
  public:
-  Soft(World& world, const char* name, int resolution, double z, Response response)
-      : mesh_(placed(name, resolution, z)),
-        body_(mesh_, morula::build(mesh_, {.method = morula::Method::grid})),
-        collider_(mesh_, body_),
-        inside_(collider_),
-        world_(world) {
+  Soft(World& world, const Model& model, Response response)
+      : mesh_(model.mesh), body_(mesh_, model.built), collider_(mesh_, body_), inside_(collider_), world_(world) {
     std::vector<btScalar> positions;
     for (const Vec3& p : mesh_.positions)
       for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<btScalar>(p[axis]));
@@ -114,13 +121,7 @@ class Soft {
   btSoftBody& soft() { return *soft_; }
 
  private:
-  static morula::Mesh placed(const char* name, int resolution, double z) {
-    morula::Mesh mesh = morula::sample_body(name, resolution);
-    for (Vec3& p : mesh.positions) p.z += z;
-    return mesh;
-  }
-
-  morula::Mesh mesh_;
+  const morula::Mesh& mesh_;
   morula::Body body_;
   morula::Collider collider_;
   morula::InsideTest inside_;
@@ -205,9 +206,9 @@ struct Outcome {
   std::size_t pairs_compared = 0;
 };
 
-Outcome run(Response response) {
+Outcome run(Response response, const Model& below, const Model& above) {
   World world;
-  Soft lower(world, "torus", 28, 0.38, response), upper(world, "blob", 20, 2.2, response);
+  Soft lower(world, below, response), upper(world, above, response);
   morula::ContactQuery query({.margin = skin, .surfaces = true, .exact = true, .containment = true});
   query.add(upper.collider(), lower.collider());
   query.start();
@@ -256,37 +257,36 @@ Outcome run(Response response) {
 }
 
 int main() {
-  const Outcome bullet = run(Response::bullet), morula = run(Response::morula);
+  const Model below("torus", 28, 0.38), above("blob", 20, 2.2);
+  const Outcome bullet = run(Response::bullet, below, above), own = run(Response::morula, below, above);
   const auto row = [](const char* what, double a, double b) { std::printf("%-52s %10.4g %10.4g\n", what, a, b); };
   std::printf("%-52s %10s %10s\n", "", "Bullet", "Morula");
-  row("first contact, step", bullet.first_contact, morula.first_contact);
-  row("most contacts in a step", bullet.most_contacts, morula.most_contacts);
-  row("pairs of facets that cross: most", double(bullet.most_crossings), double(morula.most_crossings));
-  row("  at the end", double(bullet.last_crossings), double(morula.last_crossings));
-  row("deepest vertex inside the other body: worst", bullet.deepest, morula.deepest);
-  row("  at the end", bullet.last_deepest, morula.last_deepest);
-  row("distance at the end", bullet.last_distance, morula.last_distance);
-  row("energy of motion and height: at the beginning", bullet.energy_begin, morula.energy_begin);
-  row("  most", bullet.energy_most, morula.energy_most);
-  row("energy of motion: most", bullet.most_motion, morula.most_motion);
-  row("  at the end", bullet.last_motion, morula.last_motion);
-  std::printf("%-52s %10s %10.4g\n", "sum of the forces, over that of their amounts: most", "", morula.imbalance);
-  std::printf("%-52s %10s %10.4g\n", "update and query, median, us", "", morula.microseconds);
+  row("first contact, step", bullet.first_contact, own.first_contact);
+  row("most contacts in a step", bullet.most_contacts, own.most_contacts);
+  row("pairs of facets that cross: most", double(bullet.most_crossings), double(own.most_crossings));
+  row("  at the end", double(bullet.last_crossings), double(own.last_crossings));
+  row("deepest vertex inside the other body: worst", bullet.deepest, own.deepest);
+  row("  at the end", bullet.last_deepest, own.last_deepest);
+  row("distance at the end", bullet.last_distance, own.last_distance);
+  row("energy of motion and height: at the beginning", bullet.energy_begin, own.energy_begin);
+  row("  most", bullet.energy_most, own.energy_most);
+  row("energy of motion: most", bullet.most_motion, own.most_motion);
+  row("  at the end", bullet.last_motion, own.last_motion);
+  std::printf("%-52s %10s %10.4g\n", "sum of the forces, over that of their amounts: most", "", own.imbalance);
+  std::printf("%-52s %10s %10.4g\n", "update and query, median, us", "", own.microseconds);
   std::printf("%d steps compared with brute force, %zu crossing pairs of facets in them: %d steps differ\n",
-              bullet.compared + morula.compared, bullet.pairs_compared + morula.pairs_compared,
-              bullet.differ + morula.differ);
+              bullet.compared + own.compared, bullet.pairs_compared + own.pairs_compared, bullet.differ + own.differ);
 
   constexpr double thickness = 0.7;  // of the torus's tube
   int faults = 0;
   const auto check = [&](bool good, const char* what) {
     faults += !good, std::printf("%s: %s\n", good ? "ok" : "FAILED", what);
   };
-  check(bullet.differ + morula.differ == 0, "no crossing is missed, none is made up");
-  check(morula.first_contact > 0 && morula.pairs_compared > 0, "the bodies touched, and some facets crossed");
-  check(morula.imbalance < 1e-5, "forces on one body are those on the other, turned round");
-  check(morula.energy_most < 1.01 * morula.energy_begin, "no energy out of nothing");
-  check(morula.last_motion < 0.05 * morula.most_motion, "they come nearly to rest");
-  check(morula.deepest < 0.1 * thickness && morula.last_crossings == 0,
-        "never deep in each other, and apart in the end");
+  check(bullet.differ + own.differ == 0, "no crossing is missed, none is made up");
+  check(own.first_contact > 0 && own.pairs_compared > 0, "the bodies touched, and some facets crossed");
+  check(own.imbalance < 1e-5, "forces on one body are those on the other, turned round");
+  check(own.energy_most < 1.01 * own.energy_begin, "no energy out of nothing");
+  check(own.last_motion < 0.05 * own.most_motion, "they come nearly to rest");
+  check(own.deepest < 0.1 * thickness && own.last_crossings == 0, "never deep in each other, and apart in the end");
   return faults == 0 ? 0 : 1;
 }
