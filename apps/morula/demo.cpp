@@ -3,6 +3,7 @@
 // morula demo: what the library does, shown on two bodies in about a minute.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -12,6 +13,7 @@
 #include "command.hpp"
 #include "demo_run.hpp"
 #include "demo_text.hpp"
+#include "demo_touch.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
@@ -64,7 +66,17 @@ std::string recipe(const DemoPlan& plan, const DemoTree& tree, const DemoCell& c
       stem, cell.motion, plan.frame_count, name(tree.method), name(cell.rule), plan.resolution);
 }
 
-void print_text(const DemoPlan& plan, const std::vector<DemoTree>& trees, const std::string& folder, double elapsed) {
+/// Two limbs with the tree that the first experiment built.
+DemoTouch let_limbs_touch(const DemoPlan& plan, const std::vector<DemoTree>& trees,
+                          const std::filesystem::path& folder) {
+  const auto tree = std::find_if(trees.begin(), trees.end(), [&](const DemoTree& t) {
+    return t.body == plan.bodies.front().name && t.method == Method::morula;
+  });
+  return run_touch(plan.bodies.front().mesh, tree->built, plan.repeats, folder);
+}
+
+void print_text(const DemoPlan& plan, const std::vector<DemoTree>& trees, const DemoTouch& touch,
+                const std::string& folder, double elapsed) {
   fmt::print(
       "Looseness of the leaves, in object volumes (share of the surface left bare): worst of the frames at rest,\n"
       "half way, at the full amount and back at rest; {} frames out and back. Times: median frame, one thread.\n\n{}\n",
@@ -80,9 +92,15 @@ void print_text(const DemoPlan& plan, const std::vector<DemoTree>& trees, const 
   }
   fmt::print("\nWhat it shows\n");
   for (const std::string& finding : demo_findings(trees)) fmt::print("- {}\n", finding);
+  fmt::print(
+      "\nContacts of two limbs that deform and touch, under budgets in pair tests: mean per frame of {}; error bound "
+      "in\n"
+      "diagonals; crossings are pairs of facets, by brute force. Times: median, one thread.\n\n{}\n{}\n",
+      touch.frame_count, touch_table(touch), touch_finding(touch));
   fmt::print("\nWhat to look at, in {} ({})\n", folder, seconds(elapsed));
   const std::string body = trees.front().body;
-  fmt::print("- demo.csv and demo.json: every figure with all digits\n");
+  fmt::print("- demo.csv, contacts.csv and demo.json: every figure with all digits\n");
+  fmt::print("- {0}-touching-a.obj and {0}-touching-b.obj: the two limbs in the middle of their motion\n", body);
   if (!trees.front().cells.empty()) {
     const std::string stem = file_stem(body, trees.front().cells.front().motion);
     fmt::print("- {0}.obj with {0}-exact.sph and {0}-approach2.sph: the body at the full amount, and its spheres\n",
@@ -96,21 +114,28 @@ int demo_command(const Options& o) {
   const DemoPlan plan = make_plan(o.quick);
   StagedFolder stage(o.output);
   Stopwatch watch;
-  const std::vector<DemoTree> trees = [&] {
+  std::vector<DemoTree> trees;
+  DemoTouch touch;
+  {
     Progress progress("demo");
-    return run_demo(plan, stage.path(), workers,
-                    [&](double share, std::string label) { progress.update(share, std::move(label)); });
-  }();
-  const Json json = demo_json(plan, trees);
+    trees = run_demo(plan, stage.path(), workers,
+                     [&](double share, std::string label) { progress.update(share, std::move(label)); });
+    progress.update(1, "contacts");
+    touch = let_limbs_touch(plan, trees, stage.path());
+  }
+  Json json = demo_json(plan, trees);
+  json["contacts"] = touch_json(touch);
   write_text_file(stage.path() / "demo.json", json.dump(2) + "\n");
   write_text_file(stage.path() / "demo.csv", demo_csv(trees));
+  write_text_file(stage.path() / "contacts.csv", touch_csv(touch));
   stage.commit();
   if (o.json) {
     print_json(json);
   } else {
-    print_text(plan, trees, o.output, watch.lap());
+    print_text(plan, trees, touch, o.output, watch.lap());
   }
-  const std::vector<std::string> faults = demo_faults(trees);
+  std::vector<std::string> faults = demo_faults(trees);
+  for (std::string& fault : touch_faults(touch)) faults.push_back(std::move(fault));
   for (const std::string& fault : faults) fmt::print(stderr, "morula: error: {}: please report it\n", fault);
   return faults.empty() ? exit_done : exit_check_failed;
 }

@@ -123,7 +123,7 @@ std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path
     for (const Method method : shown_methods) {
       counter.next(fmt::format("building {} {}", body.name, name(method)));
       Stopwatch watch;
-      const Built built = build(body.mesh, {.method = method, .progress = {}}, workers);
+      Built built = build(body.mesh, {.method = method, .progress = {}}, workers);
       DemoTree tree;
       tree.body = body.name;
       tree.method = method;
@@ -141,6 +141,7 @@ std::vector<DemoTree> run_demo(const DemoPlan& plan, const std::filesystem::path
           tree.cells.push_back(run_cell(body, built, motion, tree, rule, plan, folder, workers));
         }
       }
+      tree.built = std::move(built);
       trees.push_back(std::move(tree));
     }
   }

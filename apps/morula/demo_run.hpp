@@ -62,6 +62,7 @@ struct DemoTree {
   double voxel_edge = 0;
   std::vector<std::string> skipped;  // motions this body cannot make, and why
   std::vector<DemoCell> cells;
+  Built built;  // for more experiments on the same tree
 };
 
 struct DemoPlan {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <morula/geometry/triangle_intersection.hpp>
+#include <morula/io/mesh_file.hpp>
 #include <sstream>
 
 #include "workbench.hpp"
@@ -20,6 +22,41 @@ const json& cell_of(const json& demo, const std::string& method, const std::stri
     }
   }
   throw std::out_of_range(method + ' ' + motion + ' ' + rule);
+}
+
+Triangle corners(const Mesh& mesh, const Facet& f) {
+  return {mesh.positions[f[0]], mesh.positions[f[1]], mesh.positions[f[2]]};
+}
+
+/// No budget misses a crossing of the two limbs, and the limbs that were written have as many as it says.
+void expect_contacts_hold(const Workbench& bench, const json& contacts, const std::string& text) {
+  const std::vector<std::size_t> crossings = contacts["crossings"];
+  ASSERT_EQ(crossings.size(), contacts["frames"].get<std::size_t>());
+
+  const Mesh a = read_mesh(bench / "demo/limb-touching-a.obj"), b = read_mesh(bench / "demo/limb-touching-b.obj");
+  std::size_t pairs = 0;
+  for (const Facet& f : a.facets)
+    for (const Facet& g : b.facets) pairs += intersect(corners(a, f), corners(b, g)) ? 1 : 0;
+  EXPECT_GT(pairs, 0u);
+  EXPECT_EQ(pairs, crossings[crossings.size() / 2]);
+
+  ASSERT_EQ(contacts["budgets"].size(), 5u);
+  double last_tests = 0;
+  for (const json& row : contacts["budgets"]) {
+    EXPECT_EQ(row["missed"], 0) << row;
+    EXPECT_GT(row["pair_tests"], last_tests) << row;
+    last_tests = row["pair_tests"];
+    if (row["budget"].is_null()) {
+      EXPECT_EQ(row["finished_share"], 1) << row;
+    } else {
+      EXPECT_LE(row["pair_tests"], row["budget"]) << row;
+    }
+  }
+  EXPECT_TRUE(contacts["budgets"].back()["budget"].is_null());
+  EXPECT_LT(contacts["budgets"].front()["finished_share"], 1);
+  EXPECT_NE(text.find(contacts["finding"].get<std::string>()), std::string::npos) << text;
+  const std::string csv = bench.read("demo/contacts.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 6);
 }
 
 TEST(DemoCommand, its_figures_come_again_from_files) {
@@ -96,6 +133,8 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
   for (const json& finding : demo["findings"]) {
     EXPECT_NE(text.out.find(finding.get<std::string>()), std::string::npos) << finding;
   }
+
+  expect_contacts_hold(bench, demo["contacts"], text.out);
 
   std::size_t measurements = 0;
   for (const json& tree : demo["trees"]) {
