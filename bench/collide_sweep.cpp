@@ -6,6 +6,7 @@
 #include <atomic>
 #include <memory>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/collide/overlap.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -49,65 +50,21 @@ struct Actor {
   std::vector<Vec3> positions;
 };
 
-struct Crossing {
-  std::uint32_t facet_a, facet_b;
-  Vec3 point;
-};
-
-bool goes_through(const Vec3& from, const Vec3& to, const Triangle& t, Vec3& point) {
-  const Vec3 normal = area_vector(t);
-  const double start = dot(normal, from - t[0]), end = dot(normal, to - t[0]);
-  if ((start > 0) == (end > 0) || start == end) return false;
-  point = from + (to - from) * (start / (start - end));
-  for (std::size_t k = 0; k < 3; ++k)
-    if (dot(normal, cross(t[(k + 1) % 3] - t[k], point - t[k])) < 0) return false;
-  return true;
-}
-
-struct Boxed {
-  Triangle triangle;
-  Box box;
-};
-std::vector<Boxed> boxed(const Collider& c) {
-  std::vector<Boxed> all(c.mesh().facet_count());
-  for (std::uint32_t f = 0; f < all.size(); ++f) {
-    all[f].triangle = c.triangle(f);
-    for (const Vec3& p : all[f].triangle) all[f].box.add(p);
-  }
-  return all;
-}
-
-std::vector<Crossing> crossings_by_brute_force(const Collider& a, const Collider& b) {
-  const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
-  std::vector<Crossing> found;
-  for (std::uint32_t i = 0; i < all_a.size(); ++i)
-    for (std::uint32_t j = 0; j < all_b.size(); ++j) {
-      const Boxed &x = all_a[i], &y = all_b[j];
-      if (x.box.lower.x > y.box.upper.x || y.box.lower.x > x.box.upper.x || x.box.lower.y > y.box.upper.y ||
-          y.box.lower.y > x.box.upper.y || x.box.lower.z > y.box.upper.z || y.box.lower.z > x.box.upper.z)
-        continue;
-      Vec3 point;
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (goes_through(x.triangle[k], x.triangle[(k + 1) % 3], y.triangle, point)) found.push_back({i, j, point});
-        if (goes_through(y.triangle[k], y.triangle[(k + 1) % 3], x.triangle, point)) found.push_back({i, j, point});
-      }
-    }
-  return found;
-}
-
 bool has(const Collider& c, std::uint32_t node, std::uint32_t facet) {
   const auto list = c.facets(node);
   return std::find(list.begin(), list.end(), facet) != list.end();
 }
 
+// Ends of crossings that no contact accounts for.
 std::size_t missed(const std::vector<Crossing>& crossings, const Collider& a, const Collider& b,
                    const std::vector<Contact>& contacts) {
   std::size_t count = 0;
   for (const Crossing& x : crossings)
-    count += std::none_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
-      return squared_distance(x.point, c.point) <= (1 + 1e-9) * c.error_bound * c.error_bound &&
-             has(a, c.node_a, x.facet_a) && has(b, c.node_b, x.facet_b);
-    });
+    for (const Vec3& end : {x.segment.from, x.segment.to})
+      count += std::none_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+        return squared_distance(end, c.point) <= (1 + 1e-9) * c.error_bound * c.error_bound &&
+               has(a, c.node_a, x.facet_a) && has(b, c.node_b, x.facet_b);
+      });
   return count;
 }
 
@@ -137,7 +94,7 @@ void try_pose(Actor& a, Actor& b, std::uint64_t seed, Tally& tally) {
     tally.missed += missed(crossings, a.collider, b.collider, contacts.contacts);
   };
   const auto see = [&] {
-    crossings = crossings_by_brute_force(a.collider, b.collider);
+    crossings = brute_force::crossings(a.collider, b.collider);
     tally.crossings += crossings.size();
     tally.poses_crossing += !crossings.empty();
     const Contacts contacts = collide(a.collider, b.collider);

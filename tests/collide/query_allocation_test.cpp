@@ -1,50 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// No query allocates once it is warm: counted by this program's own operator new.
+// No query allocates once it is warm: every one is counted.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/distance.hpp>
-#include <new>
+#include <support/allocations.hpp>
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
 
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
-
 namespace morula {
 namespace {
+
+using test::allocations;
 
 TEST(QueryAllocation, none_when_the_same_questions_have_been_asked_before) {
   test::PlacedBody a(test::icosphere(3)), b(test::uv_sphere(15, 9, 0.7)), plate(test::grid_plate(5));

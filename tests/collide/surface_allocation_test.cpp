@@ -1,50 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Questions like those before them allocate nothing: counted by this program's own operator new.
+// Questions like those before them allocate nothing: every one is counted.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <morula/build/build.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <new>
+#include <support/allocations.hpp>
 
 #include "collide/contact_surface.hpp"
 
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
-
 namespace morula {
 namespace {
+
+using test::allocations;
 
 TEST(SurfaceAllocation, warm_queries_allocate_nothing) {
   const Mesh mesh = sample_body("limb", 16), other = sample_body("torus", 16);
