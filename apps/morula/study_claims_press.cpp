@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contacts of a press, against exact triangles. A case is a tree and an amount.
+// Contacts of a press, against exact triangles. A case is a tree, an axis and an amount.
 #include <cmath>
 
 #include "study_evidence.hpp"
@@ -15,19 +15,25 @@ std::vector<const PressCell*> presses_of(const Evidence& evidence, const std::st
   return list;
 }
 
-/// The figures are of the first body.
-std::vector<std::string> figures_if_drawn(const Evidence& evidence, std::vector<std::string> figures) {
+/// Those of the first body, which are drawn.
+std::vector<std::string> rule_figures(const Evidence& evidence, const std::string& measure) {
+  std::vector<std::string> list;
   const StudyResult& result = evidence.result();
-  const bool drawn = std::any_of(result.presses.begin(), result.presses.end(),
-                                 [&](const PressCell& cell) { return cell.body == result.trees.front().body; });
-  return drawn ? figures : std::vector<std::string>{};
+  for (const PressCell& cell : result.presses) {
+    if (cell.body != result.trees.front().body) continue;
+    for (const PressFigures& f : cell.figures) {
+      std::string id = fmt::format("press-rules-{}{}", f.axis, measure);
+      if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(std::move(id));
+    }
+  }
+  return list;
 }
 
-/// Of all leaves, without a budget: the last query of each amount.
+/// Of all leaves, without a budget: the last query of each axis and amount.
 std::vector<const PressFigures*> leaf_figures(const PressCell& cell) {
   std::vector<const PressFigures*> list;
   for (const PressFigures& f : cell.figures) {
-    if (!list.empty() && list.back()->amount == f.amount) {
+    if (!list.empty() && list.back()->amount == f.amount && list.back()->axis == f.axis) {
       list.back() = &f;
     } else {
       list.push_back(&f);
@@ -40,13 +46,17 @@ double lost_share(const PressFigures& f) {
   return static_cast<double>(f.lost) / static_cast<double>(std::max<std::size_t>(f.crossings, 1));
 }
 
+std::string where_text(const Evidence& evidence, const PressCell& cell, const PressFigures& f) {
+  return fmt::format("{}, along {}, by {}", cell.method, f.axis, percent(evidence.press_amount(f.amount)));
+}
+
 StudyClaim lost_claim(const Evidence& evidence, const std::string& rule) {
   StudyClaim claim{rule + "-loses-crossings",
                    "new",
                    fmt::format("Contacts of {} lose facets that cross", rule_title(rule)),
                    "untested",
                    "",
-                   figures_if_drawn(evidence, {"press-rules-lost"})};
+                   rule_figures(evidence, "-lost")};
   std::size_t with = 0;
   std::size_t total = 0;
   double worst = 0;
@@ -55,7 +65,7 @@ StudyClaim lost_claim(const Evidence& evidence, const std::string& rule) {
     for (const PressFigures* f : leaf_figures(*cell)) {
       ++total;
       with += f->lost > 0 ? 1 : 0;
-      if (lost_share(*f) > worst) worst = lost_share(*f), where = cell->method;
+      if (lost_share(*f) > worst) worst = lost_share(*f), where = where_text(evidence, *cell, *f);
     }
   }
   claim.verdict = verdict_of(with, total);
@@ -72,7 +82,7 @@ StudyClaim complete_claim(const Evidence& evidence) {
                    "Contacts of exact lose no facets that cross, at any level and budget",
                    "untested",
                    "",
-                   figures_if_drawn(evidence, {"press-rules-lost"})};
+                   rule_figures(evidence, "-lost")};
   std::size_t kept = 0;
   std::size_t total = 0;
   std::size_t crossings = 0;
@@ -96,7 +106,7 @@ StudyClaim depth_claim(const Evidence& evidence) {
                    "The largest corrected depth of leaf contacts of exact is nearer to the truth than that of spheres",
                    "untested",
                    "",
-                   figures_if_drawn(evidence, {"press-rules"})};
+                   rule_figures(evidence, "")};
   std::size_t nearer = 0;
   std::vector<double> spheres, surfaces;
   for (const PressCell* cell : presses_of(evidence, "exact")) {
@@ -119,7 +129,7 @@ StudyClaim depth_claim(const Evidence& evidence) {
 
 StudyClaim refine_claim(const Evidence& evidence) {
   StudyClaim claim{"budgets-refine", "new", "More budget never finishes fewer contacts",
-                   "untested",       "",    figures_if_drawn(evidence, {"press-rules"})};
+                   "untested",       "",    rule_figures(evidence, "")};
   std::size_t refined = 0;
   std::size_t total = 0;
   const std::vector<PressQuery> queries = evidence.press_queries();
@@ -128,7 +138,7 @@ StudyClaim refine_claim(const Evidence& evidence) {
     for (std::size_t i = 1; i < cell.figures.size(); ++i) {
       const PressFigures& before = cell.figures[i - 1];
       const PressFigures& now = cell.figures[i];
-      if (before.amount != now.amount || !queries[before.query].leaves) continue;
+      if (before.axis != now.axis || before.amount != now.amount || !queries[before.query].leaves) continue;
       ++total;
       refined += now.finished >= before.finished ? 1 : 0;
     }

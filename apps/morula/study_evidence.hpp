@@ -78,6 +78,7 @@ class Evidence {
   }
   std::vector<double> parameters() const { return plan_.parameters(); }
   std::vector<PressQuery> press_queries() const { return cli::press_queries(plan_); }
+  double press_amount(std::size_t which) const { return plan_.press_amounts[which]; }
   const StudyResult& result() const { return result_; }
   const std::string& body() const { return body_; }
 

@@ -53,6 +53,7 @@ Json study_json(const Study& study) {
   for (const PressCell& press : study.result.presses) presses.push_back(press_json(press));
   json["cells"] = cells;
   json["presses"] = presses;
+  json["press_truths"] = study.result.truths;
   json["cost"] = cost_json(study.cost);
   return json;
 }

@@ -92,6 +92,13 @@ Plot plot_of(const std::vector<const StudyFigure*>& group) {
     PlotPanel panel{fmt::format("{}, {}", figure->y_label, figure->y_unit), {}};
     for (const StudySeries& s : figure->series) {
       PlotLine line{s.name, s.x, s.y, color_of(s.name), PlotLine::Style::solid, s.role != SeriesRole::reference};
+      // Levels and budgets are no one sequence.
+      for (std::size_t i = 1; i < first.x_names.size() && i < line.x.size(); ++i) {
+        if (first.x_names[i - 1].rfind("level", 0) != 0 || first.x_names[i].rfind("level", 0) == 0) continue;
+        line.x.insert(line.x.begin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(i) - 0.5);
+        line.y.insert(line.y.begin() + static_cast<std::ptrdiff_t>(i), std::nullopt);
+        break;
+      }
       if (s.name.find("fresh") != std::string::npos) {
         line.style = PlotLine::Style::dots;
       } else if (!line.strong && s.name != "morula") {

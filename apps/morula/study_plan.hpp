@@ -58,7 +58,7 @@ struct StudyPlan {
   int cost_repeats = 9;
   std::vector<StudySource> press_sources;                         // beside `sources`: trees that are only pressed
   std::vector<StudyRule> press_rules;                             // of kind `update`; none: nothing is pressed
-  std::vector<double> press_amounts{0.01, 0.02, 0.05};            // shares of the diagonal at rest
+  std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};     // shares of the diagonal at rest
   std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  // pair tests
   Deformations press_pose{Bend{45.0, Axis::automatic}};
   std::string sph_origin = "none";

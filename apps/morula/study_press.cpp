@@ -171,12 +171,6 @@ std::vector<PressQuery> press_queries(const StudyPlan& plan) {
   return queries;
 }
 
-const PressFigures* PressCell::at(std::size_t amount, std::size_t query) const {
-  for (const PressFigures& f : figures)
-    if (f.amount == amount && f.query == query) return &f;
-  return nullptr;
-}
-
 PressCell run_press(const StudyPlan& plan, const NamedMesh& body, const std::string& method, const Built& built,
                     const PressScene& scene, const StudyRule& rule, const std::stop_token& stop) {
   PressCell cell{body.name, method, rule.name, {}};
@@ -188,8 +182,7 @@ PressCell run_press(const StudyPlan& plan, const NamedMesh& body, const std::str
   b.set_positions(scene.positions);
   const std::vector<PressQuery> queries = press_queries(plan);
   Contacts found;
-  for (std::size_t amount = 0; amount < scene.truths.size(); ++amount) {
-    const PressTruth& truth = scene.truths[amount];
+  for (const PressTruth& truth : scene.truths) {
     b.place(truth.placement);
     Judge truth_of(a, b, truth);
     for (std::size_t q = 0; q < queries.size(); ++q) {
@@ -201,7 +194,9 @@ PressCell run_press(const StudyPlan& plan, const NamedMesh& body, const std::str
       if (queries[q].budget) options.budget = *queries[q].budget;
       collide(a, b, options, found);
       cell.figures.push_back(judge(truth_of, truth, found, scene.diagonal));
-      cell.figures.back().amount = amount;
+      cell.figures.back().axis = axis_name(truth.axis);
+      cell.figures.back().amount = static_cast<std::size_t>(
+          std::find(plan.press_amounts.begin(), plan.press_amounts.end(), truth.amount) - plan.press_amounts.begin());
       cell.figures.back().query = q;
     }
   }
@@ -211,7 +206,8 @@ PressCell run_press(const StudyPlan& plan, const NamedMesh& body, const std::str
 Json press_json(const PressCell& cell) {
   Json figures = Json::array();
   for (const PressFigures& f : cell.figures) {
-    figures.push_back({{"amount", f.amount},
+    figures.push_back({{"axis", f.axis},
+                       {"amount", f.amount},
                        {"query", f.query},
                        {"true_depth", f.true_depth},
                        {"pair_tests", f.pair_tests},
@@ -236,12 +232,12 @@ Json press_json(const PressCell& cell) {
 PressCell press_from_json(const Json& json) {
   PressCell cell{json.at("body"), json.at("method"), json.at("rule"), {}};
   for (const Json& f : json.at("figures")) {
-    cell.figures.push_back({f.at("amount"), f.at("query"), f.at("true_depth"), f.at("pair_tests"), f.at("contacts"),
-                            f.at("finished"), f.at("kept"), f.at("depth_spheres"), f.at("depth_surfaces"),
-                            number_from(f.at("normal_spheres")), number_from(f.at("normal_spheres_90")),
-                            number_from(f.at("normal_surfaces")), number_from(f.at("normal_surfaces_90")),
-                            number_from(f.at("net_spheres")), number_from(f.at("net_surfaces")), f.at("crossings"),
-                            f.at("lost"), f.at("error_bound")});
+    cell.figures.push_back({f.at("axis"), f.at("amount"), f.at("query"), f.at("true_depth"), f.at("pair_tests"),
+                            f.at("contacts"), f.at("finished"), f.at("kept"), f.at("depth_spheres"),
+                            f.at("depth_surfaces"), number_from(f.at("normal_spheres")),
+                            number_from(f.at("normal_spheres_90")), number_from(f.at("normal_surfaces")),
+                            number_from(f.at("normal_surfaces_90")), number_from(f.at("net_spheres")),
+                            number_from(f.at("net_surfaces")), f.at("crossings"), f.at("lost"), f.at("error_bound")});
   }
   return cell;
 }

@@ -30,8 +30,9 @@ std::vector<PressQuery> press_queries(const StudyPlan& plan);
 
 /// The truth about the bodies at one amount, by exact verdicts on triangles: no tree is in it.
 struct PressTruth {
-  double amount = 0;  // share of the diagonal, along the axis, from where they touch
-  RigidTransform placement;
+  Vec3 axis;                 // b is turned about it by a right angle, and pressed against it
+  double amount = 0;         // share of the diagonal, along the axis, from where they touch
+  RigidTransform placement;  // of b; a stays
   std::vector<Crossing> crossings;
   Vec3 normal;          // from b to a: minus the mean outward normal of a's surface inside b
   double depth = 0;     // how far b has to go against it for no facets to cross
@@ -40,13 +41,14 @@ struct PressTruth {
 
 /// Where a body is pressed: the same for all trees and rules.
 struct PressScene {
-  std::vector<Vec3> positions;  // of both bodies, in their own frames
-  double diagonal = 0;          // of the body at rest
-  std::vector<PressTruth> truths;
+  std::vector<Vec3> positions;     // of both bodies, in their own frames
+  double diagonal = 0;             // of the body at rest
+  std::vector<PressTruth> truths;  // axes × amounts; the shortest side of the body first
 };
 
 /// What contacts of one query say at one amount. Depths are shares of the true one; angles are in degrees.
 struct PressFigures {
+  std::string axis;        // x, y, z
   std::size_t amount = 0;  // which of the plan's
   std::size_t query = 0;   // which of press_queries
   double true_depth = 0;   // share of the diagonal at rest
@@ -66,22 +68,24 @@ struct PressFigures {
   double error_bound = 0;     // the mean, share of the diagonal at rest
 };
 
-/// One tree of one body by one rule, under all amounts and queries: amounts first.
+/// One tree of one body by one rule: axes × amounts × queries.
 struct PressCell {
   std::string body;
   std::string method;
   std::string rule;
   std::vector<PressFigures> figures;
-
-  /// nullptr when it was not measured.
-  const PressFigures* at(std::size_t amount, std::size_t query) const;
 };
 
 Json press_json(const PressCell& cell);
+/// Where b is and what is true there: enough to ask `morula collide` the same.
+Json truths_json(const std::string& body, const PressScene& scene);
+/// "x", "y" or "z"
+std::string axis_name(const Vec3& axis);
 /// Throws nlohmann::json::exception when it is none.
 PressCell press_from_json(const Json& json);
 
-/// Nothing for a body that cannot be bent, has no inside, or does not meet its copy; `skipped` then says why.
+/// From three sides. Nothing for a body that cannot be bent, has no inside, or passes its copy from all of them;
+/// `skipped` says what is left out and why.
 /// built: any tree of the body; it makes the search fast and has no part in what is found.
 std::optional<PressScene> make_press(const StudyPlan& plan, const NamedMesh& body, const Built& built,
                                      std::vector<std::string>& skipped);

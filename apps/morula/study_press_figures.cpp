@@ -23,8 +23,8 @@ struct PressMeasure {
 
 std::vector<PressMeasure> press_measures() {
   return {
-      {"", "largest depth", "largest depth", "true depths", [](const PressFigures& f) { return f.depth_surfaces; },
-       [](const PressFigures& f) { return f.depth_spheres; }},
+      {"", "largest depth", "largest depth", "over the true one",
+       [](const PressFigures& f) { return f.depth_surfaces; }, [](const PressFigures& f) { return f.depth_spheres; }},
       {"-normal", "normals", "normal error, median", "degrees", [](const PressFigures& f) { return f.normal_surfaces; },
        [](const PressFigures& f) { return f.normal_spheres; }},
       {"-net", "sum of normals", "error of the sum of normals", "degrees",
@@ -50,7 +50,7 @@ struct PressCurve {
   const PressCell* cell;
 };
 
-void add_press_group(const StudyPlan& plan, const std::string& group, const std::string& title,
+void add_press_group(const StudyPlan& plan, const std::string& group, const std::string& title, const std::string& axis,
                      const std::vector<PressCurve>& curves, std::vector<StudyFigure>& figures) {
   const std::size_t amount = plan.press_amounts.size() / 2;
   for (const PressMeasure& measure : press_measures()) {
@@ -66,7 +66,7 @@ void add_press_group(const StudyPlan& plan, const std::string& group, const std:
     const auto add = [&](const PressCurve& curve, const std::string& name, SeriesRole role, const Value& value) {
       StudySeries series{name, role, {}, {}};
       for (const PressFigures& f : curve.cell->figures) {
-        if (f.amount != amount) continue;
+        if (f.amount != amount || f.axis != axis) continue;
         series.x.push_back(static_cast<double>(f.query));
         series.y.push_back(value(f));
       }
@@ -91,6 +91,7 @@ std::vector<StudyFigure> make_press_figures(const StudyPlan& plan, const StudyRe
   std::vector<StudyFigure> figures;
   const std::string& body = plan.bodies.front().name;
   std::vector<PressCurve> generators, rules;
+  std::vector<std::string> axes;
   const bool medial = std::any_of(result.presses.begin(), result.presses.end(),
                                   [&](const PressCell& cell) { return cell.body == body && cell.method == "medial"; });
   std::string method = medial ? "medial" : "";
@@ -99,17 +100,15 @@ std::vector<StudyFigure> make_press_figures(const StudyPlan& plan, const StudyRe
     if (method.empty()) method = cell.method;
     if (cell.rule == "exact") generators.push_back({cell.method, &cell});
     if (cell.method == method) rules.push_back({rule_title(cell.rule), &cell});
+    for (const PressFigures& f : cell.figures)
+      if (std::find(axes.begin(), axes.end(), f.axis) == axes.end()) axes.push_back(f.axis);
   }
   const std::string pressed = percent(plan.press_amounts[plan.press_amounts.size() / 2]);
-  if (!generators.empty()) {
-    add_press_group(plan, "press-generators",
-                    fmt::format("Contacts of {} pressed by {} of its diagonal, rule exact", body, pressed), generators,
-                    figures);
-  }
-  if (!rules.empty()) {
-    add_press_group(plan, "press-rules",
-                    fmt::format("Contacts of {} pressed by {} of its diagonal, {} tree", body, pressed, method), rules,
-                    figures);
+  for (const std::string& axis : axes) {
+    const std::string title = fmt::format("Contacts of {} pressed along {} by {} of its diagonal", body, axis, pressed);
+    if (!generators.empty())
+      add_press_group(plan, "press-generators-" + axis, title + ", rule exact", axis, generators, figures);
+    add_press_group(plan, "press-rules-" + axis, fmt::format("{}, {} tree", title, method), axis, rules, figures);
   }
   return figures;
 }
@@ -118,14 +117,14 @@ StudyTable make_press_table(const StudyPlan& plan, const StudyResult& result) {
   StudyTable table{
       "contacts",
       "Contacts of two bodies pressed together, against exact triangles",
-      "Pressed: along the axis, % of the diagonal at rest. Depths: the largest, over the true one. Normals: "
+      "Pressed: % of the diagonal at rest along the axis. Depths: the largest, over the true one. Normals: "
       "median and 90 % of the angles from the true ones, and the angle of their sum weighted by depth, in "
       "degrees. Kept: contacts whose corrected depth is not 0; corrected figures are theirs. Lost: pairs of "
       "crossing facets in no contact. Error bound: mean, % of the diagonal.",
       false,
-      {"body",     "method",        "rule",      "pressed, %", "true depth, %", "query", "pair tests",       "contacts",
-       "finished", "kept",          "depth",     "corrected",  "normal",        "90 %",  "corrected normal", "90 %",
-       "sum",      "corrected sum", "crossings", "lost",       "error bound, %"},
+      {"body",     "method",   "rule",          "axis",      "pressed, %", "true depth, %", "query", "pair tests",
+       "contacts", "finished", "kept",          "depth",     "corrected",  "normal",        "90 %",  "corrected normal",
+       "90 %",     "sum",      "corrected sum", "crossings", "lost",       "error bound, %"},
       {}};
   const std::vector<PressQuery> queries = press_queries(plan);
   for (const PressCell& cell : result.presses) {
@@ -133,6 +132,7 @@ StudyTable make_press_table(const StudyPlan& plan, const StudyResult& result) {
       table.rows.push_back({cell.body,
                             cell.method,
                             cell.rule,
+                            f.axis,
                             100 * plan.press_amounts[f.amount],
                             100 * f.true_depth,
                             queries[f.query].name(),

@@ -3,6 +3,8 @@
 // Where a press brings two bodies, and what the triangles say there.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <morula/collide/distance.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <numbers>
@@ -16,8 +18,13 @@ namespace {
 /// Lengths are known to this share of the diagonal.
 constexpr double precision = 1e-6;
 
-int shortest_axis(const Vec3& extent) {
-  return extent.x <= extent.y && extent.x <= extent.z ? 0 : extent.y <= extent.z ? 1 : 2;
+/// The shortest first; of equals the first.
+std::array<Vec3, 3> axes_by_length(const Vec3& extent) {
+  std::array order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return extent[i] < extent[j]; });
+  std::array<Vec3, 3> axes{};
+  for (std::size_t i = 0; i < 3; ++i) axes[i][order[i]] = 1;
+  return axes;
 }
 
 /// The body and its copy, which moves.
@@ -102,6 +109,30 @@ double way_out(Pair& pair, const RigidTransform& placement, const Vec3& away, do
   return free;
 }
 
+/// Nothing when the bodies pass each other, or are through each other before the last amount.
+std::vector<PressTruth> press_along(const StudyPlan& plan, Pair& pair, const Box& box, const Vec3& axis,
+                                    double diagonal) {
+  RigidTransform turned = RigidTransform::from_axis(axis, std::numbers::pi / 2);
+  turned.translation = box.center() - turned.turn(box.center());
+  const std::optional<double> touch =
+      touching_offset(pair, turned, axis, 1.01 * std::abs(dot(box.extent(), axis)), diagonal);
+  if (!touch) return {};
+  std::vector<PressTruth> truths;
+  for (const double amount : plan.press_amounts) {
+    PressTruth truth;
+    truth.axis = axis;
+    truth.amount = amount;
+    truth.placement = moved(turned, (*touch - amount * diagonal) * axis);
+    const std::span<const Crossing> found = pair.crossings(truth.placement);
+    truth.crossings.assign(found.begin(), found.end());
+    if (truth.crossings.empty()) return {};
+    truth.normal = push_direction(pair.a(), pair.b(), truth.crossings, -axis);
+    truth.depth = way_out(pair, truth.placement, -truth.normal, amount * diagonal, diagonal);
+    truths.push_back(std::move(truth));
+  }
+  return truths;
+}
+
 }  // namespace
 
 std::optional<PressScene> make_press(const StudyPlan& plan, const NamedMesh& body, const Built& built,
@@ -118,31 +149,32 @@ std::optional<PressScene> make_press(const StudyPlan& plan, const NamedMesh& bod
   Pair pair(body.mesh, built, scene.positions);
 
   const Box box = bounding_box(Mesh{scene.positions, body.mesh.facets});
-  Vec3 axis{};
-  axis[shortest_axis(box.extent())] = 1;
-  RigidTransform turned = RigidTransform::from_axis(axis, std::numbers::pi / 2);
-  turned.translation = box.center() - turned.turn(box.center());
-  const std::optional<double> touch =
-      touching_offset(pair, turned, axis, 1.01 * std::abs(dot(box.extent(), axis)), scene.diagonal);
-  if (!touch) {
-    skipped.push_back(fmt::format("{} is not pressed: it passes its turned copy", body.name));
-    return std::nullopt;
+  for (const Vec3& axis : axes_by_length(box.extent())) {
+    std::vector<PressTruth> truths = press_along(plan, pair, box, axis, scene.diagonal);
+    if (truths.empty()) skipped.push_back(fmt::format("{} is not pressed along {}", body.name, axis_name(axis)));
+    std::move(truths.begin(), truths.end(), std::back_inserter(scene.truths));
   }
-  for (const double amount : plan.press_amounts) {
-    PressTruth truth;
-    truth.amount = amount;
-    truth.placement = moved(turned, (*touch - amount * scene.diagonal) * axis);
-    const std::span<const Crossing> found = pair.crossings(truth.placement);
-    truth.crossings.assign(found.begin(), found.end());
-    if (truth.crossings.empty()) {
-      skipped.push_back(fmt::format("{} is not pressed: {} of its diagonal is through it", body.name, amount));
-      return std::nullopt;
-    }
-    truth.normal = push_direction(pair.a(), pair.b(), truth.crossings, -axis);
-    truth.depth = way_out(pair, truth.placement, -truth.normal, amount * scene.diagonal, scene.diagonal);
-    scene.truths.push_back(std::move(truth));
-  }
+  if (scene.truths.empty()) return std::nullopt;
   return scene;
+}
+
+std::string axis_name(const Vec3& axis) {
+  return axis.x != 0 ? "x" : axis.y != 0 ? "y" : "z";
+}
+
+Json truths_json(const std::string& body, const PressScene& scene) {
+  const auto vector = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
+  Json truths = Json::array();
+  for (const PressTruth& truth : scene.truths) {
+    truths.push_back({{"axis", axis_name(truth.axis)},
+                      {"amount", truth.amount},
+                      {"turn_b", {{"axis", vector(truth.axis)}, {"degrees", 90}}},
+                      {"place_b", vector(truth.placement.translation)},
+                      {"normal", vector(truth.normal)},
+                      {"depth", truth.depth / scene.diagonal},
+                      {"crossings", truth.crossings.size()}});
+  }
+  return {{"body", body}, {"truths", truths}};
 }
 
 }  // namespace morula::cli

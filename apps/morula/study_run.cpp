@@ -175,6 +175,7 @@ class BodyRun {
     if (plan_.press_rules.empty() || sources_.empty()) return;
     const std::optional<PressScene> scene = make_press(plan_, body(), trees_.front(), result_.skipped);
     if (!scene) return;
+    result_.truths.push_back(truths_json(body().name, *scene));
     std::vector<const StudySource*> more;
     for (const StudySource& source : plan_.press_sources)
       if (source.body == body_) more.push_back(&source);

@@ -31,6 +31,7 @@ struct StudyResult {
   std::vector<StudyCell> cells;      // sources × motions × rules, in that order
   std::vector<StudyCell> mixes;      // motions × mixes of the first source
   std::vector<PressCell> presses;    // sources, and those that are only pressed, × rules of the press
+  std::vector<Json> truths;          // of the presses, one per body: truths_json
   std::vector<std::string> skipped;  // motions and presses that a body cannot make, and why
   std::vector<Built> shown;          // the first body's trees, one per source of it
   std::size_t taken_from_cache = 0;  // cells that were there already
