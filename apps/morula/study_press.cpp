@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <morula/collide/contacts.hpp>
 #include <numbers>
-#include <span>
 #include <stdexcept>
 
 #include "figures.hpp"

@@ -4,7 +4,6 @@
 // of their spheres are held against the exact triangles.
 #pragma once
 
-#include <memory>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/crossings.hpp>
 #include <optional>

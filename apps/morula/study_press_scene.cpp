@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <morula/collide/distance.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "study_press.hpp"
@@ -62,11 +64,12 @@ RigidTransform moved(RigidTransform placement, const Vec3& by) {
 }
 
 /// From `far` along the axis inwards until the bodies touch: never farther than they are proved to be apart, so that
-/// nothing is passed. Nothing when they pass each other.
+/// nothing is passed. Nothing when they pass each other, or so near that the way in is lost in small steps.
 std::optional<double> touching_offset(Pair& pair, const RigidTransform& turned, const Vec3& axis, double far,
                                       double diagonal) {
+  constexpr int most_steps = 2000;
   double offset = far;
-  while (offset > -far) {
+  for (int step = 0; offset > -far && step < most_steps; ++step) {
     const double free = pair.distance_above(moved(turned, offset * axis));
     if (free > 0.1 * precision * diagonal) {
       offset -= free;
