@@ -130,6 +130,16 @@ void require_once(const char* option, const std::vector<std::string>& names) {
       throw UsageError(fmt::format("{} names {} twice", option, names[i]));
 }
 
+/// Those that follow positions: all that were asked for, else the ones that differ most.
+std::vector<StudyRule> press_rules(const StudyPlan& plan, bool all) {
+  std::vector<StudyRule> rules;
+  for (const StudyRule& rule : plan.rules) {
+    if (rule.kind != StudyRule::Kind::update) continue;
+    if (all || rule.name == "traditional" || rule.name == "approach2" || rule.name == "exact") rules.push_back(rule);
+  }
+  return rules;
+}
+
 StudyPlan make_plan(const Options& o) {
   StudyPlan plan;
   std::vector<std::string> methods = o.methods;
@@ -160,6 +170,7 @@ StudyPlan make_plan(const Options& o) {
   if (o.quick) plan.needle_sides = 16;
   plan.motions = paper_motions();
   if (o.mixes) plan.mixes = rule_mixes(plan.depth);
+  plan.press_rules = press_rules(plan, !o.rules.empty());
   add_bodies(o, plan);
   if (!o.trees.empty()) {
     add_tree_files(o, plan);
@@ -167,6 +178,9 @@ StudyPlan make_plan(const Options& o) {
   } else {
     for (std::size_t body = 0; body < plan.bodies.size(); ++body)
       for (const std::string& method : methods) plan.sources.push_back({body, method, parse_method(method), {}});
+    if (o.methods.empty() && !o.quick)
+      for (std::size_t body = 0; body < plan.bodies.size(); ++body)
+        plan.press_sources.push_back({body, "octree", Method::octree, {}});
   }
   return plan;
 }

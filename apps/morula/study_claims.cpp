@@ -20,6 +20,7 @@ std::vector<StudyClaim> make_claims(const StudyPlan& plan, const StudyResult& re
   const Evidence evidence(plan, result, body);
   std::vector<StudyClaim> claims = paper_claims(evidence, cost);
   for (StudyClaim& claim : new_claims(evidence)) claims.push_back(std::move(claim));
+  for (StudyClaim& claim : press_claims(evidence)) claims.push_back(std::move(claim));
   return claims;
 }
 

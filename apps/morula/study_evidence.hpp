@@ -77,6 +77,8 @@ class Evidence {
     return figures == nullptr ? std::nullopt : figures->error(plan_.unit);
   }
   std::vector<double> parameters() const { return plan_.parameters(); }
+  std::vector<PressQuery> press_queries() const { return cli::press_queries(plan_); }
+  double press_amount(std::size_t which) const { return plan_.press_amounts[which]; }
   const StudyResult& result() const { return result_; }
   const std::string& body() const { return body_; }
 
@@ -105,5 +107,7 @@ inline std::vector<Case> cases(const Evidence& evidence) {
 std::vector<StudyClaim> paper_claims(const Evidence& evidence, const StudyCost* cost);
 /// What it did not measure.
 std::vector<StudyClaim> new_claims(const Evidence& evidence);
+/// About contacts.
+std::vector<StudyClaim> press_claims(const Evidence& evidence);
 
 }  // namespace morula::cli

@@ -185,10 +185,14 @@ Json figure_json(const StudyFigure& figure) {
   }
   Json json{{"id", figure.id}, {"title", figure.title}};
   if (!figure.note.empty()) json["note"] = figure.note;
-  json["x"] = {{"label", "sample"}, {"unit", "of the motion"}};
+  if (figure.x_names.empty()) {
+    json["x"] = {{"label", "sample"}, {"unit", "of the motion"}};
+  } else {
+    json["x"] = {{"label", "query"}, {"unit", "contacts"}, {"names", figure.x_names}};
+  }
   json["y"] = {{"label", figure.y_label}, {"unit", figure.y_unit}};
   if (figure.y_log) json["y"]["log"] = true;
-  json["frame_axis"] = true;
+  json["frame_axis"] = figure.x_names.empty();
   json["motion"] = figure.motion;
   json["body"] = figure.body;
   json["series"] = series;

@@ -29,10 +29,13 @@ struct StudyFigure {
   std::string y_unit;
   bool y_log = false;
   std::vector<StudySeries> series;
+  std::vector<std::string> x_names{};  // of x = 0, 1, …; none: x is the sample of the motion
 };
 
 /// Of the first body. Fig. 2 of the paper, and every rule on every tree.
 std::vector<StudyFigure> make_figures(const StudyPlan& plan, const StudyResult& result);
+/// What contacts say of a press: generators with exact, then the rules on one tree.
+std::vector<StudyFigure> make_press_figures(const StudyPlan& plan, const StudyResult& result);
 Json figure_json(const StudyFigure& figure);
 
 struct StudyTable {
@@ -44,6 +47,8 @@ struct StudyTable {
   std::vector<std::vector<Json>> rows;
 };
 Json table_json(const StudyTable& table);
+/// Every press. Without rows when there is none.
+StudyTable make_press_table(const StudyPlan& plan, const StudyResult& result);
 
 /// "Approach 1", as the paper writes it; our own rules by name.
 std::string rule_title(const std::string& rule);

@@ -49,18 +49,24 @@ Json study_json(const Study& study) {
   json["tables"] = tables;
   json["pictures"] = pictures;
   json["skipped"] = study.result.skipped;
+  Json presses = Json::array();
+  for (const PressCell& press : study.result.presses) presses.push_back(press_json(press));
   json["cells"] = cells;
+  json["presses"] = presses;
+  json["press_truths"] = study.result.truths;
   json["cost"] = cost_json(study.cost);
   return json;
 }
 
 /// A figure and its companions, sample by sample: one row per curve and sample.
 std::string figure_csv(const std::vector<const StudyFigure*>& group) {
-  std::string text = "figure,series,role,sample,y\n";
+  const std::vector<std::string>& names = group.front()->x_names;
+  std::string text = fmt::format("figure,series,role,{},y\n", names.empty() ? "sample" : "query");
   for (const StudyFigure* figure : group) {
     for (const StudySeries& s : figure->series) {
       for (std::size_t i = 0; i < s.x.size(); ++i) {
-        text += fmt::format("{},{},{},{},{}\n", figure->id, csv_cell(s.name), name(s.role), exact_digits(s.x[i]),
+        text += fmt::format("{},{},{},{},{}\n", figure->id, csv_cell(s.name), name(s.role),
+                            names.empty() ? exact_digits(s.x[i]) : csv_cell(names[static_cast<std::size_t>(s.x[i])]),
                             s.y[i] ? exact_digits(*s.y[i]) : std::string());
       }
     }
@@ -132,6 +138,7 @@ Study make_study(const StudyPlan& plan, const StudyCache& cache, Workers& worker
     of_bodies.push_back(make_claims(plan, study.result, body.name, of_bodies.empty() ? &study.cost : nullptr));
   study.claims = join_claims(of_bodies);
   study.figures = make_figures(plan, study.result);
+  for (StudyFigure& figure : make_press_figures(plan, study.result)) study.figures.push_back(std::move(figure));
   study.tables = make_tables(plan, study.result, study.cost, of_bodies);
   progress(1, "drawing");
   study.pictures = make_pictures(plan, study.result);
@@ -162,6 +169,12 @@ std::vector<std::string> study_faults(const StudyResult& result) {
       for (const StudyLevel& l : s.levels) bare = bare || l.bare_area > 0 || l.gap > 0;
     if (bare) faults.push_back(fmt::format("{} leaves surface bare ({})", cell.rule, where));
   }
+  for (const PressCell& cell : result.presses) {
+    const bool lost =
+        std::any_of(cell.figures.begin(), cell.figures.end(), [](const PressFigures& f) { return f.lost > 0; });
+    if (lost && cell.rule == "exact")
+      faults.push_back(fmt::format("exact loses a crossing ({}, {} tree, pressed)", cell.body, cell.method));
+  }
   return faults;
 }
 
@@ -181,7 +194,7 @@ std::string claims_text(const std::vector<StudyClaim>& claims) {
 
 std::string contents_text(const Study& study) {
   std::string text = "- study.json: everything; cells.csv: every measurement with all digits\n";
-  text += fmt::format("- {} figures as .svg and .csv: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*\n",
+  text += fmt::format("- {} figures as .svg and .csv: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*, press-*\n",
                       groups_of(study.figures).size() + study.pictures.size());
   text += "- tables as .csv:";
   for (const StudyTable& table : study.tables) text += ' ' + table.id;

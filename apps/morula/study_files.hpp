@@ -33,7 +33,8 @@ Study make_study(const StudyPlan& plan, const StudyCache& cache, Workers& worker
 /// Writes into a folder that exists. Each file appears whole or not at all.
 void write_study(const Study& study, const std::filesystem::path& folder);
 
-/// What must not happen: `exact` bare, or spheres that do not come back to rest. In words.
+/// What must not happen: `exact` bare, or without a crossing in its contacts, or spheres that do not come back to rest.
+/// In words.
 std::vector<std::string> study_faults(const StudyResult& result);
 
 /// For people: a claim and its verdict a line, then the numbers.

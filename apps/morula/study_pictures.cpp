@@ -18,7 +18,7 @@ int color_of(const std::string& series) {
   static const std::vector<std::pair<std::string, int>> colors{
       {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, re-fitted", 5},
       {"fresh build", 7}, {"exact", 2},      {"medial", 0},      {"grid", 2},     {"hubbard", 1},
-      {"spawn", 3},       {"morula", 7}};
+      {"spawn", 3},       {"morula", 7},     {"octree", 4}};
   for (const auto& [begin, color] : colors)
     if (series.rfind(begin, 0) == 0) return color;
   return 7;
@@ -82,12 +82,23 @@ std::vector<Column> make_columns(const StudyPlan& plan, const StudyResult& resul
 }  // namespace
 
 Plot plot_of(const std::vector<const StudyFigure*>& group) {
-  Plot plot{
-      group.front()->title, fmt::format("sample (0 is rest, the last one the full {})", group.front()->motion), {}};
+  const StudyFigure& first = *group.front();
+  Plot plot{first.title, fmt::format("sample (0 is rest, the last one the full {})", first.motion), {}};
+  if (!first.x_names.empty()) {
+    plot.x_label = "how far the query goes: a level, leaves with a budget of pair tests, all leaves";
+    plot.x_names = first.x_names;
+  }
   for (const StudyFigure* figure : group) {
     PlotPanel panel{fmt::format("{}, {}", figure->y_label, figure->y_unit), {}};
     for (const StudySeries& s : figure->series) {
       PlotLine line{s.name, s.x, s.y, color_of(s.name), PlotLine::Style::solid, s.role != SeriesRole::reference};
+      // Levels and budgets are no one sequence.
+      for (std::size_t i = 1; i < first.x_names.size() && i < line.x.size(); ++i) {
+        if (first.x_names[i - 1].rfind("level", 0) != 0 || first.x_names[i].rfind("level", 0) == 0) continue;
+        line.x.insert(line.x.begin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(i) - 0.5);
+        line.y.insert(line.y.begin() + static_cast<std::ptrdiff_t>(i), std::nullopt);
+        break;
+      }
       if (s.name.find("fresh") != std::string::npos) {
         line.style = PlotLine::Style::dots;
       } else if (!line.strong && s.name != "morula") {

@@ -105,6 +105,8 @@ Json settings_json(const StudyPlan& plan) {
   for (const Deformations& motion : plan.motions) motions.push_back(describe_all(motion));
   Json rules = Json::array();
   for (const StudyRule& rule : plan.rules) rules.push_back(rule.name);
+  Json press_rules = Json::array();
+  for (const StudyRule& rule : plan.press_rules) press_rules.push_back(rule.name);
   return {{"samples", plan.samples},
           {"parameters", plan.parameters()},
           {"fresh_poses", plan.fresh_poses},
@@ -117,6 +119,11 @@ Json settings_json(const StudyPlan& plan) {
           {"unit", plan.unit == ErrorUnit::volume ? "volume" : "box"},
           {"motions", motions},
           {"rules", rules},
+          {"press",
+           {{"pose", describe_all(plan.press_pose)},
+            {"rules", press_rules},
+            {"amounts", plan.press_amounts},
+            {"budgets", plan.press_budgets}}},
           {"sph_origin", plan.sph_origin}};
 }
 

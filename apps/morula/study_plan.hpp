@@ -56,6 +56,11 @@ struct StudyPlan {
   ErrorUnit unit = ErrorUnit::volume;
   std::size_t needle_sides = 64;  // of a prism of long thin triangles, for void spheres; 0: none
   int cost_repeats = 9;
+  std::vector<StudySource> press_sources;                         // beside `sources`: trees that are only pressed
+  std::vector<StudyRule> press_rules;                             // of kind `update`; none: nothing is pressed
+  std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};     // shares of the diagonal at rest
+  std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  // pair tests
+  Deformations press_pose{Bend{45.0, Axis::automatic}};
   std::string sph_origin = "none";
 
   /// 0 at rest, 1 at the full amount; one per sample.

@@ -66,6 +66,17 @@ Json cell_settings(const StudyPlan& plan, const StudySource& source, const Built
   return json;
 }
 
+Json press_settings(const StudyPlan& plan, const NamedMesh& body, const std::string& method, const Built& built,
+                    const StudyRule& rule) {
+  Json json = tree_settings(plan, body.mesh, method);
+  json["tree"] = hash_text(tree_hash(built.tree));
+  json["press"] = describe_all(plan.press_pose);
+  json["rule"] = rule_json(rule);
+  json["amounts"] = plan.press_amounts;
+  json["budgets"] = plan.press_budgets;
+  return json;
+}
+
 Built make_tree(const StudyPlan& plan, const StudyCache& cache, const NamedMesh& body, const StudySource& source,
                 const std::stop_token& stop) {
   if (!source.generator) return read_built(source.file, body.mesh, parse_sph_origin(plan.sph_origin, &body.mesh));
@@ -128,6 +139,7 @@ class BodyRun {
       for (StudyCell& cell : *part)
         if (!cell.samples.empty()) all.push_back(std::move(cell));
     }
+    run_presses();
     if (body_ == 0) result_.shown = std::move(trees_);
   }
 
@@ -156,6 +168,48 @@ class BodyRun {
       const std::size_t sample = i % plan_.samples;
       poses.distances[sample] = std::make_unique<SignedDistance>(Mesh{poses.motion.frames[sample], body().mesh.facets});
     });
+  }
+
+  /// All trees, and those that are made for this alone.
+  void run_presses() {
+    if (plan_.press_rules.empty() || sources_.empty()) return;
+    const std::optional<PressScene> scene = make_press(plan_, body(), trees_.front(), result_.skipped);
+    if (!scene) return;
+    result_.truths.push_back(truths_json(body().name, *scene));
+    std::vector<const StudySource*> more;
+    for (const StudySource& source : plan_.press_sources)
+      if (source.body == body_) more.push_back(&source);
+    std::vector<Built> others(more.size());
+    workers_.run(more.size(), [&](std::size_t i) { others[i] = make_tree(plan_, cache_, body(), *more[i], stop_); });
+    const std::size_t rules = plan_.press_rules.size();
+    std::vector<PressCell> cells((sources_.size() + more.size()) * rules);
+    workers_.run(cells.size(), [&](std::size_t i) {
+      const std::size_t s = i / rules;
+      const bool ours = s < sources_.size();
+      const std::string& method = ours ? sources_[s]->method : more[s - sources_.size()]->method;
+      const Built& built = ours ? trees_[s] : others[s - sources_.size()];
+      cells[i] = press(*scene, method, built, plan_.press_rules[i % rules]);
+    });
+    for (PressCell& cell : cells) result_.presses.push_back(std::move(cell));
+  }
+
+  PressCell press(const PressScene& scene, const std::string& method, const Built& built, const StudyRule& rule) const {
+    if (stop_.stop_requested()) throw BuildStopped();
+    counter_.next(fmt::format("{} {} pressed, {}", body().name, method, rule.name));
+    const std::string stem = fmt::format("{}-{}-press-{}", body().name, method, rule.name);
+    const Json settings = press_settings(plan_, body(), method, built, rule);
+    if (const std::optional<Json> stored = cache_.find(stem, settings)) {
+      try {
+        PressCell cell = press_from_json(*stored);
+        cell.body = body().name;
+        counter_.reused();
+        return cell;
+      } catch (const Json::exception&) {  // not ours: measured anew
+      }
+    }
+    PressCell cell = run_press(plan_, body(), method, built, scene, rule, stop_);
+    cache_.store(stem, settings, press_json(cell));
+    return cell;
   }
 
   void run_task(const CellTask& task) const {
@@ -207,42 +261,11 @@ void run_needles(const StudyPlan& plan, const StudyCache& cache, Workers& worker
 
 }  // namespace
 
-const StudyCell* StudyResult::find(std::string_view body, std::string_view method, std::string_view motion,
-                                   std::string_view rule) const {
-  for (const StudyCell& cell : cells)
-    if (cell.body == body && cell.method == method && cell.motion == motion && cell.rule == rule) return &cell;
-  return nullptr;
-}
-
-std::vector<TreeLevel> tree_levels(const Mesh& mesh, const Built& built) {
-  std::vector<bool> used(mesh.vertex_count(), false);
-  for (const Facet& facet : mesh.facets)
-    for (const std::uint32_t vertex : facet) used[vertex] = true;
-  const SphereTree& tree = built.tree;
-  std::vector<TreeLevel> levels(tree.level_count());
-  for (std::size_t level = 0; level < levels.size(); ++level) {
-    for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
-      ++levels[level].nodes;
-      bool empty = true;
-      for (std::size_t v = 0; v < used.size() && empty; ++v)
-        empty = !used[v] || power(tree.spheres[node], mesh.positions[v]) > 0;
-      levels[level].void_spheres += empty ? 1 : 0;
-    }
-    if (level < built.report.growth.size()) levels[level].grown = built.report.growth[level].grown;
-  }
-  return levels;
-}
-
-std::size_t shown_tree(const StudyPlan& plan, const StudyResult& result) {
-  for (std::size_t i = 0; i < result.trees.size() && result.trees[i].body == plan.bodies.front().name; ++i)
-    if (result.trees[i].method == "medial") return i;
-  return 0;
-}
-
 StudyResult run_study(const StudyPlan& plan, const StudyCache& cache, Workers& workers, const std::stop_token& stop,
                       const std::function<void(double, std::string)>& progress) {
   std::size_t total = plan.sources.size() * (1 + plan.motions.size() * plan.rules.size());
   total += plan.motions.size() * plan.mixes.size();
+  total += (plan.sources.size() + plan.press_sources.size()) * plan.press_rules.size();
   if (plan.needle_sides > 0)
     total += static_cast<std::size_t>(std::count_if(plan.sources.begin(), plan.sources.end(),
                                                     [](const StudySource& s) { return s.body == 0 && s.generator; }));

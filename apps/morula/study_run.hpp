@@ -8,6 +8,7 @@
 
 #include "study_cache.hpp"
 #include "study_cell.hpp"
+#include "study_press.hpp"
 
 namespace morula::cli {
 
@@ -29,14 +30,17 @@ struct StudyResult {
   std::vector<StudyTree> needles;    // the same generators on the prism of long thin triangles
   std::vector<StudyCell> cells;      // sources × motions × rules, in that order
   std::vector<StudyCell> mixes;      // motions × mixes of the first source
-  std::vector<std::string> skipped;  // motions that a body cannot make, and why
+  std::vector<PressCell> presses;    // sources, and those that are only pressed, × rules of the press
+  std::vector<Json> truths;          // of the presses, one per body: truths_json
+  std::vector<std::string> skipped;  // motions and presses that a body cannot make, and why
   std::vector<Built> shown;          // the first body's trees, one per source of it
   std::size_t taken_from_cache = 0;  // cells that were there already
-  std::size_t cell_count() const { return cells.size() + mixes.size(); }
+  std::size_t cell_count() const { return cells.size() + mixes.size() + presses.size(); }
 
   /// nullptr when there is none.
   const StudyCell* find(std::string_view body, std::string_view method, std::string_view motion,
                         std::string_view rule) const;
+  const PressCell* find_press(std::string_view body, std::string_view method, std::string_view rule) const;
 };
 
 /// A stop was requested; finished cells are kept.

@@ -208,6 +208,7 @@ std::vector<StudyTable> make_tables(const StudyPlan& plan, const StudyResult& re
   tables.push_back(rule_table(plan, result));
   if (StudyTable floor = floor_table(plan, result); !floor.rows.empty()) tables.push_back(std::move(floor));
   tables.push_back(tree_table(result));
+  if (!result.presses.empty()) tables.push_back(make_press_table(plan, result));
   if (!plan.mixes.empty()) add_mix_tables(plan, result, cost, tables);
   tables.push_back(cost_table(cost));
   return tables;

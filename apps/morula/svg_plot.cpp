@@ -120,7 +120,7 @@ std::string draw_labels(const PlotPanel& panel, const Frame& frame) {
   return svg;
 }
 
-std::string draw_axes(const PlotPanel& panel, const Frame& frame, bool with_x, const std::string& x_label) {
+std::string draw_axes(const PlotPanel& panel, const Frame& frame, bool with_x, const Plot& plot) {
   std::string svg;
   const bool tall = frame.y0 - frame.y1 > 150;
   const Ticks y = round_ticks(0, frame.high_y, tall ? 6 : 3);
@@ -129,12 +129,18 @@ std::string draw_axes(const PlotPanel& panel, const Frame& frame, bool with_x, c
     svg += fmt::format("<text class=\"t\" text-anchor=\"end\" x=\"{:.1f}\" y=\"{:.1f}\">{:.{}f}</text>\n", frame.x0 - 8,
                        frame.y(value) + 4, value, y.decimals);
   }
-  const Ticks x = round_ticks(frame.low_x, frame.high_x, 7);
-  for (const double value : x.values) {
-    svg += fmt::format("<path class=\"a\" d=\"M{:.1f} {:.1f}v5\"/>", frame.x(value), frame.y0);
+  Ticks x = round_ticks(frame.low_x, frame.high_x, 7);
+  if (!plot.x_names.empty()) {
+    x.values.clear();
+    for (std::size_t i = 0; i < plot.x_names.size(); ++i) x.values.push_back(static_cast<double>(i));
+  }
+  for (std::size_t i = 0; i < x.values.size(); ++i) {
+    const double at = frame.x(x.values[i]);
+    svg += fmt::format("<path class=\"a\" d=\"M{:.1f} {:.1f}v5\"/>", at, frame.y0);
     if (with_x) {
-      svg += fmt::format("<text class=\"t\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{:.{}f}</text>\n",
-                         frame.x(value), frame.y0 + 19, value, x.decimals);
+      svg += fmt::format(
+          "<text class=\"t\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", at, frame.y0 + 19,
+          plot.x_names.empty() ? fmt::format("{:.{}f}", x.values[i], x.decimals) : svg_escaped(plot.x_names[i]));
     }
   }
   svg += fmt::format("<path class=\"a\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>\n", frame.x0, frame.y0, frame.x1);
@@ -142,7 +148,7 @@ std::string draw_axes(const PlotPanel& panel, const Frame& frame, bool with_x, c
                      svg_escaped(panel.label));
   if (with_x) {
     svg += fmt::format("<text class=\"t\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                       0.5 * (frame.x0 + frame.x1), frame.y0 + 37, svg_escaped(x_label));
+                       0.5 * (frame.x0 + frame.x1), frame.y0 + 37, svg_escaped(plot.x_label));
   }
   return svg;
 }
@@ -209,7 +215,7 @@ std::string svg_plot(const Plot& plot) {
     y += between;
     const double panel_height = i == 0 ? first_height : other_height;
     const Frame frame{left, width - right, y + panel_height, y, low_x, high_x, 1.04 * highest(panel)};
-    svg += draw_axes(panel, frame, i + 1 == plot.panels.size(), plot.x_label);
+    svg += draw_axes(panel, frame, i + 1 == plot.panels.size(), plot);
     for (const bool strong : {false, true})
       for (const PlotLine& line : panel.lines)
         if (line.strong == strong) svg += draw_line(line, frame);

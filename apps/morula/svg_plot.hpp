@@ -27,7 +27,8 @@ struct PlotPanel {
 struct Plot {
   std::string title;
   std::string x_label;
-  std::vector<PlotPanel> panels;  // the first one is the tallest
+  std::vector<PlotPanel> panels;       // the first one is the tallest
+  std::vector<std::string> x_names{};  // of x = 0, 1, …; none: numbers
 };
 
 /// Without fonts, scripts or colours of the page: a file by itself, or inline. The same plot gives the same bytes.

@@ -54,7 +54,9 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
   std::set<std::string> figures;
   for (const json& figure : data["figures"]) {
     figures.insert(figure["id"].get<std::string>());
-    EXPECT_TRUE(figure["frame_axis"].get<bool>());
+    const bool pressed = figure["motion"] == "press";
+    EXPECT_NE(figure["frame_axis"].get<bool>(), pressed) << figure["id"];
+    const double last = pressed ? static_cast<double>(figure["x"]["names"].size()) - 1 : 3;
     EXPECT_FALSE(figure["y"]["unit"].get<std::string>().empty());
     ASSERT_FALSE(figure["series"].empty()) << figure["id"];
     for (const json& series : figure["series"]) {
@@ -62,12 +64,13 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
       EXPECT_EQ(std::set<std::string>({"method", "reference", "bare"}).count(series["role"]), 1u);
       for (const json& x : series["x"]) {
         EXPECT_GE(x.get<double>(), 0);
-        EXPECT_LE(x.get<double>(), 3);
+        EXPECT_LE(x.get<double>(), last);
       }
     }
   }
   for (const char* id : {"fig2a", "fig2a-bare", "fig2a-gap", "fig2a-protrusion", "fig2b", "fig2c-stretch",
-                         "fig2c-twist", "fig2c-bend", "fig2d-stretch", "fig2d-twist-bare", "fig2d-bend"}) {
+                         "fig2c-twist", "fig2c-bend", "fig2d-stretch", "fig2d-twist-bare", "fig2d-bend",
+                         "press-generators-z", "press-generators-x-normal", "press-rules-y", "press-rules-x-lost"}) {
     EXPECT_EQ(figures.count(id), 1u) << id;
   }
   std::set<std::string> claims;
@@ -85,7 +88,7 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
   }
   ASSERT_EQ(data["pictures"].size(), 1u);
   EXPECT_EQ(data["pictures"][0]["svg"].get<std::string>(), bench().read("study/fig1.svg"));
-  for (const char* name : {"fig1.svg", "fig2a.svg", "fig2d-bend.svg"}) {
+  for (const char* name : {"fig1.svg", "fig2a.svg", "fig2d-bend.svg", "press-rules-z.svg"}) {
     const std::string svg = bench().read(std::string("study/") + name);
     EXPECT_EQ(svg.rfind("<svg", 0), 0u) << name;
     EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n") << name;
@@ -96,7 +99,8 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
 TEST_F(StudyCommand, has_the_same_figures_for_any_number_of_threads) {
   bench().require(small + " -o two --threads 2");
   EXPECT_TRUE(untimed(study()) == untimed(study("two")));
-  for (const char* file : {"cells.csv", "fig2a.csv", "fig1.svg", "fig2c-twist.svg", "rules.csv", "trees.csv"})
+  for (const char* file : {"cells.csv", "fig2a.csv", "fig1.svg", "fig2c-twist.svg", "rules.csv", "trees.csv",
+                           "contacts.csv", "press-generators-z.svg"})
     EXPECT_TRUE(bench().read(std::string("study/") + file) == bench().read(std::string("two/") + file)) << file;
 }
 
@@ -117,6 +121,7 @@ TEST_F(StudyCommand, goes_on_from_the_cells_that_are_there) {
   EXPECT_EQ(out.find("; 0 of "), std::string::npos) << out;
   EXPECT_TRUE(bench().read("again/study.json") == bench().read("study/study.json"));
   EXPECT_TRUE(bench().read("again/cells.csv") == bench().read("study/cells.csv"));
+  EXPECT_TRUE(bench().read("again/contacts.csv") == bench().read("study/contacts.csv"));
 }
 
 TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
@@ -153,6 +158,99 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
   EXPECT_EQ(expected["exact-covers"], "holds");
   EXPECT_EQ(expected["refitted-covers"], "holds");
   EXPECT_EQ(expected["returns-to-rest"], "holds");
+}
+
+TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
+  const json data = study();
+  const json& settings = data["settings"]["press"];
+  std::map<std::string, int> cells;
+  for (const json& press : data["presses"]) {
+    ++cells[press["rule"].get<std::string>()];
+    // Level 1, the budgets, all leaves.
+    const std::size_t queries = settings["budgets"].size() + 2;
+    ASSERT_EQ(press["figures"].size(), 3 * settings["amounts"].size() * queries);
+    for (std::size_t i = 0; i < press["figures"].size(); ++i) {
+      const json& f = press["figures"][i];
+      const std::size_t query = f["query"];
+      ASSERT_EQ(query, i % queries);
+      const double amount = settings["amounts"][f["amount"].get<std::size_t>()];
+      EXPECT_LE(f["true_depth"].get<double>(), amount * (1 + 1e-9));
+      EXPECT_GT(f["true_depth"].get<double>(), 0.5 * amount);
+      EXPECT_GT(f["crossings"].get<int>(), 0);
+      EXPECT_LE(f["kept"].get<int>(), f["contacts"].get<int>());
+      if (query >= 1 && query <= settings["budgets"].size()) {
+        EXPECT_LE(f["pair_tests"].get<int>(), settings["budgets"][query - 1].get<int>());
+      }
+      if (query >= 2) {
+        EXPECT_GE(f["finished"].get<int>(), press["figures"][i - 1]["finished"].get<int>());
+      }
+      if (query + 1 == queries) {
+        EXPECT_EQ(f["finished"], f["contacts"]);
+      }
+      if (press["rule"] != "exact") continue;
+      EXPECT_EQ(f["lost"], 0) << press["method"] << i;
+    }
+  }
+  EXPECT_EQ(cells, (std::map<std::string, int>{{"approach2", 4}, {"exact", 4}, {"traditional", 4}}));
+  // Two ways to the truth: the normal is a sum along the curve of crossings, the depth a search for the way out.
+  for (const json& truth : data["press_truths"][0]["truths"]) {
+    if (truth["amount"].get<double>() > 0.01) continue;
+    const std::size_t axis = truth["axis"].get<std::string>()[0] - 'x';
+    EXPECT_NEAR(truth["depth"].get<double>() / truth["amount"].get<double>(), -truth["normal"][axis].get<double>(), 0.1)
+        << truth;
+  }
+  for (const std::string rule : {"exact", "approach2", "traditional"}) {
+    int lost = 0;
+    int total = 0;
+    for (const json& press : data["presses"]) {
+      if (press["rule"] != rule) continue;
+      for (const json& f : press["figures"]) {
+        const bool every = rule == "exact";
+        if (!every && f["query"] != settings["budgets"].size() + 1) continue;
+        lost += f["lost"] > 0 ? 1 : 0;
+        ++total;
+      }
+    }
+    const std::string id = rule == "exact" ? "exact-keeps-crossings" : rule + "-loses-crossings";
+    const auto claim =
+        std::find_if(data["claims"].begin(), data["claims"].end(), [&](const json& c) { return c["id"] == id; });
+    ASSERT_NE(claim, data["claims"].end());
+    EXPECT_EQ((*claim)["verdict"], judged(rule == "exact" ? total - lost : lost, total)) << id;
+  }
+}
+
+/// On a bar that Approach 2 leaves bare where it is pressed.
+TEST_F(StudyCommand, a_press_is_what_collide_finds_there) {
+  bench().require("sample bar -o bar.obj --resolution 16");
+  bench().require(
+      "study --quick -o pressed --mesh bar.obj --depth 3 --methods octree --rules approach2,exact --frames 3 "
+      "--resolution 16");
+  bench().require("build bar.obj -o bar.morula --method octree --depth 3");
+  bench().require("deform bar.obj -o bent --bend 45 --frames 2 --one-way");
+  const json data = study("pressed");
+  const json& truths = data["press_truths"][0]["truths"];
+  const auto words = [](const json& v) { return v[0].dump() + "," + v[1].dump() + "," + v[2].dump(); };
+  std::map<std::string, std::size_t> lost;
+  for (const json& press : data["presses"]) {
+    const std::string rule = press["rule"];
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+      const json found = bench()
+                             .require(
+                                 "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --motion-a bent "
+                                 "--motion-b bent --exact --json --rule " +
+                                 rule + " --turn-b " + words(truths[i]["turn_b"]["axis"]) + ",90 --place-b " +
+                                 words(truths[i]["place_b"]))
+                             .json()["frames"][1];
+      const json& leaves = press["figures"][(i + 1) * press["figures"].size() / truths.size() - 1];
+      const auto crossings = leaves["crossings"].get<std::size_t>();
+      EXPECT_EQ(found["contacts"].size(), leaves["contacts"].get<std::size_t>());
+      EXPECT_EQ(found["facet_pairs"].size(), crossings - leaves["lost"].get<std::size_t>());
+      EXPECT_EQ(crossings, truths[i]["crossings"].get<std::size_t>());
+      lost[rule] += leaves["lost"].get<std::size_t>();
+    }
+  }
+  EXPECT_EQ(lost["exact"], 0u);
+  EXPECT_GT(lost["approach2"], 0u);
 }
 
 TEST_F(StudyCommand, its_figures_come_again_from_files) {
