@@ -6,6 +6,10 @@
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/update/refit.hpp>
+#include <optional>
 #include <set>
 
 #include "specimens.hpp"
@@ -137,6 +141,36 @@ TEST_F(LazyBodies, carry_fronts_between_lazy_and_full_frames) {
     ASSERT_TRUE(frame == 0 ? query.start() : query.carry());
     EXPECT_EQ(nodes_of(query.contacts()), expected) << frame;
   }
+}
+
+TEST(RefittedContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_epoch) {
+  const Mesh mesh = sample_body("limb", 12);
+  RefittedBody limb(mesh, build(mesh, quick), {.rebuild_every = 2, .gain = -1e9, .thread = RefitThread::caller});
+  Specimen torus("torus", 8, quick);
+  torus.place(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
+  std::optional<Collider> collider;
+  ContactQuery query({.exact = true});
+  std::uint64_t epoch = limb.epoch();
+  std::size_t swaps = 0, crossings = 0;
+  for (int frame = 0; frame <= 12; ++frame) {
+    const std::vector<Vec3> positions = deform(mesh, {Twist{120}}, frame / 12.0);
+    ASSERT_TRUE(limb.update(positions));
+    const bool other = !collider || limb.epoch() != epoch;
+    if (other) {
+      swaps += frame > 0;
+      epoch = limb.epoch();
+      collider.emplace(mesh, limb.body());
+      query.clear();
+      query.add(*collider, *torus.collider);
+    }
+    collider->set_positions(positions);
+    ASSERT_TRUE(other ? query.start() : query.carry());
+    const auto expected = facets_of(brute_force::crossings(*collider, *torus.collider));
+    EXPECT_EQ(facets_of(query.contacts().crossings), expected) << frame;
+    crossings += expected.size();
+  }
+  EXPECT_GT(swaps, 2u);
+  EXPECT_GT(crossings, 100u);
 }
 
 }  // namespace
