@@ -11,7 +11,7 @@ if(WAY STREQUAL find_package)
   execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${FOLDER}/prefix" --component development
     OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
-  # The example of README, as it stands there, on a mesh of that name.
+  # The example of README, as it stands there, on meshes of those names.
   file(READ "${SOURCE}/README.md" readme)
   if(NOT readme MATCHES "```cpp\n#include <morula/morula.hpp>\n([^`]*)```")
     message(FATAL_ERROR "README.md has no C++ example that starts with #include <morula/morula.hpp>.")
@@ -24,6 +24,7 @@ int main() {
 }
 ")
   configure_file("${MESH}" "${FOLDER}/liver.obj" COPYONLY)
+  configure_file("${MESH}" "${FOLDER}/tool.obj" COPYONLY)
 
   list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
     -D "README_EXAMPLE=${FOLDER}/readme_example.cpp")
