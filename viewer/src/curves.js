@@ -29,7 +29,8 @@ function aligned(series) {
 
 export class Curves {
   /**
-   * content: {series: [{name, x, y, colour, strong, role}], xLabel, yLabel, log, frames: whether x is the frame}.
+   * content: {series: [{name, x, y, colour, strong, role}], xLabel, yLabel, log, frames: whether x is the frame,
+   * names: of x = 0, 1, 2 …, when these are kinds and not numbers}.
    * onframe(frame): the reader pressed or dragged there.
    */
   constructor(place, height, onframe) {
@@ -67,6 +68,9 @@ export class Curves {
       ...more,
     });
     const ranges = log ? {} : { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? high * 1.06 : 1] };
+    const { names } = content;
+    const kinds = { splits: () => names.map((_, i) => i), values: () => names, space: 1 };
+    const numbers = { space: 44, incrs: content.frames ? [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] : undefined };
     this.plot = new uPlot(
       {
         width,
@@ -74,9 +78,9 @@ export class Curves {
         padding: [8, 8, 0, 0],
         legend: { show: false },
         cursor: { x: false, y: false, drag: { x: false, y: false }, points: { show: false } },
-        scales: { x: { time: false }, y: { distr: log ? 3 : 1, ...ranges } },
+        scales: { x: { time: false, ...(names ? { range: [-0.3, names.length - 0.7] } : {}) }, y: { distr: log ? 3 : 1, ...ranges } },
         axes: [
-          axis(content.xLabel, { size: 24, space: 44, incrs: content.frames ? [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] : undefined }),
+          axis(content.xLabel, { size: 24, ...(names ? kinds : numbers) }),
           axis(content.yLabel, { size: 46, ...(log ? { filter: decades, grid: { stroke: styleValue('--line'), width: 1, filter: decades } } : {}), space: log ? 18 : 28, values: (_, splits) => splits.map((v) => (v === null ? '' : figure(v))) }),
         ],
         series: [
@@ -87,7 +91,7 @@ export class Curves {
             width: s.strong ? 2.4 : 1.3,
             alpha: s.strong === false ? 0.65 : 1,
             dash: dashes[s.role],
-            points: { show: s.x.length === 1, size: 6 },
+            points: { show: names !== undefined || s.x.length === 1, size: 6, fill: s.colour },
             spanGaps: false,
           })),
         ],

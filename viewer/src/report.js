@@ -108,7 +108,7 @@ export class Report {
           name: s.name, x: list(s.x), y: list(s.y), role: s.role,
           colour: s.role === 'reference' ? getComputedStyle(document.documentElement).getPropertyValue('--muted').trim() : colours[k],
         })),
-        xLabel: labelled(spec.x), yLabel: labelled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis),
+        xLabel: labelled(spec.x), yLabel: labelled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
       });
       this.curves.push({ curves, spec, content });
       curves.content = content(); // drawn as soon as it has a width
