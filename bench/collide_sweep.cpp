@@ -75,10 +75,11 @@ RigidTransform anywhere(Random& random, double reach) {
 }
 
 struct Tally {
-  std::atomic<std::size_t> crossings{0}, poses_crossing{0}, answers{0}, missed{0}, refused{0}, other_end{0};
+  std::atomic<std::size_t> crossings{0}, poses_crossing{0}, answers{0}, missed{0}, refused{0}, other_end{0},
+      other_pairs{0};
 };
 
-void try_pose(Actor& a, Actor& b, std::uint64_t seed, Tally& tally) {
+void try_pose(Actor& a, Actor& b, Crossings& exact, std::uint64_t seed, Tally& tally) {
   Random random(seed);
   const double amplitude = random.uniform(0, 0.12);
   a.deform(random, amplitude);
@@ -95,6 +96,8 @@ void try_pose(Actor& a, Actor& b, std::uint64_t seed, Tally& tally) {
   };
   const auto see = [&] {
     crossings = brute_force::crossings(a.collider, b.collider);
+    morula::crossings(a.collider, b.collider, exact);
+    tally.other_pairs += !std::equal(crossings.begin(), crossings.end(), exact.pairs().begin(), exact.pairs().end());
     tally.crossings += crossings.size();
     tally.poses_crossing += !crossings.empty();
     const Contacts contacts = collide(a.collider, b.collider);
@@ -144,15 +147,17 @@ Result sweep_poses(std::size_t poses, const Settings& settings) {
   result.seconds.push_back(seconds_of([&] {
     parallel_for(*settings.workers, poses, 64, [&](std::size_t begin, std::size_t end) {
       std::vector<std::unique_ptr<Actor>> left, right;
+      Crossings exact;
       for (const Small& small : bodies) {
         left.push_back(std::make_unique<Actor>(small));
         right.push_back(std::make_unique<Actor>(small));
       }
       for (std::size_t pose = begin; pose < end; ++pose)
-        try_pose(*left[pose % bodies.size()], *right[pose / bodies.size() % bodies.size()], pose + 1, tally);
+        try_pose(*left[pose % bodies.size()], *right[pose / bodies.size() % bodies.size()], exact, pose + 1, tally);
     });
   }));
   result.expect(tally.missed == 0, std::to_string(tally.missed) + " crossings missed");
+  result.expect(tally.other_pairs == 0, "other facet pairs than by brute force");
   result.expect(tally.refused == 0, "a query was refused");
   result.expect(tally.other_end == 0, "an interrupted query ended elsewhere");
   result.expect(tally.crossings > poses, "hardly anything crossed");

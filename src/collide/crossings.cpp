@@ -181,9 +181,8 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
     return all;
   };
   const auto apart = [](const Box& s, const Box& t) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (s.lower[axis] > t.upper[axis] || t.lower[axis] > s.upper[axis]) return true;
-    return false;
+    return s.lower.x > t.upper.x || t.lower.x > s.upper.x || s.lower.y > t.upper.y || t.lower.y > s.upper.y ||
+           s.lower.z > t.upper.z || t.lower.z > s.upper.z;
   };
   const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
   std::vector<Crossing> found;
