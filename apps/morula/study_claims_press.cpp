@@ -50,13 +50,15 @@ std::string where_text(const Evidence& evidence, const PressCell& cell, const Pr
   return fmt::format("{}, along {}, by {}", cell.method, f.axis, percent(evidence.press_amount(f.amount)));
 }
 
+/// What nothing has been measured for, so far.
+StudyClaim new_claim(std::string id, std::string claim, std::vector<std::string> figures) {
+  return {std::move(id), "new", std::move(claim), "untested", "", std::move(figures)};
+}
+
 StudyClaim lost_claim(const Evidence& evidence, const std::string& rule) {
-  StudyClaim claim{rule + "-loses-crossings",
-                   "new",
-                   fmt::format("Contacts of {} lose facets that cross", rule_title(rule)),
-                   "untested",
-                   "",
-                   rule_figures(evidence, "-lost")};
+  StudyClaim claim =
+      new_claim(rule + "-loses-crossings", fmt::format("Contacts of {} lose facets that cross", rule_title(rule)),
+                rule_figures(evidence, "-lost"));
   std::size_t with = 0;
   std::size_t total = 0;
   double worst = 0;
@@ -77,12 +79,9 @@ StudyClaim lost_claim(const Evidence& evidence, const std::string& rule) {
 }
 
 StudyClaim complete_claim(const Evidence& evidence) {
-  StudyClaim claim{"exact-keeps-crossings",
-                   "new",
-                   "Contacts of exact lose no facets that cross, at any level and budget",
-                   "untested",
-                   "",
-                   rule_figures(evidence, "-lost")};
+  StudyClaim claim =
+      new_claim("exact-keeps-crossings", "Contacts of exact lose no facets that cross, at any level and budget",
+                rule_figures(evidence, "-lost"));
   std::size_t kept = 0;
   std::size_t total = 0;
   std::size_t crossings = 0;
@@ -101,12 +100,10 @@ StudyClaim complete_claim(const Evidence& evidence) {
 }
 
 StudyClaim depth_claim(const Evidence& evidence) {
-  StudyClaim claim{"corrected-depth",
-                   "new",
-                   "The largest corrected depth of leaf contacts of exact is nearer to the truth than that of spheres",
-                   "untested",
-                   "",
-                   rule_figures(evidence, "")};
+  StudyClaim claim =
+      new_claim("corrected-depth",
+                "The largest corrected depth of leaf contacts of exact is nearer to the truth than that of spheres",
+                rule_figures(evidence, ""));
   std::size_t nearer = 0;
   std::vector<double> spheres, surfaces;
   for (const PressCell* cell : presses_of(evidence, "exact")) {
@@ -128,8 +125,8 @@ StudyClaim depth_claim(const Evidence& evidence) {
 }
 
 StudyClaim refine_claim(const Evidence& evidence) {
-  StudyClaim claim{"budgets-refine", "new", "More budget never finishes fewer contacts",
-                   "untested",       "",    rule_figures(evidence, "")};
+  StudyClaim claim =
+      new_claim("budgets-refine", "More budget never finishes fewer contacts", rule_figures(evidence, ""));
   std::size_t refined = 0;
   std::size_t total = 0;
   const std::vector<PressQuery> queries = evidence.press_queries();

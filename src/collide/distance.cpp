@@ -101,7 +101,7 @@ class Search {
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
     answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
-    is_placeholder_ = true;
+    is_of_facets_ = false;
     slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
     ++version_;
   }
@@ -198,8 +198,8 @@ class Search {
     const NearestPair found = nearest_pair(facet_a.corners, facet_b.corners);
     const bool is_first =
         facet_a.facet != answer_.a.facet ? facet_a.facet < answer_.a.facet : facet_b.facet < answer_.b.facet;
-    if (found.upper < answer_.upper || (found.upper == answer_.upper && (is_placeholder_ || is_first))) {
-      is_placeholder_ = false;
+    if (found.upper < answer_.upper || (found.upper == answer_.upper && (!is_of_facets_ || is_first))) {
+      is_of_facets_ = true;
       answer_.upper = found.upper;
       answer_.crossing = found.crossing;
       answer_.a = {facet_a.facet, found.a, found.point_a};
@@ -265,7 +265,7 @@ class Search {
   double looked_at_ = infinity;  // least lower bound among pairs that will not be looked at again
   Slab slab_{{}, {}};
   std::uint32_t version_ = 0;  // of slab_
-  bool is_placeholder_ = false;
+  bool is_of_facets_ = true;   // the witnesses are the nearest points of two facets that were tried
   bool is_settled_ = false;
 };
 

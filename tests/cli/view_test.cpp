@@ -30,9 +30,15 @@ nlohmann::json manifest(const std::string& page) {
   return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
-TEST(ViewCommand, writes_one_page_with_everything_in_it) {
+/// A build without npm has no page to test: has_page() then checks what the command says about that.
+struct ViewCommand : ::testing::Test {
+  void SetUp() override {
+    if (!has_page(bench)) GTEST_SKIP() << "this build has no page: scripts/setup brings node and npm; then build again";
+  }
   const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+};
+
+TEST_F(ViewCommand, writes_one_page_with_everything_in_it) {
   bench.require("sample limb -o limb.obj --resolution 16");
   bench.require("build limb.obj -o limb.morula --method grid --depth 2");
   bench.require("deform limb.obj -o bend --bend 90 --frames 5");
@@ -64,9 +70,7 @@ TEST(ViewCommand, writes_one_page_with_everything_in_it) {
   EXPECT_EQ(page.find("@import"), std::string::npos);
 }
 
-TEST(ViewCommand, same_bytes_for_any_number_of_threads) {
-  const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+TEST_F(ViewCommand, same_bytes_for_any_number_of_threads) {
   bench.require("sample torus -o torus.obj --resolution 16");
   bench.require("build torus.obj -o torus.morula --method grid --depth 2");
   bench.require("deform torus.obj -o twist.npy --twist 60 --frames 4");
@@ -75,9 +79,7 @@ TEST(ViewCommand, same_bytes_for_any_number_of_threads) {
   EXPECT_EQ(bench.read("one.html"), bench.read("three.html"));
 }
 
-TEST(ViewCommand, takes_bare_trees_open_meshes_and_bodies_at_rest) {
-  const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+TEST_F(ViewCommand, takes_bare_trees_open_meshes_and_bodies_at_rest) {
   bench.require("convert probe.morula probe.sph");
   bench.require("view probe.obj probe.sph -o sph.html");
   bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nf 1 2 3\nf 2 4 3\n");
@@ -90,9 +92,7 @@ TEST(ViewCommand, takes_bare_trees_open_meshes_and_bodies_at_rest) {
 }
 
 /// 86,490 facets, 25 frames, up to 585 spheres: what a page has to hold in 25 MB.
-TEST(ViewCommand, a_large_body_in_25_frames_stays_under_25_megabytes) {
-  const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+TEST_F(ViewCommand, a_large_body_in_25_frames_stays_under_25_megabytes) {
   bench.require("sample limb -o limb.obj --resolution 186");
   bench.require("build limb.obj -o limb.morula --method octree --depth 3");
   bench.require("deform limb.obj -o bend.npy --bend 90 --frames 25");
@@ -102,9 +102,7 @@ TEST(ViewCommand, a_large_body_in_25_frames_stays_under_25_megabytes) {
   EXPECT_LT(report["bytes"], 25 * megabyte);
 }
 
-TEST(ViewCommand, text_from_outside_stays_text) {
-  const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+TEST_F(ViewCommand, text_from_outside_stays_text) {
   bench.write("study.json",
               R"({"claims": [{"id": "a", "claim": "</script><script>alert(1)</script>"}], "figures": []})");
   bench.require("view probe.obj probe.morula -o study.html --study study.json --title '</title><b>'");
@@ -114,9 +112,7 @@ TEST(ViewCommand, text_from_outside_stays_text) {
   EXPECT_EQ(manifest(page)["study"]["claims"][0]["claim"], "</script><script>alert(1)</script>");
 }
 
-TEST(ViewCommand, refuses_bad_input_and_writes_nothing) {
-  const Workbench bench;
-  if (!has_page(bench)) GTEST_SKIP() << "built without the page";
+TEST_F(ViewCommand, refuses_bad_input_and_writes_nothing) {
   bench.require("sample limb -o other.obj --resolution 8");
   bench.write("broken.json", "{");
   const std::vector<std::string> before = bench.listing();

@@ -26,7 +26,8 @@ std::string contents(const std::filesystem::path& path) {
 }  // namespace
 
 Workbench::Workbench() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "morula-cli-XXXXXX").string();
+  // mkdtemp fills in the last six letters, which have to be X.
+  std::string pattern = (std::filesystem::temp_directory_path() / ("morula-cli-" + std::string(6, 'X'))).string();
   if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder for the test");
   folder_ = pattern;
 }

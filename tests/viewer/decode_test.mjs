@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { at, check, claim, equal, finish, morula } from './support.mjs';
 import { PageError, Varints, checksum, decodeMotion, decodeScene, fromBase64, readBytes, readManifest } from '../../viewer/src/decode.js';
 import { distanceOutside, sphereGrid } from '../../viewer/src/bare.js';
-import { Library } from '../../viewer/src/model.js';
+import { SceneList } from '../../viewer/src/model.js';
 
 /** text(id) of a page, without a browser. */
 function elements(html) {
@@ -83,7 +83,7 @@ await claim('spheres_are_those_of_update_in_single_precision', () => {
 });
 
 await claim('level_sets_hold_the_counts_that_measure_prints', () => {
-  const scene = new Library(manifest, text).scene(0);
+  const scene = new SceneList(manifest, text).scene(0);
   morula('measure limb.obj limb.morula --json');
   const levels = JSON.parse(morula('measure limb.obj limb.morula --json'));
   const rows = levels.levels ?? levels.frames?.[0]?.levels ?? levels.measured[0].levels;
@@ -91,7 +91,7 @@ await claim('level_sets_hold_the_counts_that_measure_prints', () => {
 });
 
 await claim('the_grid_says_what_all_spheres_say', () => {
-  const scene = new Library(manifest, text).scene(0);
+  const scene = new SceneList(manifest, text).scene(0);
   const nodes = scene.levelSets[2];
   const spheres = scene.frames[2];
   const positions = scene.positions(2);
@@ -138,12 +138,12 @@ await claim('every_damage_is_told', () => {
   const packed = text(entry.data.id);
   const middle = html.indexOf(packed) + Math.floor(packed.length / 2);
   const changed = html.slice(0, middle) + (html[middle] === 'A' ? 'B' : 'A') + html.slice(middle + 1);
-  check(throws(() => new Library(readManifest(elements(changed)), elements(changed)).scene(0)), 'one changed character');
+  check(throws(() => new SceneList(readManifest(elements(changed)), elements(changed)).scene(0)), 'one changed character');
   check(throws(() => readManifest(elements(html.slice(0, middle)))), 'half a file');
   check(throws(() => readManifest(elements(html.replace('"format":1', '"format":99')))), 'a newer format');
   check(throws(() => readManifest(elements('<html></html>'))), 'no data');
   const short = html.replace(packed, packed.slice(0, -8));
-  check(throws(() => new Library(readManifest(elements(short)), elements(short)).scene(0)), 'data cut short');
+  check(throws(() => new SceneList(readManifest(elements(short)), elements(short)).scene(0)), 'data cut short');
 });
 
 await claim('nothing_in_the_lock_file_names_a_server', () => {

@@ -3,7 +3,7 @@
 // Starts the page: data in, picture and controls out, failures said where the reader looks.
 import './style.css';
 import { PageError, readManifest } from './decode.js';
-import { Library, State } from './model.js';
+import { SceneList, State } from './model.js';
 import { Stage } from './stage.js';
 import { Panel } from './panel.js';
 import { Report } from './report.js';
@@ -45,10 +45,10 @@ function colouring(scene, state) {
 
 function start() {
   const manifest = readManifest(text);
-  const library = new Library(manifest, text);
+  const sceneList = new SceneList(manifest, text);
   const hasReport = manifest.study !== null && manifest.study !== undefined;
   document.body.dataset.layout = hasReport ? 'report' : 'view';
-  const first = library.scene(0);
+  const first = sceneList.scene(0);
   document.title = `${manifest.title} · Morula`;
   byId('title').textContent = manifest.title;
   byId('made-by').textContent = `morula ${manifest.morula}`;
@@ -61,7 +61,7 @@ function start() {
   let stage = null;
   let scene = null;
   let report = null;
-  const panel = new Panel(library, state);
+  const panel = new Panel(sceneList, state);
   const toggleTheme = bindTheme(() => {
     stage?.theme();
     panel.curves.retheme();
@@ -72,7 +72,7 @@ function start() {
   state.listen((changed) => {
     const has = (...names) => names.some((name) => changed.has(name));
     if (has('scene')) {
-      scene = library.scene(state.get('scene'));
+      scene = sceneList.scene(state.get('scene'));
       const level = state.get('level');
       // The deepest level that is not a crowd, unless the reader chose one that is there.
       const deepest = scene.levelSets.findLastIndex((nodes) => nodes.length <= 1500);
@@ -83,7 +83,7 @@ function start() {
       stage.show(scene);
       panel.show(scene);
       byId('about').textContent = [
-        library.describe(state.get('scene')).body,
+        sceneList.describe(state.get('scene')).body,
         counted(scene.motionEntry.facets, 'facet'),
         counted(scene.nodeCount, 'sphere'),
         `rule ${scene.entry.rule}`,
@@ -134,7 +134,7 @@ function start() {
     else requestAnimationFrame(tick);
   });
 
-  if (hasReport) report = new Report(manifest.study, library, state);
+  if (hasReport) report = new Report(manifest.study, sceneList, state);
   stage.theme();
   state.set({ scene: 0 });
   document.body.dataset.ready = 'true';

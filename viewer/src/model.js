@@ -110,7 +110,7 @@ class Scene {
   }
 }
 
-export class Library {
+export class SceneList {
   constructor(manifest, text) {
     this.manifest = manifest;
     this.text = text;

@@ -34,8 +34,8 @@ export function segments(place, options, state, name) {
 }
 
 export class Panel {
-  constructor(library, state) {
-    Object.assign(this, { library, state });
+  constructor(sceneList, state) {
+    Object.assign(this, { sceneList, state });
     this.curves = new Curves(byId('curves'), 168, (frame) => state.set({ frame, playing: false }));
     this.makeChoices();
     this.colourButtons = segments(byId('colouring'), colourings, state, 'colour');
@@ -73,13 +73,13 @@ export class Panel {
 
   makeChoices() {
     const place = byId('choices');
-    this.choices = this.library.choices();
+    this.choices = this.sceneList.choices();
     place.hidden = this.choices.length === 0;
     place.replaceChildren(
       ...this.choices.map(({ key, label, values }) => {
         const select = element('select', { id: `choose-${key}` }, ...values.map((value) => element('option', { value }, value)));
         select.addEventListener('change', () => {
-          const scene = this.library.nearest({ [key]: select.value }, this.state.get('scene'));
+          const scene = this.sceneList.nearest({ [key]: select.value }, this.state.get('scene'));
           if (scene >= 0) this.state.set({ scene });
         });
         return element('label', { class: 'choice' }, element('span', {}, label), select);
@@ -90,7 +90,7 @@ export class Panel {
   /** Another scene: other ranges, other choices. */
   show(scene) {
     this.scene = scene;
-    const its = this.library.describe(this.state.get('scene'));
+    const its = this.sceneList.describe(this.state.get('scene'));
     for (const { key } of this.choices) byId(`choose-${key}`).value = its[key];
     byId('level').max = String(scene.levelCount - 1);
     byId('frame').max = String(scene.frameCount - 1);

@@ -23,8 +23,8 @@ function drawing(svg) {
 }
 
 export class Report {
-  constructor(study, library, state) {
-    Object.assign(this, { study, library, state, curves: [] });
+  constructor(study, sceneList, state) {
+    Object.assign(this, { study, sceneList, state, curves: [] });
     const place = byId('report');
     place.hidden = false;
     place.replaceChildren(
@@ -41,22 +41,22 @@ export class Report {
 
   /** Whether the body shown is in the motion that the figure is about. */
   matches(spec) {
-    const its = this.library.describe(this.state.get('scene'));
+    const its = this.sceneList.describe(this.state.get('scene'));
     return (!spec.motion || its.motion.includes(spec.motion)) && (!spec.body || its.body === spec.body);
   }
   /** Shows frame `frame` of the body and motion that a figure is about. */
   go(spec, frame) {
     let scene = this.state.get('scene');
     if (!this.matches(spec)) {
-      const all = this.library.manifest.scenes.map((_, index) => index);
-      const rule = this.library.describe(scene).rule;
+      const all = this.sceneList.manifest.scenes.map((_, index) => index);
+      const rule = this.sceneList.describe(scene).rule;
       const fits = (index) => {
-        const its = this.library.describe(index);
+        const its = this.sceneList.describe(index);
         return (!spec.motion || its.motion.includes(spec.motion)) && (!spec.body || its.body === spec.body);
       };
-      scene = all.find((index) => fits(index) && this.library.describe(index).rule === rule) ?? all.find(fits) ?? scene;
+      scene = all.find((index) => fits(index) && this.sceneList.describe(index).rule === rule) ?? all.find(fits) ?? scene;
     }
-    const frames = this.library.motionEntry(scene).frames.length;
+    const frames = this.sceneList.motionEntry(scene).frames.length;
     this.state.set({ scene, frame: Math.min(frame, frames - 1), playing: false });
   }
 
