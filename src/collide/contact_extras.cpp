@@ -17,14 +17,17 @@ void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOption
   if (options.containment) add_containment(pairs, result);
 }
 
-// Finished contacts are first in the list: whatever time there is goes to them.
+// Finished contacts are first in the list. Under a budget of time they alone are looked at: the node of another one may
+// own any number of facets.
 void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result) {
   if (result.contacts.empty()) return;
   if (meter != nullptr) meter->release_rest();
   if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
-  for (const Contact& c : result.contacts) {
-    if (meter != nullptr && meter->out_of_time()) return;
+  const bool by_time = meter != nullptr && meter->by_time();
+  for (std::size_t i = 0; i < (by_time ? result.finished_count : result.contacts.size()); ++i) {
+    if (by_time && meter->out_of_time()) return;
+    const Contact& c = result.contacts[i];
     const ColliderPair& pair = pairs[c.bodies];
     result.surfaces.push_back(
         contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.bodies]));

@@ -96,6 +96,22 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
   }
 }
 
+TEST_F(StudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) {
+  if (text().find("- no index.html: this morula was built without its page") != std::string::npos) {
+    EXPECT_FALSE(std::filesystem::exists(bench() / "study/index.html"));
+    return;
+  }
+  const std::string page = bench().read("study/index.html");
+  const std::string open = "id=\"morula-manifest\">";
+  const std::size_t begin = page.find(open);
+  ASSERT_NE(begin, std::string::npos);
+  const json manifest =
+      json::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
+  EXPECT_EQ(manifest["study"], study());
+  EXPECT_EQ(manifest["motions"].size(), 3u) << "stretch, twist, bend";
+  EXPECT_EQ(manifest["scenes"].size(), 6u) << "each by approach2 and by exact";
+}
+
 TEST_F(StudyCommand, has_the_same_figures_for_any_number_of_threads) {
   bench().require(small + " -o two --threads 2");
   EXPECT_TRUE(untimed(study()) == untimed(study("two")));

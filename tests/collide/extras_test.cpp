@@ -81,6 +81,32 @@ TEST(Containment, comes_with_contacts_and_tells_a_body_inside_another) {
   expect(0, 0);
 }
 
+// The clock goes on by a microsecond every time somebody looks.
+TEST(SurfacesUnderABudgetOfTime, end_when_it_ends_and_leave_the_search_its_half) {
+  Random random(5);
+  Specimen a("limb", 16, quick), b("limb", 16, quick);
+  for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
+  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  const Contacts all = collide(*a.collider, *b.collider, {.surfaces = true});
+  ASSERT_EQ(all.surfaces.size(), all.contacts.size());
+  ASSERT_GT(all.contacts.size(), 200u);
+  std::size_t shortest = all.contacts.size(), longest = 0;
+  for (const int microseconds : {0, 20, 200, 2000, 1000000}) {
+    int looks = 0;
+    CollideOptions options{.budget = std::chrono::microseconds(microseconds), .surfaces = true};
+    options.clock = [&] { return std::chrono::microseconds(++looks); };
+    const Contacts found = collide(*a.collider, *b.collider, options);
+    EXPECT_LE(found.surfaces.size(), found.finished_count);
+    EXPECT_LE(looks, microseconds + 3) << "one look each to begin, to end the search and to end the surfaces";
+    for (std::size_t i = 0; i < found.finished_count; ++i)
+      EXPECT_TRUE(found.contacts[i].finished) << "these come first";
+    shortest = std::min(shortest, found.surfaces.size());
+    longest = std::max(longest, found.surfaces.size());
+  }
+  EXPECT_LT(shortest, all.surfaces.size());
+  EXPECT_EQ(longest, all.surfaces.size());
+}
+
 struct LazyBodies : ::testing::Test {
   LazyBodies() {
     Random random(9);

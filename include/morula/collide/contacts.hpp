@@ -125,7 +125,8 @@ class ContactScratch {
 struct Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
-  /// When asked for: of the first contacts, which are all of them unless a budget of time ended.
+  /// When asked for: of the first contacts. That is all of them, or under a budget of time the finished ones, as far as
+  /// it reaches.
   std::vector<ContactSurface> surfaces;
   /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
   /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
