@@ -122,11 +122,12 @@ void Actor::reach_all(Dice& dice, Record& record) {
   record.expect(body_->is_complete(), "lazy", "not complete after all nodes were reached");
 }
 
-UpdateStatus Actor::feed(const Pose& pose, Dice& dice, Record& record) {
+UpdateStatus Actor::feed(const Pose& pose, bool whole_only, Dice& dice, Record& record) {
   const std::size_t count = mesh_.vertex_count();
   Positions given = pose.positions;
   UpdateStatus status;
-  const std::size_t way = dice.below(6);
+  std::size_t way = dice.below(6);
+  if (whole_only && way == 1) way = 2;
   std::vector<VertexRange> moved;
   const auto accept = [&] {
     positions_ = given;
@@ -187,10 +188,15 @@ UpdateStatus Actor::feed(const Pose& pose, Dice& dice, Record& record) {
   return status;
 }
 
-void Actor::move(Dice& dice, Record& record) {
-  const Pose pose = random_pose(mesh_, dice);
+void Actor::move(Dice& dice, Record& record, bool on_lattice) {
+  Pose pose = random_pose(mesh_, dice);
+  if (on_lattice) {
+    const std::vector<bool> used = used_vertices(mesh_);
+    snap(pose.positions, used, dice);
+    pose.name += " on a lattice";
+  }
   record.place.frame = pose.name;
-  const UpdateStatus status = feed(pose, dice, record);
+  const UpdateStatus status = feed(pose, on_lattice, dice, record);
   record.place.pose = positions_;
   if (!status) return;
   judge_now(dice, record, "");

@@ -16,8 +16,8 @@ class Actor {
   /// A body of the specimen, by some rules, judged at rest. Throws what the library throws.
   Actor(const Specimen& specimen, Dice& dice, Record& record);
 
-  /// The next frame: some motion, given in some way.
-  void move(Dice& dice, Record& record);
+  /// The next frame: some motion, given in some way; its end on a lattice, if asked for.
+  void move(Dice& dice, Record& record, bool on_lattice = false);
   /// Back at rest: the spheres of the start, bit for bit.
   void return_to_rest(Record& record);
   /// A frame of the coordinates of its modes; it has some when it was made by make_modal().
@@ -35,7 +35,7 @@ class Actor {
  private:
   void start(UpdateOptions options, Record& record);
   void judge_now(Dice& dice, Record& record, const std::string& suffix);
-  UpdateStatus feed(const Pose& pose, Dice& dice, Record& record);
+  UpdateStatus feed(const Pose& pose, bool whole, Dice& dice, Record& record);
   void reach_all(Dice& dice, Record& record);
 
   Mesh mesh_;

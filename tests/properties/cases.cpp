@@ -23,6 +23,20 @@ struct Source {
   }
 };
 
+// Something small, to be held at any place of a mesh: it meets what is there and nothing else.
+Specimen probe(const Mesh& mesh, Dice& dice, Record& record) {
+  const double size = bounding_box(mesh).diagonal();
+  const double small = (size > 0 ? size : 1) * dice.pick({0.1, 0.01, 0x1p-7, 1e-4});
+  Specimen s{"a small probe",
+             {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}},
+             nullptr};
+  if (dice.chance(0.5)) s.mesh = {{{-1, -1, -1}, {1, 1, -1}, {0, 0, 2}}, {{0, 1, 2}}};
+  scale(s.mesh.positions, small);
+  record.place.description += s.name;
+  s.built = std::make_shared<const Built>(build(s.mesh, {.method = Method::octree, .branching = 8, .depth = 1}));
+  return s;
+}
+
 // One body, some frames, back at rest.
 void one_body(const Source& source, Dice& dice, Record& record) {
   Actor body(source(300, dice, record), dice, record);
@@ -138,7 +152,11 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
   // Now and then the same body twice.
   const bool twin = dice.chance(0.15);
   if (twin) record.place.description += "the same";
-  Actor second(twin ? specimen : source(100, dice, record), dice, record);
+  const bool probing = !twin && dice.chance(0.3);
+  Actor second(twin      ? specimen
+               : probing ? probe(specimen.mesh, dice, record)
+                         : source(100, dice, record),
+               dice, record);
   if (!first.covers() || !second.covers()) {
     for (int frame = dice.between(1, 3); frame > 0; --frame) first.move(dice, record), second.move(dice, record);
     return;
@@ -146,8 +164,18 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
   Collider a(first.mesh(), first.body()), b(second.mesh(), second.body());
   a.set_positions(first.view());
   b.set_positions(second.view());
-  if (dice.chance(0.7)) a.place(touching_placement(a, a, dice));
-  b.place(touching_placement(a, b, dice));
+  // On a lattice all pairs are known exactly, those that just touch, too.
+  const bool on_lattice = dice.chance(0.3);
+  if (on_lattice) {
+    first.move(dice, record, true);
+    second.move(dice, record, true);
+    if (!first.body().is_current() || !second.body().is_current()) return;
+    a.set_positions(first.view());
+    b.set_positions(second.view());
+  } else if (dice.chance(0.7)) {
+    a.place(touching_placement(a, a, dice));
+  }
+  b.place(touching_placement(a, b, dice, on_lattice));
 
   CollideOptions options = random_options(first, second, a, dice);
   const bool also_swapped = dice.chance(0.2);  // two pairs in one queue: (a, b) and (b, a)
@@ -167,16 +195,24 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
   for (int frame = 0; frame < frames; ++frame) {
     if (frame > 0) {
       if (dice.chance(0.7)) {
-        first.move(dice, record);
+        first.move(dice, record, on_lattice);
         a.set_positions(first.view());
       }
       if (dice.chance(0.3)) {
-        second.move(dice, record);
+        second.move(dice, record, on_lattice);
         b.set_positions(second.view());
       }
       if (!first.body().is_current() || !second.body().is_current()) return;
-      if (dice.chance(0.7)) b.place(touching_placement(a, b, dice));
+      if (dice.chance(0.7)) b.place(touching_placement(a, b, dice, on_lattice));
     }
+    if (probing)
+      for (int n = 0; n < 10; ++n) {
+        b.place(touching_placement(a, b, dice, on_lattice));
+        const PairJudge pair(a, b, dice);
+        pair.judge_facets(record);
+        options.budget = some_budget(dice);
+        pair.judge_contacts(collide(a, b, options), 0, options.margin, record, "with a probe");
+      }
     record.place.frame += ", frame " + std::to_string(frame);
     const PairJudge pair(a, b, dice);
     pair.judge_facets(record);

@@ -218,14 +218,25 @@ void PairJudge::judge_listed(const Contacts& contacts, std::uint32_t bodies, Rec
              record, "missed-listed");
 }
 
-RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice) {
+RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice, bool on_lattice) {
   const auto any_point = [&](const Collider& c) {
     const Facet& f = c.mesh().facets[dice.below(c.mesh().facet_count())];
     const Vec3 p = c.positions()[f[dice.below(3)]];
     return dice.chance(0.6) ? p : (p + c.positions()[f[dice.below(3)]]) * 0.5;
   };
+  // Where cover is lost first: a corner of a patch, or close to one.
+  const auto any_corner = [&](const Collider& c) {
+    const Cover& cover = c.body().cover();
+    const auto corners = cover.patch(dice.below(cover.patch_count()));
+    const std::size_t first = dice.below(corners.size());
+    const Vec3 p = corner_position(cover, corners[first], c.positions());
+    const Vec3 q = corner_position(cover, corners[(first + 1) % corners.size()], c.positions());
+    const Vec3 r = corner_position(cover, corners[(first + 2) % corners.size()], c.positions());
+    const double towards = dice.pick({0.0, 1e-6, 1e-3, 0.05});
+    return p + ((q + r) * 0.5 - p) * towards;
+  };
   RigidTransform t;
-  switch (dice.below(4)) {
+  switch (dice.below(on_lattice ? 3 : 4)) {
     case 0:
       break;
     case 1:
@@ -239,8 +250,15 @@ RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& di
       t = RigidTransform::from_quaternion(w, x, y, z);
     }
   }
-  const Vec3 on_a = a.placement()(any_point(a)), on_b = any_point(b);
+  const Vec3 on_a = a.placement()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
+  const Vec3 on_b = any_point(b);
   t.translation = on_a - t.turn(on_b);
+  const double size = largest_component(t.translation);
+  if (on_lattice && size > 0) {
+    // 2^-12: fine enough for most lattices to keep what touches, coarse enough for whole numbers.
+    const double step = std::exp2(std::ceil(std::log2(size)) - 12);
+    for (int k = 0; k < 3; ++k) t.translation[k] = std::round(t.translation[k] / step) * step;
+  }
   return t;
 }
 

@@ -54,7 +54,8 @@ class PairJudge {
   bool exact_ = false;
 };
 
-/// A placement that brings some point of b onto one of a: turned or not, on a's lattice or not.
-RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice);
+/// A placement that brings some point of b onto one of a, turned or not; on_lattice: by quarters, and whole steps of
+/// one.
+RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice, bool on_lattice = false);
 
 }  // namespace morula::properties

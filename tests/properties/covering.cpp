@@ -55,7 +55,7 @@ void judge_regions(const Moment& m, Record& record, const std::string& suffix) {
         const Real reach =
             ball.radius +
             oracle::allowance(std::max(largest_coordinate(q), largest_coordinate(ball.center)), ball.radius);
-        if (dot(d, d) <= reach * reach) continue;
+        if (reach >= 0 && dot(d, d) <= reach * reach) continue;
         if (const Real excess = distance(q, ball.center) - ball.radius; excess > worst)
           worst = excess, worst_node = node;
       }
@@ -63,6 +63,47 @@ void judge_regions(const Moment& m, Record& record, const std::string& suffix) {
   if (worst_node != no_node)
     record.fail("bare-region" + suffix, "node " + std::to_string(worst_node) + " of radius " +
                                             text(m.balls[worst_node].radius) + " by " + text(worst));
+}
+
+// A corner of some patches, or a point of the patch close to it: there a node that forgot something leaves surface
+// bare. Where they are is taken from the cover, that they are on their facet is not: weights are made to add up to 1.
+std::vector<oracle::Hint> corners_of_patches(const Mesh& mesh, const Cover& cover, Dice& dice) {
+  std::vector<oracle::Hint> hints;
+  for (std::size_t p = 0; p < cover.patch_count(); ++p) {
+    if (dice.chance(0.6)) continue;
+    const std::uint32_t f = cover.patch_facet[p];
+    const Facet& facet = mesh.facets[f];
+    const auto corners = cover.patch(p);
+    const auto weights = [&](std::uint32_t corner) {
+      std::array<Real, 3> w{};
+      const auto add = [&](std::uint32_t vertex, double weight) {
+        for (std::size_t k = 0; k < 3; ++k)
+          if (facet[k] == vertex) {
+            w[k] += static_cast<Real>(weight);
+            return;
+          }
+      };
+      if (corner < cover.vertex_count) {
+        add(corner, 1);
+      } else {
+        const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
+        for (std::size_t k = 0; k < 3; ++k) add(cut.vertex[k], cut.weight[k]);
+      }
+      return w;
+    };
+    std::array<Real, 3> middle{};
+    for (const std::uint32_t corner : corners) {
+      const auto w = weights(corner);
+      for (std::size_t k = 0; k < 3; ++k) middle[k] += w[k] / static_cast<Real>(corners.size());
+    }
+    auto at = weights(corners[dice.below(corners.size())]);
+    const Real towards = dice.pick({0.0, 1e-4, 0.01, 0.1});
+    for (std::size_t k = 0; k < 3; ++k) at[k] += towards * (middle[k] - at[k]);
+    const Real v = std::clamp(at[1], Real(0), Real(1));
+    hints.push_back({f, v, std::clamp(at[2], Real(0), 1 - v)});
+  }
+  std::stable_sort(hints.begin(), hints.end(), [](const auto& a, const auto& b) { return a.facet < b.facet; });
+  return hints;
 }
 
 }  // namespace
@@ -114,7 +155,8 @@ void judge(const Moment& m, Dice& dice, Record& record, const oracle::Effort& ef
     for (const std::uint32_t node : sets[j]) balls.push_back(m.balls[node]), promised = promised && m.promised[node];
     if (!promised) continue;
     ++record.counts.levels;
-    if (const auto bare = oracle::find_bare(facets, balls, dice, record.counts.cover, effort))
+    const auto hints = corners_of_patches(m.mesh, m.cover, dice);
+    if (const auto bare = oracle::find_bare(facets, balls, dice, record.counts.cover, effort, hints))
       record.fail("bare" + suffix,
                   "level " + std::to_string(j) + " facet " + std::to_string(bare->facet) + " by " + text(bare->gap));
   }

@@ -33,11 +33,11 @@ class FacetSearch {
       : dice_(dice), tally_(tally), effort_(effort) {
     for (const Ball& ball : balls) {
       const Real reach = ball.radius + allowance(largest, ball.radius);
-      all_.push_back({ball.center, reach, ball.radius >= 0 ? reach * reach : -1});
+      all_.push_back({ball.center, ball.radius, ball.radius >= 0 ? reach * reach : -1});
     }
   }
 
-  void look(std::size_t number, const Triangle& facet, std::optional<Bare>& worst) {
+  void look(std::size_t number, const Triangle& facet, std::span<const Hint> hints, std::optional<Bare>& worst) {
     ++tally_.facets;
     number_ = number;
     worst_ = &worst;
@@ -47,6 +47,7 @@ class FacetSearch {
     const std::array<std::size_t, 3> corners{add(facet[0]), add(facet[1]), add(facet[2])};
     const bool proved = cut(corners);
     if (proved) ++tally_.proved;
+    for (const Hint& hint : hints) add(at(facet, hint.v, hint.w));
     // Proved facets are sampled now and then, so that the proof itself is watched.
     if (!proved || dice_.chance(0.05)) scatter(facet);
   }
@@ -102,7 +103,7 @@ class FacetSearch {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const std::array<std::size_t, 3> piece = pieces_[i];
       if (in_one_ball(piece)) continue;
-      if (i >= effort_.cuts) return false;
+      if (i >= effort_.cuts * (4 + near_.size()) / 4) return false;
       std::size_t side = 0;
       Real longest = -1;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -118,8 +119,9 @@ class FacetSearch {
     return true;
   }
 
+  static Point at(const Triangle& t, Real v, Real w) { return (1 - v - w) * t[0] + v * t[1] + w * t[2]; }
+
   void scatter(const Triangle& t) {
-    const auto at = [&](Real v, Real w) { return (1 - v - w) * t[0] + v * t[1] + w * t[2]; };
     for (std::size_t n = 0; n < effort_.scattered; ++n) {
       // Multiples of 2^-40: sums and differences of them are exact.
       constexpr std::uint64_t one = std::uint64_t(1) << 40;
@@ -138,7 +140,7 @@ class FacetSearch {
       const Real x = static_cast<Real>(v) * scale, y = static_cast<Real>(w) * scale;
       const std::size_t turn = dice_.below(3);
       const std::array<Real, 3> weights{1 - x - y, x, y};
-      add(at(weights[(1 + turn) % 3], weights[(2 + turn) % 3]));
+      add(at(t, weights[(1 + turn) % 3], weights[(2 + turn) % 3]));
     }
   }
 
@@ -156,14 +158,18 @@ class FacetSearch {
 }  // namespace
 
 std::optional<Bare> find_bare(std::span<const Triangle> facets, std::span<const Ball> balls, Dice& dice,
-                              CoverTally& tally, const Effort& effort) {
+                              CoverTally& tally, const Effort& effort, std::span<const Hint> hints) {
   Real largest = 0;
   for (const Triangle& t : facets)
     for (const Point& p : t) largest = std::max(largest, largest_coordinate(p));
   for (const Ball& ball : balls) largest = std::max(largest, largest_coordinate(ball.center));
   FacetSearch search(balls, dice, tally, effort, largest);
   std::optional<Bare> worst;
-  for (std::size_t f = 0; f < facets.size(); ++f) search.look(f, facets[f], worst);
+  for (std::size_t f = 0, h = 0; f < facets.size(); ++f) {
+    const std::size_t first = h;
+    while (h < hints.size() && hints[h].facet == f) ++h;
+    search.look(f, facets[f], hints.subspan(first, h - first), worst);
+  }
   return worst;
 }
 

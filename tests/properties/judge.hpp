@@ -25,9 +25,15 @@ struct CoverTally {
   std::size_t samples = 0;  ///< points held against the balls
 };
 
+/// A point of a facet that is worth a look: weights of the second and third corner, not negative, at most 1 together.
+struct Hint {
+  std::size_t facet = 0;
+  Real v = 0, w = 0;
+};
+
 /// How much a judge looks at.
 struct Effort {
-  std::size_t cuts = 160;     ///< of one facet
+  std::size_t cuts = 160;     ///< of one facet, and a quarter of that for each ball that comes near it
   std::size_t scattered = 4;  ///< random points of each facet that the cuts did not prove, and of a few others
 };
 
@@ -43,7 +49,7 @@ struct Effort {
 /// too). A difference, three squares and a root add less than 8. In all below 2^7 epsilon (A + r), which is 2^-56 of
 /// it: what is allowed. certify() evaluates corners in double, and radii are padded for that by 2^-48 of A.
 std::optional<Bare> find_bare(std::span<const Triangle> facets, std::span<const Ball> balls, Dice& dice,
-                              CoverTally& tally, const Effort& effort = {});
+                              CoverTally& tally, const Effort& effort = {}, std::span<const Hint> hints = {});
 
 /// The distance from a point to the nearest ball: negative inside.
 Real gap_of(const Point& point, std::span<const Ball> balls);

@@ -105,8 +105,9 @@ TEST(Judge, reports_any_sphere_that_is_smaller_or_gone) {
     EXPECT_TRUE(s.faults(balls).empty());
     for (std::size_t node = 0; node < balls.size(); ++node) {
       std::vector<Ball> changed = balls;
-      // Radii are the distance to the farthest corner, and 2^-20 of the body on top.
+      // Radii are the distance to the farthest corner, and 2^-20 of the body, which is about 1, on top.
       changed[node].radius *= 1 - 1e-4L;
+      changed[node].radius -= 0x1p-18L;
       EXPECT_EQ(s.faults(changed).count("bare-region"), 1u) << "node " << node << " made smaller";
       changed[node].radius = -1;
       EXPECT_EQ(s.faults(changed).count("bare-region"), 1u) << "node " << node << " gone";
@@ -188,12 +189,12 @@ TEST(Judge, misses_no_contact_that_is_taken_away) {
       pair.judge_contacts(contacts, 0, margin, record, "");
       return record.failures();
     };
-    const Contacts all = collide(a, b, {.margin = 0.3});
-    EXPECT_TRUE(faults(all, 0.3).empty());
+    const Contacts all = collide(a, b, {.margin = 1});
+    EXPECT_TRUE(faults(all, 1).empty());
     Contacts none = all;
     none.contacts.clear();
     EXPECT_EQ(faults(none, 0).count("missed-contact"), 1u);
-    EXPECT_EQ(faults(none, 0.3).count("missed-margin"), 1u);
+    EXPECT_EQ(faults(none, 1).count("missed-margin"), 1u);
     Contacts narrow = all;
     for (Contact& c : narrow.contacts) c.error_bound = 0;
     EXPECT_EQ(faults(narrow, 0).count("missed-contact"), 1u) << "none within its error bound";
@@ -218,7 +219,7 @@ TEST(Judge, decides_lattices_exactly) {
   EXPECT_TRUE(touching.exact());
   EXPECT_EQ(touching.meetings().size(), brute_force::crossings(a, b).size());
   EXPECT_GT(touching.meetings().size(), 4u);
-  b.place({.translation = {0x1p-18, 0, 0}});
+  b.place({.translation = {0x1p-16, 0, 0}});
   const PairJudge apart(a, b, dice);
   EXPECT_TRUE(apart.exact());
   EXPECT_TRUE(apart.meetings().empty());

@@ -95,7 +95,7 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
   BuildOptions options{.method = Method::octree,
                        .branching = dice.pick({2, 3, 4, 8, 8, 8, 16, 64}),
                        .depth = dice.pick({1, 2, 2, 3, 3, 4})};
-  const double most_nodes = dice.chance(0.02) ? 600 : 130;
+  const double most_nodes = dice.chance(0.2) ? 600 : 130;
   while (options.depth > 1 && std::pow(options.branching, options.depth) > most_nodes) --options.depth;
   if (dice.chance(0.05)) options.spheres = 1 + dice.below(60);
   const auto facets =
