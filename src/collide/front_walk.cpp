@@ -190,7 +190,10 @@ void FrontWalk::fill_round(Run& run) {
 void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
   const TreePair& trees = trees_[slot.pair.bodies];
   if (keeps_ && !options.reach) {
-    slot.clearance = std::min(slot.clearance, trees.test_and_measure(slot.below_a, below_b, masks));
+    // Pads of this frame decided, and those of a later one may be less: a vertex that was far away came back. So what
+    // rounding may do is taken off at both ends.
+    const double measured = trees.test_and_measure(slot.below_a, below_b, masks);
+    slot.clearance = std::min(slot.clearance, std::max(0.0, measured - front.bodies[slot.pair.bodies].rounding));
   } else {
     trees.test(slot.below_a, below_b, masks);
     slot.clearance = -1;

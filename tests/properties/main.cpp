@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Random cases, one after the other; scripts/properties builds and runs it.
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "cases.hpp"
+
+namespace {
+
+constexpr const char* help =
+    R"(Random bodies, trees, rules and motions, judged by an oracle that shares nothing with the library.
+
+usage: scripts/properties [--cases N] [--seed S] [--first K] [--only K] [--keep DIR] [--quiet]
+
+  --cases N    so many cases (100,000)
+  --seed S     of all choices (1)
+  --first K    the number of the first one (0)
+  --only K     case K alone, as it is among others: what a failure's line asks for
+  --keep DIR   where to write the mesh, the pose and the description of what fails
+  --quiet      no progress
+
+Each case is a mesh of some family, a tree by some generator, rules and some frames; docs/properties.md lists them. Judged
+are the cover of every level in every frame, the contacts of two bodies wherever a query is interrupted, trees by validate(),
+and that files give back what they were given. One line for each failure, with the command that repeats it.
+
+Exit code: 0 all held, 1 something failed, 2 bad use.
+example: scripts/properties --cases 2000 --seed 7 --keep build/properties
+)";
+
+struct Settings {
+  std::uint64_t cases = 100000, seed = 1, first = 0;
+  std::string keep;
+  bool quiet = false;
+};
+
+[[noreturn]] void bad_use(const std::string& what) {
+  std::fprintf(stderr, "properties: %s; try --help\n", what.c_str());
+  std::exit(2);
+}
+
+Settings read(int count, char** arguments) {
+  Settings settings;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view name = arguments[i];
+    if (name == "--help" || name == "-h") {
+      std::fputs(help, stdout);
+      std::exit(0);
+    }
+    if (name == "--quiet") {
+      settings.quiet = true;
+      continue;
+    }
+    if (name != "--cases" && name != "--seed" && name != "--first" && name != "--only" && name != "--keep")
+      bad_use("there is no option '" + std::string(name) + "'");
+    if (++i == count) bad_use(std::string(name) + " needs a value");
+    if (name == "--keep") {
+      settings.keep = arguments[i];
+      continue;
+    }
+    char* end = nullptr;
+    const std::uint64_t value = std::strtoull(arguments[i], &end, 10);
+    if (*end != '\0' || end == arguments[i] || arguments[i][0] == '-')
+      bad_use(std::string(name) + " needs a whole number, not '" + arguments[i] + "'");
+    if (name == "--cases") settings.cases = value;
+    if (name == "--seed") settings.seed = value;
+    if (name == "--first") settings.first = value;
+    if (name == "--only") settings.first = value, settings.cases = 1;
+  }
+  return settings;
+}
+
+// The case that is running, for the signals that end a program.
+char running[160];
+
+extern "C" void ended(int signal) {
+  const ssize_t written = write(STDOUT_FILENO, running, std::strlen(running));
+  static_cast<void>(written);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const Settings settings = read(count, arguments);
+  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS, SIGTERM}) std::signal(signal, ended);
+  const bool progress = !settings.quiet && isatty(STDERR_FILENO) != 0;
+  morula::properties::Record record(settings.keep);
+  morula::properties::Specimens specimens;
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  const auto start = Clock::now();
+  double slowest = 0, shown = 0;
+  std::uint64_t slowest_case = 0;
+  for (std::uint64_t i = 0; i < settings.cases; ++i) {
+    const std::uint64_t number = settings.first + i;
+    std::snprintf(running, sizeof running, "ended in: scripts/properties --seed %llu --only %llu\n",
+                  static_cast<unsigned long long>(settings.seed), static_cast<unsigned long long>(number));
+    const auto begun = Clock::now();
+    morula::properties::run_case(settings.seed, number, specimens, record);
+    if (const double taken = since(begun); taken > slowest) slowest = taken, slowest_case = number;
+    if (progress && since(start) - shown > 0.5) {
+      shown = since(start);
+      std::fprintf(stderr, "\r%llu of %llu cases, %zu failed ", static_cast<unsigned long long>(i + 1),
+                   static_cast<unsigned long long>(settings.cases), record.failed_cases());
+    }
+  }
+  if (progress) std::fprintf(stderr, "\r%60s\r", "");
+  std::printf("%s", record.summary(since(start)).c_str());
+  std::printf("  slowest case: %llu, %.2f s\n", static_cast<unsigned long long>(slowest_case), slowest);
+  if (record.failed_cases() == 0) return 0;
+  std::printf("%zu of %zu cases failed\n", record.failed_cases(), record.counts.cases);
+  return 1;
+}

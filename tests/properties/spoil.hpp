@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What can be wrong with a mesh that is still a mesh.
+#pragma once
+
+#include <dice.hpp>
+#include <morula/geometry/mesh.hpp>
+#include <string_view>
+
+namespace morula::properties {
+
+/// Changes the mesh for the worse in some way, and says in which.
+std::string_view spoil(Mesh& mesh, oracle::Dice& dice, std::size_t most_facets);
+
+}  // namespace morula::properties
