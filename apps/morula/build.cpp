@@ -158,11 +158,11 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   }();
   seconds.build = watch.lap();
   const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
+  const std::vector<std::string> faults = validate(mesh, built);
   seconds.check = watch.lap();
-  if (!certificate.covered) {
-    fmt::print(stderr,
-               "morula: error: the tree does not cover {}: node {} lacks {}; nothing was written, please report it\n",
-               o.mesh, certificate.worst_node, figure(certificate.worst_excess));
+  if (!faults.empty()) {
+    fmt::print(stderr, "morula: error: the tree of {} is broken: {}; nothing was written, please report it\n", o.mesh,
+               faults.front());
     return exit_check_failed;
   }
   std::vector<LevelFigures> figures;

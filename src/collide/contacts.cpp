@@ -30,13 +30,8 @@ ContactScratch::State& ContactScratch::state() {
 
 void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused) {
   require_usable(options);
-  const auto require_spheres = options.reach ? require_current : require_complete;
-  require_spheres(a, "the first body");
-  require_spheres(b, "the second body");
-  if (options.surfaces || options.exact || options.containment) {
-    require_positions(a, "the first body");
-    require_positions(b, "the second body");
-  }
+  const bool looks_at_facets = options.surfaces || options.exact || options.containment;
+  require_bodies(a, b, {.all_spheres = !options.reach, .positions = looks_at_facets});
   if (!has_level(a, b, options.level))
     throw std::invalid_argument("contacts are asked for at level " + std::to_string(*options.level) +
                                 ", which neither tree has");

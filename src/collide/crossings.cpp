@@ -52,13 +52,6 @@ class Selection {
   std::size_t size_ = 0;
 };
 
-void require_usable(const Collider& a, const Collider& b) {
-  require_current(a, "the first body");
-  require_current(b, "the second body");
-  require_positions(a, "the first body");
-  require_positions(b, "the second body");
-}
-
 void require_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
   for (const NodePair& pair : nodes)
     if (pair.a >= a.body().rest_tree().node_count() || pair.b >= b.body().rest_tree().node_count())
@@ -149,15 +142,13 @@ std::size_t Crossings::pairs_tested() const {
 }
 
 void crossings(const Collider& a, const Collider& b, std::span<const NodePair> nodes, Crossings& result) {
-  require_usable(a, b);
+  require_bodies(a, b, {.all_spheres = false, .positions = true});
   require_nodes(a, b, nodes);
   result.state().find(a, b, nodes);
 }
 
 void crossings(const Collider& a, const Collider& b, Crossings& result) {
-  require_usable(a, b);
-  require_complete(a, "the first body");
-  require_complete(b, "the second body");
+  require_bodies(a, b, {.positions = true});
   Crossings::State& state = result.state();
   state.leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
@@ -167,7 +158,7 @@ void crossings(const Collider& a, const Collider& b, Crossings& result) {
 }
 
 std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& b) {
-  require_usable(a, b);
+  require_bodies(a, b, {.all_spheres = false, .positions = true});
   struct Boxed {
     Triangle triangle;
     Box box;

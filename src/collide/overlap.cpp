@@ -22,8 +22,7 @@ bool any_leaves(const TreePair& trees, std::uint32_t a, std::uint32_t b, std::ui
 }  // namespace
 
 bool overlap(const Collider& a, const Collider& b) {
-  require_complete(a, "the first body");
-  require_complete(b, "the second body");
+  require_bodies(a, b, {});
   const TreePair trees(a, b, 0, leaf_level);
   return trees.overlaps(0, 0) && any_leaves(trees, 0, 0, 0);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <morula/collide/query_status.hpp>
 
+#include "collide/require.hpp"
+
 namespace morula {
 
 std::string message(const QueryStatus& status) {
@@ -13,7 +15,9 @@ std::string message(const QueryStatus& status) {
     case QueryStatus::Code::body_not_current:
       return body + "'s last update was refused, so its spheres are those of an older frame: update it first";
     case QueryStatus::Code::body_not_complete:
-      return body + " was updated lazily, and not all of its nodes have been reached: update it in full";
+      return body +
+             " was updated lazily, and not all of its nodes have been reached: update it in full, or give "
+             "CollideOptions::reach where a query takes it";
     case QueryStatus::Code::positions_not_current:
       return body + " was updated since its collider was given positions: call set_positions after each update";
     case QueryStatus::Code::placement_too_far:
@@ -27,9 +31,7 @@ std::string message(const QueryStatus& status) {
 }
 
 QueryStatus askable(const Collider& collider, std::uint8_t body) {
-  if (!collider.body().is_current()) return {QueryStatus::Code::body_not_current, body};
-  if (!collider.body().is_complete()) return {QueryStatus::Code::body_not_complete, body};
-  if (!collider.has_current_positions()) return {QueryStatus::Code::positions_not_current, body};
+  if (const QueryStatus status = status_of(collider, body, {.positions = true}); !status) return status;
   if (!(largest_component(collider.placement().translation) < 0x1p200))
     return {QueryStatus::Code::placement_too_far, body};
   return {};

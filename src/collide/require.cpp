@@ -8,24 +8,17 @@
 
 namespace morula {
 
-void require_current(const Collider& collider, const char* who) {
-  if (!collider.body().is_current())
-    throw std::invalid_argument(std::string("the last update of ") + who +
-                                " was refused: its spheres are those of an older frame");
+QueryStatus status_of(const Collider& collider, std::uint8_t body, Needs needs) {
+  using Code = QueryStatus::Code;
+  if (!collider.body().is_current()) return {Code::body_not_current, body};
+  if (needs.all_spheres && !collider.body().is_complete()) return {Code::body_not_complete, body};
+  if (needs.positions && !collider.has_current_positions()) return {Code::positions_not_current, body};
+  return {};
 }
 
-void require_complete(const Collider& collider, const char* who) {
-  require_current(collider, who);
-  if (!collider.body().is_complete())
-    throw std::invalid_argument(std::string(who) +
-                                " was updated lazily, and not all of its nodes have been reached: update it in full, "
-                                "or give CollideOptions::reach where a query takes it");
-}
-
-void require_positions(const Collider& collider, const char* who) {
-  if (!collider.has_current_positions())
-    throw std::invalid_argument(std::string(who) +
-                                " was updated since its collider was given positions: call set_positions after it");
+void require_bodies(const Collider& a, const Collider& b, Needs needs) {
+  for (const QueryStatus& status : {status_of(a, 0, needs), status_of(b, 1, needs)})
+    if (!status) throw std::invalid_argument(message(status));
 }
 
 void require_usable(const CollideOptions& options) {

@@ -1,18 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What queries ask of their arguments, said by exceptions.
+// What queries ask of their arguments.
 #pragma once
 
 #include <morula/collide/contacts.hpp>
+#include <morula/collide/query_status.hpp>
 
 namespace morula {
 
-/// Throws std::invalid_argument when the last update was refused. who: "the first body".
-void require_current(const Collider& collider, const char* who);
-/// That, and when a lazy update has left nodes behind.
-void require_complete(const Collider& collider, const char* who);
-/// The same when positions are of an older frame.
-void require_positions(const Collider& collider, const char* who);
+/// What a query needs of a body, besides an update that was not refused.
+struct Needs {
+  bool all_spheres = true;  ///< also those that a lazy update has left behind
+  bool positions = false;
+};
+/// ok, or the first fault.
+QueryStatus status_of(const Collider& collider, std::uint8_t body, Needs needs);
+/// Throws std::invalid_argument with the message of the first fault of either.
+void require_bodies(const Collider& a, const Collider& b, Needs needs);
 /// Throws std::invalid_argument for a margin that is negative or not finite and for a negative budget.
 void require_usable(const CollideOptions& options);
 /// Has one of both trees such a level?

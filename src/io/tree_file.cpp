@@ -120,11 +120,11 @@ Built read_built(const std::filesystem::path& path, const Mesh& mesh, const Read
                     " vertices and " + std::to_string(file.cover->facet_count) + " facets there, " +
                     std::to_string(mesh.vertex_count()) + " and " + std::to_string(mesh.facet_count()) +
                     " here); give the mesh it was built for, or build it again");
-  const Certificate certificate = certify(*file.cover, mesh.positions, file.tree.spheres, workers);
-  if (!certificate.covered)
-    throw FileError(path.string() + ": the sphere of node " + std::to_string(certificate.worst_node) +
-                    " does not contain its region; the file was not written by this library, build it again");
-  return {std::move(file.tree), std::move(*file.cover), std::move(file.report)};
+  Built built{std::move(file.tree), std::move(*file.cover), std::move(file.report)};
+  if (const auto faults = validate(mesh, built); !faults.empty())
+    throw FileError(path.string() + ": " + faults.front() +
+                    "; the file was not written by this library, build it again");
+  return built;
 }
 
 void write_tree(const std::filesystem::path& path, const Built& built) {

@@ -109,16 +109,13 @@ class Cutter {
     return kept;
   }
 
-  // False when no corner lies strictly on the side of a.
+  // False when no corner lies strictly on the side of a, or a side is left without area.
   bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, std::vector<Corner>& side_a,
              std::vector<Corner>& side_b) const {
     std::vector<double> difference;
-    bool any_a = false;
-    for (const Corner& c : polygon) {
-      difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
-      any_a = any_a || difference.back() < 0;
-    }
-    if (!any_a) return false;
+    for (const Corner& c : polygon) difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
+    make_two_sided(difference);
+    if (std::none_of(difference.begin(), difference.end(), [](double d) { return d < 0; })) return false;
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const std::size_t next = (k + 1) % polygon.size();
       if (difference[k] <= 0) side_a.push_back(polygon[k]);
@@ -131,6 +128,55 @@ class Cutter {
     }
     // Corners on the bisector alone can leave a side without area: its points belong to the other side as well.
     return side_a.size() >= 3 && side_b.size() >= 3;
+  }
+
+  // Differences of powers are affine, so around a convex polygon they are negative in one run and positive in another,
+  // with at most one zero on each way between. Rounded ones need not be: ties are wider where a corner is farther from
+  // the spheres, and thin polygons turn a rounded sign over. Sides that were made of such signs would overlap. So the
+  // smallest differences are taken for ties until there are two runs, a tie inside a run joins it, and of ties between
+  // two runs the one next to the negative ones is the corner that both sides share. Two convex polygons then share two
+  // points and the segment between them: they tile what was there. What that moves between the sides is as near to the
+  // bisector as the smallest differences are. Corners of a cut through equal signs keep their sign.
+  static void make_two_sided(std::vector<double>& difference) {
+    while (sign_changes(difference) > 2) {
+      std::size_t least = difference.size();
+      for (std::size_t k = 0; k < difference.size(); ++k)
+        if (difference[k] != 0 && (least == difference.size() || std::abs(difference[k]) < std::abs(difference[least])))
+          least = k;
+      difference[least] = 0;
+    }
+    const std::size_t count = difference.size();
+    const auto start = std::find_if(difference.begin(), difference.end(), [](double d) { return d < 0; });
+    if (start == difference.end()) return;
+    constexpr double joins_negative = -std::numeric_limits<double>::min();
+    constexpr double joins_positive = std::numeric_limits<double>::min();
+    // Round once from a negative corner to itself, run of ties by run of ties.
+    const auto first = static_cast<std::size_t>(start - difference.begin());
+    const auto at = [&](std::size_t i) -> double& { return difference[(first + i) % count]; };
+    for (std::size_t i = 1; i < count;) {
+      if (at(i) != 0) {
+        ++i;
+        continue;
+      }
+      std::size_t end = i;
+      while (at(end) == 0) ++end;  // ends at `first` at the latest
+      const bool negative_before = at(i - 1) < 0, negative_after = at(end) < 0;
+      for (std::size_t k = i; k < end; ++k) at(k) = negative_before && negative_after ? joins_negative : joins_positive;
+      if (negative_before != negative_after) at(negative_before ? i : end - 1) = 0;
+      i = end;
+    }
+  }
+
+  static int sign_changes(const std::vector<double>& difference) {
+    int changes = 0;
+    double last = 0;
+    for (std::size_t round = 0; round < 2; ++round)
+      for (const double d : difference) {
+        if (d == 0) continue;
+        changes += round == 1 && (d < 0) != (last < 0) ? 1 : 0;
+        last = d;
+      }
+    return changes;
   }
 
   Corner cut_point(const Corner& p, const Corner& q, double at_p, double at_q, std::uint32_t a, std::uint32_t b) const {

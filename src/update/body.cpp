@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cassert>
 #include <limits>
 #include <morula/update/body.hpp>
 #include <optional>
@@ -9,7 +10,9 @@
 
 #include "geometry/hash.hpp"
 #include "update/body_state.hpp"
+#include "update/facet_hull.hpp"
 #include "update/ownership.hpp"
+#include "update/ownership_check.hpp"
 
 namespace morula {
 namespace {
@@ -100,8 +103,9 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
-  const Ownership ownership =
-      share_points(mesh, built.cover, order, leaves_measured(built.tree, order, rule_of_node, options.conservative));
+  const std::vector<std::uint8_t> measured = leaves_measured(built.tree, order, rule_of_node, options.conservative);
+  const Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance);
+  assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
   state_ =
       std::make_unique<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;

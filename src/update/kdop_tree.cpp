@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cassert>
 #include <cstdlib>
 #include <morula/update/kdop_tree.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "geometry/hash.hpp"
+#include "update/facet_hull.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
+#include "update/ownership_check.hpp"
 #include "update/point_runs.hpp"
 #include "update/slab_extents.hpp"
 
@@ -34,13 +37,14 @@ int require_known(int k) {
 }
 
 /// How far a bound has to be moved out, per slab. With e and M as in rounding.hpp and w the number of coordinates that
-/// are added up: points w × 7 e M, the w − 1 sums below 5 e M in all; together below w × 10 e M, allowed w × 16 e M.
-/// Reading in double asks for what a sphere's radius is given, once per coordinate.
+/// are added up: points w × 7 e M, corners left out w × 0.04 e M, the w − 1 sums below 5 e M in all; together below
+/// w × 10 e M, allowed w × 16 e M. Reading in double asks for what a sphere's radius is given, once per coordinate: of
+/// weights that do not add up to 1 that is s A, and 2 s M for corners left out.
 double allowance(const Rounding& rounding, const Vec3& direction) {
   const double coordinates = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
   const double mesh_coordinate = rounding.largest_origin_coordinate + rounding.largest_coordinate;
   return coordinates *
-         (0x1p-20 * rounding.largest_coordinate + (0x1p-48 + 2 * rounding.weight_slack) * mesh_coordinate + 0x1p-62);
+         (0x1p-20 * rounding.largest_coordinate + (0x1p-48 + 4 * rounding.weight_slack) * mesh_coordinate + 0x1p-62);
 }
 
 }  // namespace
@@ -124,7 +128,9 @@ KDopTree::KDopTree(const Mesh& mesh, const Built& built, int k, Workers& workers
   require_known(k);
   require_belonging(mesh, built);
   LeafOrder order = depth_first_leaves(built.tree);
-  const Ownership ownership = share_points(mesh, built.cover, order, std::vector<std::uint8_t>(order.leaves.size(), 1));
+  const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
+  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, hull_tolerance);
+  assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, every_leaf, hull_tolerance).empty());
   state_ = std::make_unique<State>(State{built.tree, mesh.vertex_count(), k, slab_directions(k),
                                          LocalPoints(mesh, built.cover, ownership), std::move(order.leaves)});
   state_->bind(ownership);

@@ -16,16 +16,19 @@
 //   the entries of F, times |y| <= 3.5 Z                              10.4 (m + 1) e Z
 //   cut corners as weighted sums, of rows here and of positions there     10.4 e Z
 //   reading: origin + centre, distances of a certificate              below 10 e Z
-// Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of owned vertices are left out; where their weights add up
-// to 1 - s they may lie 2 s Z off it. What binding a node rounds is in its strays and its radius (rounded_up_radius),
-// what narrowing the centre to float moves is measured.
+// Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of others are left out (exactly in it: facet_hull.hpp with
+// tolerance 0). Where weights add up to 1 +- s, the first weights of a corner and of what surrounds it differ by up to
+// 2 s, which is below 3.5 s Z as a length; allowed: 4 s Z. What binding a node rounds is in its strays and its radius
+// (rounded_up_radius), what narrowing the centre to float moves is measured.
 #include "update/modal.hpp"
 
+#include <cassert>
 #include <stdexcept>
 #include <string>
 
 #include "update/narrow.hpp"
 #include "update/ownership.hpp"
+#include "update/ownership_check.hpp"
 #include "update/rounding.hpp"
 
 namespace morula {
@@ -112,7 +115,7 @@ ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept 
     largest += std::abs(coordinates[j]) * largest_row_[j];
   }
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
-  const double share = 0x1p-49 * (static_cast<double>(coordinates.size()) + 16) + 2 * weight_slack_;
+  const double share = 0x1p-49 * (static_cast<double>(coordinates.size()) + 16) + 4 * weight_slack_;
   return {coordinates, origin, share * (largest + largest_component(origin))};
 }
 
@@ -132,7 +135,8 @@ ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule>
   // Its own list of points: those of the other rules leave out cut corners that only this one has to contain.
   const LeafOrder order = depth_first_leaves(tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
-  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf);
+  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
+  assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
   parallel_for(workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
     const std::uint32_t node = nodes_[slot].node;
     nodes_[slot].rest.center = tree.spheres[node].center;

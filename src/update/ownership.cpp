@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
+
+#include "update/facet_hull.hpp"
 
 namespace morula {
 namespace {
@@ -66,17 +69,19 @@ void require_regions(const SphereTree& tree, const Cover& cover) {
   }
 }
 
-// A corner in the plane of its facet: the weights of the facet's second and third vertex.
-struct InFacet {
-  std::uint32_t corner;
-  double x, y;
-};
-
-InFacet in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
-  InFacet p{corner, 0, 0};
+// Where a corner lies in the plane of a facet. Nothing for a corner that is not on it, which only a cover made
+// elsewhere can have, and on a facet with a repeated vertex, whose plane has no such weights: these are never left out.
+std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  if (facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0]) return std::nullopt;
+  FacetPoint p{corner, 0, 0};
+  bool on_facet = true;
   const auto add = [&](std::uint32_t vertex, double weight) {
-    if (vertex == facet[1]) p.x += weight;
-    if (vertex == facet[2]) p.y += weight;
+    if (vertex == facet[1])
+      p.x += weight;
+    else if (vertex == facet[2])
+      p.y += weight;
+    else
+      on_facet = on_facet && (vertex == facet[0] || weight == 0);
   };
   if (corner < cover.vertex_count) {
     add(corner, 1);
@@ -84,37 +89,15 @@ InFacet in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
     const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
     for (int k = 0; k < 3; ++k) add(cut.vertex[k], cut.weight[k]);
   }
+  if (!on_facet) return std::nullopt;
   return p;
-}
-
-// Corners whose convex hull contains all, to within the allowance of rounding.hpp; the rest is left out. Two chains
-// from the least to the greatest point [andrew1979].
-void keep_hull(std::vector<InFacet>& points, std::vector<InFacet>& hull) {
-  constexpr double allowed = 1e-10;
-  std::sort(points.begin(), points.end(), [](const InFacet& p, const InFacet& q) {
-    return std::tie(p.x, p.y, p.corner) < std::tie(q.x, q.y, q.corner);
-  });
-  hull.clear();
-  for (int chain = 0; chain < 2; ++chain) {
-    const std::size_t first = hull.size();
-    for (const InFacet& p : points) {
-      while (hull.size() >= first + 2) {
-        const InFacet &before = *(hull.end() - 2), &last = hull.back();
-        const double dx = p.x - before.x, dy = p.y - before.y;
-        const double turn = dx * (last.y - before.y) - dy * (last.x - before.x);
-        if (turn < -allowed * std::hypot(dx, dy)) break;
-        hull.pop_back();
-      }
-      hull.push_back(p);
-    }
-    std::reverse(points.begin(), points.end());
-  }
 }
 
 // Finds the cut corners that a leaf has to test.
 class NeededCuts {
  public:
-  NeededCuts(const Mesh& mesh, const Cover& cover) : mesh_(mesh), cover_(cover) {}
+  NeededCuts(const Mesh& mesh, const Cover& cover, double tolerance)
+      : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
 
   // owns(v): whether the leaf owns a vertex. Each is named once.
   template <class Owns>
@@ -129,18 +112,18 @@ class NeededCuts {
       const std::uint32_t f = cover_.patch_facet[patches_[i]];
       const Facet& facet = mesh_.facets[f];
       points_.clear();
-      bool any_cut = false;
       for (; i < patches_.size() && cover_.patch_facet[patches_[i]] == f; ++i)
         for (const std::uint32_t c : cover_.patch(patches_[i])) {
           if (c < cover_.vertex_count) continue;
-          points_.push_back(in_facet(cover_, facet, c));
-          any_cut = true;
+          if (const auto p = in_facet(cover_, facet, c))
+            points_.push_back(*p);
+          else
+            needed_.push_back(c);
         }
-      if (!any_cut) continue;
+      if (points_.empty()) continue;
       for (const std::uint32_t v : facet)
-        if (owns(v)) points_.push_back(in_facet(cover_, facet, v));
-      keep_hull(points_, hull_);
-      for (const InFacet& p : hull_)
+        if (owns(v)) points_.push_back(*in_facet(cover_, facet, v));
+      for (const FacetPoint& p : hull_.surround(points_, tolerance_))
         if (p.corner >= cover_.vertex_count) needed_.push_back(p.corner);
     }
     std::sort(needed_.begin(), needed_.end());
@@ -151,8 +134,10 @@ class NeededCuts {
  private:
   const Mesh& mesh_;
   const Cover& cover_;
+  double tolerance_;
   std::vector<std::uint32_t> patches_, needed_;
-  std::vector<InFacet> points_, hull_;
+  std::vector<FacetPoint> points_;
+  FacetHull hull_;
 };
 
 }  // namespace
@@ -193,13 +178,13 @@ LeafOrder depth_first_leaves(const SphereTree& tree) {
 }
 
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points) {
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   constexpr std::uint32_t none = 0xffffffffu;
   Ownership result;
   result.begin.push_back(0);
   std::vector<std::uint32_t> number(mesh.vertex_count() + cover.cut_points.size(), none);
   std::vector<std::uint32_t> owner(mesh.vertex_count(), none);  // last leaf seen to own a vertex
-  NeededCuts needed_cuts(mesh, cover);
+  NeededCuts needed_cuts(mesh, cover, tolerance);
   std::vector<std::uint32_t> cuts, cut_begin{0};  // cover corners, leaf after leaf
   std::vector<std::uint32_t> vertices;            // of one leaf
 

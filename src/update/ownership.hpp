@@ -29,8 +29,8 @@ struct Ownership {
   std::vector<std::uint32_t> vertices;    ///< mesh vertex of point i < vertices.size()
   std::vector<std::uint32_t> cut_points;  ///< of the cover; that of point vertices.size() + k
   /// Leaf k of the leaf order owns points[begin[k] … begin[k + 1]), ascending, each once. A cut corner is left out when
-  /// it lies in the convex hull of others that the leaf owns in the same facet, so no sphere can contain them and miss
-  /// it.
+  /// it lies in the convex hull of others that the leaf owns in the same facet, or within the tolerance of it: what
+  /// contains these contains it, as far as facet_hull.hpp says.
   std::vector<std::uint32_t> begin;
   std::vector<std::uint32_t> points;
 
@@ -39,8 +39,9 @@ struct Ownership {
   }
 };
 bool is_on_edge(const CutPoint& cut_point);
-/// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether.
+/// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether. tolerance: of
+/// FacetHull::surround; whoever gives one has it in the error budget.
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points);
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance);
 
 }  // namespace morula

@@ -9,9 +9,10 @@
 //   cut points      v0 + w1 (v1 - v0) + w2 (v2 - v0) in float, where v0 has the largest weight, so w1 + w2 <= 2/3 and
 //                   |w1 (v1 - v0)| + |w2 (v2 - v0)| <= 4/3 M: weights narrowed 4/3 e M, differences 4/3 e M,
 //                   products 4/3 e M, two sums 2 e M                                           6 e M
-//                   With the narrowing: 7 e M, as a length below 12.2 e M. Allowed: 2^-20 M = 16 e M.
-//   hulls           corners that are left out because others of their facet surround them: within 1e-10 in
-//                   barycentric coordinates, some ten times over, below 0.2 e M; in the same allowance
+//                   With the narrowing: 7 e M, as a length below 12.2 e M. Allowed with hulls: 2^-20 M = 16 e M.
+//   hulls           corners that are left out lie within hull_tolerance = 2^-30 (and 2^-50 for finding that out) in
+//                   |x| + |y| of the hull of those tested (facet_hull.hpp); x and y are weights of two edges, no longer
+//                   than 2 sqrt(3) M each, so below 3.5 x 2^-30 M = 0.06 e M, 12.3 e M with the line above
 //   distance        squared in float: differences e, products e, two sums; (1 + e)^5 in all, so 2.5 e of the distance,
 //                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
 //   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more: 3 x 2^-126
@@ -19,8 +20,10 @@
 //                   the square, below 2^-62 of the distance. Allowed: 2^-62.
 //   reading         origin + centre in double 2^-53 A, a cut point as a weighted sum of mesh coordinates 3 x 2^-53 A
 //   and
-//                   s A: as a length below 7 x 2^-53 A + 2 s A. Allowed: 2^-48 A + 2 s A, which is also what
-//                   rounded_up_radius and so certify() ask for.
+//                   s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same combination of
+//                   those tested as far as x and y go; their first weights differ by up to 2 s, which moves it by up
+//                   to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which is also what
+//                   rounded_up_radius and so certify() ask for, and 6 s A.
 // What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
 #pragma once
 
@@ -63,7 +66,7 @@ struct Rounding {
     const double farthest = std::sqrt(static_cast<double>(squared_distance));
     const double mesh_coordinate =
         largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
-    const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 2 * weight_slack) * mesh_coordinate + 0x1p-62;
+    const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
     return rounded_up(farthest * (1 + 0x1p-22) + pad);
   }
 };

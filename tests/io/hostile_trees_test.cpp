@@ -255,7 +255,20 @@ TEST(HostileTrees, native_file_whose_spheres_do_not_cover) {
   const fs::path path =
       folder.file("b.morula", NativeForge(bytes_of(folder.path() / "a.morula")).with("spheres", 4 * 5 + 3, smaller));
   EXPECT_NO_THROW(read_tree(path));
-  expect_file_error(path, 0, "the sphere of node 5 does not contain its region", [&] { read_built(path, mesh); });
+  expect_file_error(path, 0, "node 5 does not wrap its region", [&] { read_built(path, mesh); });
+}
+
+// A patch that shows one corner twice leaves a part of its facet to nobody, and every corner is still covered.
+TEST(HostileTrees, native_file_whose_patches_leave_surface_to_nobody) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  Built built = small_built(mesh);
+  const std::uint32_t first = built.cover.corner_begin[3];
+  built.cover.corners[first] = built.cover.corners[first + 1];
+  ASSERT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
+  const fs::path path = folder.path() / "a.morula";
+  write_tree(path, built);
+  expect_file_error(path, 0, "instead of the whole", [&] { read_built(path, mesh); });
 }
 
 TEST(HostileTrees, names_that_are_not_tree_files) {

@@ -17,6 +17,7 @@
 
 #include "bodies.hpp"
 #include "update/anchors.hpp"
+#include "update/facet_hull.hpp"
 #include "update/kernels.hpp"
 #include "update/narrow.hpp"
 #include "update/ownership.hpp"
@@ -286,7 +287,7 @@ TEST(Ownership, every_corner_is_listed_or_surrounded_by_listed_ones_of_its_facet
     ASSERT_EQ(order.leaves.size(), b.built.tree.leaf_count());
     EXPECT_EQ(order.end[0], order.leaves.size());
     const std::vector<std::uint8_t> all(order.leaves.size(), 1);
-    const Ownership owned = share_points(b.mesh, cover, order, all);
+    const Ownership owned = share_points(b.mesh, cover, order, all, hull_tolerance);
     std::size_t dropped = 0;
     for (std::size_t k = 0; k < order.leaves.size(); ++k) {
       const auto points = owned.of_leaf(k);
