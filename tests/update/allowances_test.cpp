@@ -349,6 +349,36 @@ TEST(CoveringRadius, pays_for_weights_that_do_not_add_up) {
   EXPECT_LE(excess_of(body, positions), 0);
 }
 
+// Corners around a leaf's share of a facet, each beside another one that sticks out by a little more or less than a
+// hull may lose: where one is left out, its twin and the allowance for moving points have to contain it.
+TEST(HullAllowance, what_is_left_out_stays_inside) {
+  Random random(10);
+  for (int round = 0; round < 2000; ++round) {
+    Mesh mesh;
+    mesh.positions = {{-1, -1, -1}, {1, 1, -1}, {-1, 1, 1}};
+    mesh.facets = {{0, 1, 2}};
+    const double far = random.uniform(0.1, 1.2) * 0x1p-21, turned = random.uniform(0, 1);
+    std::vector<CutPoint> cuts;
+    HandMadePatch patch{0, {}, {{}, 1}};
+    for (int i = 0; i < 6; ++i) {
+      const double angle = turned + i * 1.0471975511965976;
+      const double x = std::cos(angle), y = std::sin(angle);
+      for (const double out : {0.0, far}) {
+        const double a = 0.33 + 0.2 * x + out * (x - 0.7 * y), b = 0.33 + 0.2 * y + out * (y + 0.7 * x);
+        patch.corners.push_back(3 + static_cast<std::uint32_t>(cuts.size()));
+        cuts.push_back({{0, 1, 2}, {1 - a - b, a, b}});
+      }
+    }
+    const Vec3 middle = 0.34 * mesh.positions[0] + 0.33 * mesh.positions[1] + 0.33 * mesh.positions[2];
+    patch.sphere.center = middle + 0.2 * random_vector(random);
+    const Built built = with_leaves(mesh, cuts, {patch}, {middle, 1});
+    const Modes still{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)};
+    const Body exact(mesh, built), modal(mesh, built, {.rules = {Rule::modal}, .modes = still});
+    ASSERT_LE(excess_of(exact, mesh.positions), 0) << round;
+    ASSERT_LE(excess_of(modal, mesh.positions), 0) << round;
+  }
+}
+
 // Spheres about spheres.
 
 // Contains, in real numbers, a sphere that is read at origin + center, both rounded to double.
