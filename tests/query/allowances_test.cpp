@@ -45,6 +45,27 @@ TEST(PowerDiagramAllowance, candidates_hold_the_owner_where_bounds_are_tight) {
   }
 }
 
+// Copies of one facet, strewn over many leaves: all are as near, so a bound that is too sharp by the last bit hides the
+// first of them. From near by, where the nearest point is rounded out of the box, and from straight above and far away.
+TEST(TriangleBvhAllowance, prunes_no_copy_of_the_nearest_facet) {
+  Random random(3);
+  for (int round = 0; round < 150; ++round) {
+    Mesh mesh;
+    const Vec3 about = 3.0 * random_vector(random);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(about + random_vector(random));
+    mesh.facets.assign(40, {0, 1, 2});
+    const TriangleBvh bvh(mesh);
+    const Triangle t = mesh.corners(0);
+    const Vec3 normal = normalized(area_vector(t));
+    for (int i = 0; i < 60; ++i) {
+      const double a = random.uniform(0, 0.5), b = random.uniform(0, 0.5);
+      const Vec3 above = at_barycentric(t, {1 - a - b, a, b}) + random.uniform(1, 1e6) * normal;
+      const Vec3 p = i % 2 == 0 ? about + 4.0 * random_vector(random) : above;
+      ASSERT_EQ(bvh.closest_point(p)->facet, 0u) << round;
+    }
+  }
+}
+
 // Leaves of the index that are flat and seen from within their plane's rounding, near and far.
 TEST(TriangleBvhAllowance, prunes_no_facet_that_is_nearest_as_computed) {
   Random random(2);

@@ -166,7 +166,7 @@ TEST(CornerWalkAllowance, sees_every_step_of_a_long_way) {
 // nearly as far from them.
 TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_where_centres_go_straight) {
   Mesh strip;
-  constexpr int columns = 24;
+  constexpr int columns = 300;  // vertices are looked at in blocks: the left end has some of its own
   for (int i = 0; i <= columns; ++i)
     for (const double y : {-1e-3, 1e-3}) strip.positions.push_back({1.0 * i / columns, y, 0});
   for (std::uint32_t i = 0; i < columns; ++i) {
@@ -179,8 +179,8 @@ TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_wh
     const Built built = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
     Body full(strip, built), partial(strip, built);
     std::vector<Vec3> positions = strip.positions;
-    for (int frame = 0; frame < 4000; ++frame) {
-      const VertexRange range{count - 2 * (1 + static_cast<std::uint32_t>(random.uniform(0, 6))), count};
+    for (int frame = 0; frame < 2000; ++frame) {
+      const VertexRange range{count - 2 * (1 + static_cast<std::uint32_t>(random.uniform(0, 40))), count};
       const double pull = random.uniform(-0.3, 0.8);
       for (std::uint32_t i = range.begin; i < range.end; ++i) positions[i].x = strip.positions[i].x + pull;
       ASSERT_TRUE(full.update(positions));
@@ -357,14 +357,15 @@ TEST(HullAllowance, what_is_left_out_stays_inside) {
     Mesh mesh;
     mesh.positions = {{-1, -1, -1}, {1, 1, -1}, {-1, 1, 1}};
     mesh.facets = {{0, 1, 2}};
-    const double far = random.uniform(0.1, 1.2) * 0x1p-21, turned = random.uniform(0, 1);
+    const double far = random.uniform(0.1, 1.2) * (round % 2 == 0 ? 0x1p-19 : 0x1p-31), turned = random.uniform(0, 1);
+    const double aside = random.uniform() < 0.5 ? -1 : 1;  // the twin comes first, or second
     std::vector<CutPoint> cuts;
     HandMadePatch patch{0, {}, {{}, 1}};
     for (int i = 0; i < 6; ++i) {
       const double angle = turned + i * 1.0471975511965976;
       const double x = std::cos(angle), y = std::sin(angle);
       for (const double out : {0.0, far}) {
-        const double a = 0.33 + 0.2 * x + out * (x - 0.7 * y), b = 0.33 + 0.2 * y + out * (y + 0.7 * x);
+        const double a = 0.33 + 0.2 * x + out * (0.3 * x - aside * y), b = 0.33 + 0.2 * y + out * (0.3 * y + aside * x);
         patch.corners.push_back(3 + static_cast<std::uint32_t>(cuts.size()));
         cuts.push_back({{0, 1, 2}, {1 - a - b, a, b}});
       }
