@@ -14,7 +14,14 @@ namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;
 constexpr double unknown = -1;
-constexpr float rounding = 1 + 0x1p-18f;  // of bounds, upwards
+
+// What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
+// (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
+// distance in float 3.5 e, a distance of centres the same, a way since less: each step is taken in double and narrowed,
+// e, steps are added up upwards, and their sum is narrowed, e. Two sums e each, the product e. Together below
+// 10 e. Allowed: 2^-20 = 16 e. Squares below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed:
+// 2^-60.
+constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
 
 }  // namespace
 
@@ -133,9 +140,9 @@ std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points
   const auto is_known = [&](std::uint32_t leaf) { return path_then_[entry(leaf)] == path_[k]; };
   const auto bound = [&](std::uint32_t leaf) {
     if (const double then = path_then_[entry(leaf)]; then != unknown)
-      return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(path_[k] - then)) * rounding;
+      return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(path_[k] - then)) * rounding + underflow;
     const std::uint32_t own = chain_begin_[leaf + 1] - 1;
-    return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding;
+    return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding + underflow;
   };
   float farthest = 0;  // known
   float highest = -1;  // of the bounds of leaves not walked

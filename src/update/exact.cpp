@@ -116,8 +116,8 @@ std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::s
     if (moved_[k] == stays) continue;
     Vec3f& kept = spheres[walk_.nodes()[k]].center;
     const Vec3f now = center(k, points);
-    constexpr float rounded_up = 1 + 0x1p-20f, underflow = 0x1p-60f;
-    moved_[k] = now == kept ? stays : distance(now, kept) * rounded_up + underflow;
+    // In double, where no square vanishes; the walk's bounds pay for narrowing it (corner_walk.cpp).
+    moved_[k] = now == kept ? stays : static_cast<float>(distance(Vec3(now), Vec3(kept)));
     kept = now;
   }
   const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, moved_);

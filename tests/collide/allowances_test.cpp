@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Every allowance of a pair test at its limit: spheres that touch, in real numbers or nearly, where rounding says that
+// they do not. scripts/mutants takes the allowances away, one after the other.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/overlap.hpp>
+#include <morula/geometry/random.hpp>
+#include <set>
+#include <utility>
+
+#include "collide/pair_frame.hpp"
+#include "collide/pair_kernels.hpp"
+#include "collide/tree_pair.hpp"
+#include "specimens.hpp"
+#include "update/rounding.hpp"
+
+namespace morula {
+namespace {
+
+using Wide = Vector3<long double>;
+constexpr double e = 0x1p-24;  // half a unit in the last place of a float
+
+Vec3 random_vector(Random& random) {
+  const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
+  return {x, y, random.uniform(-1, 1)};
+}
+
+// Between c_a and M c_b + u.
+long double real_distance(const RigidTransform& relative, const Vec3f& a, const Vec3f& b) {
+  const Wide c(b);
+  Wide moved(relative.translation);
+  for (int axis = 0; axis < 3; ++axis) moved[axis] += dot(Wide(relative.rows[static_cast<std::size_t>(axis)]), c);
+  return length(Wide(a) - moved);
+}
+// Least float that is not below.
+float radius_to(long double distance) {
+  float radius = static_cast<float>(distance);
+  while (static_cast<long double>(radius) < distance) radius = std::nextafter(radius, 1e30f);
+  return radius;
+}
+// By every kernel.
+bool overlap_surely(const RigidTransform& relative, const Spheref& a, const Spheref& b) {
+  const PairFrame frame = placed_pair(relative, 0, 0).narrow;
+  bool all = true;
+  for (const PairKernels& kernels : all_pair_kernels()) {
+    std::uint64_t mask = 0;
+    kernels.test(frame, {&a, 1, 1, &b, 1, 1}, &mask);
+    all = all && mask == 1;
+  }
+  return all;
+}
+
+// Coordinates of the translation lie half a unit above 1, and so do both halves of a row's product: each of the three
+// is rounded away, on every axis.
+TEST(PairAllowance, pays_for_narrowing_the_translation_and_for_sums_with_it) {
+  Random random(1);
+  int tested = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    RigidTransform relative = test::random_placement(random, 0);
+    const double half = e * (1 - 0x1p-20);
+    relative.translation = {1 + half, 1 + half, 1 + half};
+    const double wanted = 2 * e * random.uniform(0.8, 1);
+    const Vec3f b(relative.turn_back(Vec3{wanted, wanted, wanted}));
+    for (const float step : {2.0f, 3.0f, 4.0f, 6.0f}) {
+      const float at = 1 + step * 0x1p-23f;
+      const Vec3f a{at, at, at};
+      const Spheref sphere_a{a, radius_to(real_distance(relative, a, b))};
+      ASSERT_TRUE(overlap_surely(relative, sphere_a, {b, 0})) << "trial " << trial;
+      ++tested;
+    }
+  }
+  EXPECT_GT(tested, 1000);
+}
+
+TEST(PairAllowance, pays_for_moving_centres) {
+  Random random(2);
+  for (int trial = 0; trial < 100000; ++trial) {
+    const RigidTransform relative = test::random_placement(random, 0);
+    const Vec3f b(random_vector(random));
+    const Vec3f a(relative.turn(Vec3(b)) + 4 * e * random_vector(random));
+    ASSERT_TRUE(overlap_surely(relative, {a, radius_to(real_distance(relative, a, b))}, {b, 0})) << "trial " << trial;
+  }
+}
+
+TEST(PairAllowance, pays_for_distances_and_squares) {
+  Random random(3);
+  const RigidTransform still;
+  for (int trial = 0; trial < 50000; ++trial) {
+    const Vec3f a(normalized(random_vector(random)) * random.uniform(1.4, 1.5));
+    const float radius = radius_to(real_distance(still, a, {}));
+    ASSERT_TRUE(overlap_surely(still, {a, radius}, {{}, 0})) << "trial " << trial;
+    ASSERT_TRUE(overlap_surely(still, {a, 0}, {{}, radius})) << "trial " << trial;
+  }
+}
+
+// Of the body that is moved: what is allowed for its centre does not pay for its radius.
+TEST(PairAllowance, pays_for_rotations_that_are_not_quite_rigid) {
+  Random random(4);
+  for (int trial = 0; trial < 20000; ++trial) {
+    RigidTransform relative = test::random_placement(random, 0);
+    const Vec3f a(random_vector(random));
+    const float radius = radius_to(real_distance(relative, a, {}) * (1 - 3e-9L));
+    ASSERT_TRUE(overlap_surely(relative, {a, 0}, {{}, radius})) << "trial " << trial;
+  }
+}
+
+TEST(PairAllowance, pays_for_squares_that_underflow) {
+  Random random(5);
+  for (const double size : {0x1p-68, 0x1p-72, 0x1p-74, 0x1p-75, 0x1p-76})
+    for (int trial = 0; trial < 5000; ++trial) {
+      const RigidTransform relative = test::random_placement(random, size);
+      const Vec3f a(random_vector(random) * size), b(random_vector(random) * size);
+      ASSERT_TRUE(overlap_surely(relative, {a, radius_to(real_distance(relative, a, b))}, {b, 0})) << size;
+    }
+}
+
+// Bodies of one facet and one sphere.
+struct OneFacet {
+  explicit OneFacet(const Triangle& corners, UpdateOptions options = {})
+      : mesh{{corners.begin(), corners.end()}, {{0, 1, 2}}},
+        body(mesh, make(mesh), std::move(options)),
+        collider(mesh, body) {}
+  static Built make(const Mesh& mesh) {
+    Built built;
+    built.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
+    built.cover.vertex_count = 3;
+    built.cover.facet_count = 1;
+    built.cover.patch_facet = {0};
+    built.cover.corner_begin = {0, 3};
+    built.cover.corners = {0, 1, 2};
+    built.cover.region_begin = {0};
+    built.cover.region_end = {1};
+    (void)mesh;
+    return built;
+  }
+  Mesh mesh;
+  Body body;
+  Collider collider;
+};
+
+// Where a unit in the last place is as large as the bodies: vertices in the world are rounded by half of it, away from
+// where the spheres are. Two of them are one point.
+TEST(PairAllowance, pays_for_vertices_that_are_rounded_far_from_the_origin) {
+  constexpr double away = 0x1.8p30, unit = 0x1p-22;
+  const double x = 0.51 * unit;
+  OneFacet a({Vec3{x, x, x}, Vec3{-x, -x, -x}, Vec3{x, -x, 0}}), b({Vec3{x, x, x}, Vec3{-x, -x, -x}, Vec3{x, -x, 0}});
+  for (const double sign : {1.0, -1.0}) {
+    const double near = sign * away, far = near + 2 * unit;
+    a.collider.place({.translation = {near, near, near}});
+    b.collider.place({.translation = {far, far, far}});
+    ASSERT_EQ(a.collider.triangle(0)[0], b.collider.triangle(0)[1]);
+    EXPECT_TRUE(overlap(a.collider, b.collider));
+    EXPECT_TRUE(overlap(b.collider, a.collider));
+  }
+}
+
+// Fronts.
+
+std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Contacts& contacts) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Contact& c : contacts.contacts) pairs.insert({c.node_a, c.node_b});
+  return pairs;
+}
+
+// Two leaves within a little of touching, the bodies moved by as little in a few steps, the first of which change
+// nothing: a carried front says what a fresh one says.
+void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64_t seed) {
+  const BuildOptions options{.method = Method::octree, .depth = 1};
+  test::Specimen a("blob", 5, options), b("limb", 5, options);
+  Random random(seed);
+  const auto count_a = a.body->spheres().size(), count_b = b.body->spheres().size();
+  std::size_t changed = 0;
+  for (int round = 0; round < rounds; ++round) {
+    const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (count_a - 1));
+    const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (count_b - 1));
+    RigidTransform place = test::random_placement(random, 0);
+    const Vec3 direction = normalized(random_vector(random));
+    const Sphere sphere_a = a.body->sphere(node_a), sphere_b = b.body->sphere(node_b);
+    const Vec3 start = sphere_a.center - place.turn(sphere_b.center);
+    const auto place_at = [&](double way) {
+      place.translation = start + direction * way;
+      b.place(place);
+    };
+    const auto touches = [&] { return TreePair(*a.collider, *b.collider, 0, leaf_level).overlaps(node_a, node_b); };
+    double near = 0.9 * (sphere_a.radius + sphere_b.radius), far = 1.1 * (sphere_a.radius + sphere_b.radius);
+    for (int step = 0; step < 40; ++step) {
+      const double middle = 0.5 * (near + far);
+      place_at(middle);
+      (touches() ? near : far) = middle;
+    }
+    const double unit = little * a.size;
+    double way = far + random.uniform(0, 6) * unit;
+    place_at(way);
+    ContactQuery carried, fresh;
+    carried.add(*a.collider, *b.collider);
+    fresh.add(*a.collider, *b.collider);
+    ASSERT_TRUE(carried.start());
+    const auto before = pairs_of(carried.contacts());
+    const int steps = 1 + round % 3;
+    const double step = random.uniform(0, 1.2) * (way - far + unit) / steps;
+    for (int k = 0; k < steps; ++k) {
+      place_at(way -= step);
+      ASSERT_TRUE(carried.carry());
+      ASSERT_TRUE(fresh.start());
+      ASSERT_EQ(pairs_of(carried.contacts()), pairs_of(fresh.contacts())) << "round " << round << ", step " << k;
+    }
+    changed += before != pairs_of(fresh.contacts());
+  }
+  EXPECT_GT(changed, 50u);
+}
+
+// Whether a verdict changes hangs on rounding alone.
+TEST(FrontAllowance, pays_for_verdicts_that_rounding_alone_decides) {
+  expect_the_contacts_of_a_fresh_front(e, 1500, 6);
+}
+TEST(FrontAllowance, a_clearance_is_no_longer_than_the_way_to_the_next_contact) {
+  expect_the_contacts_of_a_fresh_front(1e-3, 600, 7);
+}
+
+}  // namespace
+}  // namespace morula
