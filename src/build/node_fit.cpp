@@ -93,7 +93,8 @@ int lattice_cells(const Mesh& mesh, int branching, int depth) {
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(static_cast<std::uint32_t>(f)));
   // Deeper levels than this share the finest lattice: it is what memory allows.
   constexpr double most_parts = 4096, fewest = 64, most = 512;
-  const double parts = std::min(most_parts, std::pow(branching, std::max(1, depth)));
+  double parts = branching;
+  for (int level = 1; level < depth; ++level) parts = std::min(most_parts, parts * branching);
   const double cell = NodeFit::Settings{}.cell * std::sqrt(surface / parts);
   const double longest = largest_component(bounding_box(mesh).extent());
   return static_cast<int>(cell > 0 ? std::clamp(longest / cell, fewest, most) : fewest);
@@ -178,7 +179,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       now.regions.push_back(std::move(divided.regions[i]));
     }
     group_->take_in_grid(balls);
-    now.cost = group_->objective() * std::pow(grid_->cell(), 3);
+    now.cost = group_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);
   }
