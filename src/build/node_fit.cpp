@@ -114,7 +114,9 @@ double area_of(const Mesh& mesh, const Region& region) {
 
 RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing) {
   // Regions without area, or next to none beside their sphere, still have a length.
-  const double least_width = 0.02 * node.sphere.radius;
+  // Slender regions, and those without area, still have a length. Spheres that cover it have diameters that add up to
+  // it, so half of that per child is no loss; parts as narrow as the area says would need cells by the million.
+  const double least_width = std::max(0.02, 1 / static_cast<double>(most)) * node.sphere.radius;
   RegionPoints result;
   result.width = std::max(least_width, std::sqrt(area_of(input.mesh, node.region) / static_cast<double>(most)));
   const Vec3& c = node.sphere.center;

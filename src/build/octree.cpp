@@ -49,7 +49,7 @@ class OctreeDivider {
     std::vector<BuildNode> cells = occupied(node);
     // A cell whose content lies in one sub-cell stands for that one: chains of single children waste levels.
     constexpr int most_halvings = 60;
-    for (int i = 0; i < most_halvings && cells.size() == 1; ++i) cells = occupied(cells[0]);
+    for (int i = 0; i < most_halvings && cells.size() == 1 && lies_in_cell(cells[0]); ++i) cells = occupied(cells[0]);
     // More children than eight allow: look one or two halvings deeper, then join what belongs together.
     for (int i = 0; i < 2 && cells.size() > 1 && 2 * cells.size() <= branching_; ++i) {
       std::vector<BuildNode> finer;
@@ -62,6 +62,12 @@ class OctreeDivider {
   }
 
  private:
+  // A facet that stays whole, a segment, may reach out of the cell that it was given to: smaller cells only cut the
+  // rest.
+  static bool lies_in_cell(const BuildNode& node) {
+    return node.sphere.radius <= (1 + 1e-6) * circumsphere(node.cell).radius;
+  }
+
   BuildNode made(Region region, const Box& cell) const {
     std::vector<Vec3> points;
     corner_positions(mesh_, region, points);

@@ -13,6 +13,14 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
   std::vector<std::uint32_t> all(spheres.size());
   std::iota(all.begin(), all.end(), 0u);
 
+  // Outside by rounding alone is not outside: corners of octree cells lie on the spheres about them. Handed to a sphere
+  // that a real leftover has made large, such pieces would draw all others after them.
+  std::vector<double> squared_reach;
+  for (const Sphere& s : spheres) {
+    const double reach = s.radius + 0x1p-48 * (s.radius + largest_component(s.center));
+    squared_reach.push_back(reach * reach);
+  }
+
   Region leftovers;
   CutFacet cut;
   std::vector<Vec3> points;
@@ -25,7 +33,7 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
       double farthest = 0;
       for (const Barycentric& b : cut.polygon(piece))
         farthest = std::max(farthest, squared_distance(own.center, at_barycentric(facet.corners, b)));
-      Region& target = farthest <= own.radius * own.radius ? result.regions[cut.owner[piece]] : leftovers;
+      Region& target = farthest <= squared_reach[cut.owner[piece]] ? result.regions[cut.owner[piece]] : leftovers;
       target.add(region.facet[k], cut.polygon(piece));
     }
   }

@@ -100,7 +100,7 @@ std::uint64_t hash_of_modal(const Mesh& mesh, const Built& built, RuleOptions::M
 
 void add_updates(Claims& claims, std::string_view name, Method method, Workers& workers) {
   const Mesh mesh = sample(name, 14);
-  const Built built = build(mesh, {.method = method, .branching = 8, .depth = 3}, workers);
+  const Built built = build(mesh, {.method = method, .branching = 8, .depth = method == Method::grid ? 2 : 3}, workers);
   const Poses poses = poses_of(mesh);
   const std::string of = " of " + std::string(name) + ", " + std::string(morula::name(method));
   const auto add = [&](const std::string& what, std::uint64_t hash) { claims.push_back({what + of, hash}); };
@@ -207,7 +207,7 @@ class Pair {
     Side(std::string_view n, int resolution, Workers& workers)
         : name(n),
           mesh(sample(n, resolution)),
-          body(mesh, build(mesh, {.method = Method::grid, .branching = 8, .depth = 3}, workers)),
+          body(mesh, build(mesh, {.method = Method::octree, .branching = 8, .depth = 3}, workers)),
           collider(mesh, body) {}
     void deform(const Deformation& deformation) {
       positions = morula::deform(mesh, {deformation}, 1);
