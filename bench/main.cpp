@@ -80,6 +80,13 @@ int run(int argc, char** argv) {
   app.add_option("--baseline", baseline_file,
                  "CSV with the columns mesh,method,level,looseness; `build` divides its looseness by it");
   app.add_flag("--scaling", scaling, "`build` on bodies of 10 thousand to a million facets, instead of meshes");
+  std::size_t load_frames = 0, growth = 0;
+  constexpr std::size_t load_bodies = 1000;
+  app.add_option("--load", load_frames, "a thousand small bodies for so many frames, instead of meshes")
+      ->check(CLI::Range(std::size_t{20}, std::size_t{10000000}));
+  app.add_option("--growth", growth,
+                 "everything on bodies of 10 thousand, 100 thousand … up to so many facets, instead of meshes")
+      ->check(CLI::Range(std::size_t{10000}, std::size_t{20000000}));
   app.add_flag("--json", json, "one JSON object instead of text");
   app.footer(
       "Example:\n  morula_bench --scenario update --mesh limb:96 --threads 2\n\n"
@@ -92,7 +99,7 @@ int run(int argc, char** argv) {
 
   std::optional<Baseline> baseline;
   if (!baseline_file.empty()) baseline.emplace(baseline_file);
-  const std::vector<Input> found = scaling ? std::vector<Input>{} : inputs(meshes);
+  const std::vector<Input> found = scaling || load_frames > 0 || growth > 0 ? std::vector<Input>{} : inputs(meshes);
   Workers workers(threads);
   Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
   settings.seeds = seeds;
@@ -115,12 +122,16 @@ int run(int argc, char** argv) {
       std::fflush(stdout);
     }
   }
-  if (scaling)
-    for (Result& result : run_build_scaling(settings)) {
+  const auto take = [&](std::vector<Result> more) {
+    for (Result& result : more) {
       if (!json) print(result);
       wrong += !result.faults.empty();
       results.push_back(std::move(result));
     }
+  };
+  if (scaling) take(run_build_scaling(settings));
+  if (load_frames > 0) take(run_load(load_bodies, load_frames, settings));
+  if (growth > 0) take(run_growth(growth, settings));
   const std::vector<SummaryRow> summary = build_summary(results);
   if (!json) print(summary);
   if (json)

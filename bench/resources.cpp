@@ -65,6 +65,10 @@ std::optional<std::size_t> allocated_bytes() {
 #endif
 }
 
+std::optional<std::size_t> resident_bytes() {
+  return memory_in_use("VmRSS");
+}
+
 PeakMemory::PeakMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);  // else memory that was freed but kept counts as if it were in use

@@ -27,6 +27,9 @@ double thread_seconds();
 /// Bytes that the program holds of the heap. glibc only: nothing elsewhere.
 std::optional<std::size_t> allocated_bytes();
 
+/// Bytes of memory in use by the process now. Linux only: nothing elsewhere.
+std::optional<std::size_t> resident_bytes();
+
 /// Bytes of memory at most in use since it was made, beyond those before. Linux only: nothing elsewhere.
 class PeakMemory {
  public:

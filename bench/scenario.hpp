@@ -61,6 +61,11 @@ using Run = std::vector<Result> (*)(const Input&, const Settings&);
 std::vector<Result> run_build(const Input& input, const Settings& settings);
 /// Bodies of ten thousand to a million facets: time and memory per facet. Not for an input.
 std::vector<Result> run_build_scaling(const Settings& settings);
+/// So many small bodies for so many frames: memory that grows, cover that is lost. Not for an input.
+std::vector<Result> run_load(std::size_t bodies, std::size_t frames, const Settings& settings);
+/// Bodies of ten thousand facets, ten times as many, … up to so many: time and memory of all that is done to them, each
+/// in a process of its own. Not for an input; nothing on Windows.
+std::vector<Result> run_growth(std::size_t most_facets, const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_modal(const Input& input, const Settings& settings);
 std::vector<Result> run_refit(const Input& input, const Settings& settings);

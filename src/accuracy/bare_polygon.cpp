@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <morula/geometry/trigonometry.hpp>
 
 namespace morula {
 namespace {
@@ -18,7 +19,7 @@ double dot(const Vec2& a, const Vec2& b) {
 // Triangle (origin, a, b) less the disc's sector between the same rays, for a segment that lies outside the disc.
 double triangle_less_sector(const Vec2& a, const Vec2& b, double radius) {
   const double twice_triangle = cross(a, b);
-  return 0.5 * (twice_triangle - radius * radius * std::atan2(twice_triangle, dot(a, b)));
+  return 0.5 * (twice_triangle - radius * radius * angle_of(twice_triangle, dot(a, b)));
 }
 
 }  // namespace
@@ -30,7 +31,7 @@ double area_outside_disc(std::span<const Vec2> polygon, double radius) {
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
     const Vec2 along{b.x - a.x, b.y - a.y};
-    const double length = std::hypot(along.x, along.y);
+    const double length = std::sqrt(dot(along, along));
     if (length == 0) continue;
     const double height = std::abs(cross(a, along)) / length;
     if (height >= radius) {

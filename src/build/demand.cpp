@@ -20,8 +20,8 @@ std::vector<float> leaf_demands(const FitInput& input, const Built& built, std::
     box.add(s.center - Vec3{s.radius, s.radius, s.radius});
     box.add(s.center + Vec3{s.radius, s.radius, s.radius});
     OutsideGrid grid(input.lines, box, 0.3 * s.radius);
-    const double cost = grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) *
-                        std::pow(grid.cell(), 3);
+    const double cost =
+        grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) * grid.cell_volume();
     double surface = 0;
     for (std::uint32_t p = built.cover.region_begin[leaves[i]]; p < built.cover.region_end[leaves[i]]; ++p) {
       const auto patch = built.cover.patch(p);

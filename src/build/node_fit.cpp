@@ -93,7 +93,8 @@ int lattice_cells(const Mesh& mesh, int branching, int depth) {
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(static_cast<std::uint32_t>(f)));
   // Deeper levels than this share the finest lattice: it is what memory allows.
   constexpr double most_parts = 4096, fewest = 64, most = 512;
-  const double parts = std::min(most_parts, std::pow(branching, std::max(1, depth)));
+  double parts = branching;
+  for (int level = 1; level < depth; ++level) parts = std::min(most_parts, parts * branching);
   const double cell = NodeFit::Settings{}.cell * std::sqrt(surface / parts);
   const double longest = largest_component(bounding_box(mesh).extent());
   return static_cast<int>(cell > 0 ? std::clamp(longest / cell, fewest, most) : fewest);
@@ -113,7 +114,9 @@ double area_of(const Mesh& mesh, const Region& region) {
 
 RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing) {
   // Regions without area, or next to none beside their sphere, still have a length.
-  const double least_width = 0.02 * node.sphere.radius;
+  // Slender regions, and those without area, still have a length. Spheres that cover it have diameters that add up to
+  // it, so half of that per child is no loss; parts as narrow as the area says would need cells by the million.
+  const double least_width = std::max(0.02, 1 / static_cast<double>(most)) * node.sphere.radius;
   RegionPoints result;
   result.width = std::max(least_width, std::sqrt(area_of(input.mesh, node.region) / static_cast<double>(most)));
   const Vec3& c = node.sphere.center;
@@ -178,7 +181,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       now.regions.push_back(std::move(divided.regions[i]));
     }
     group_->take_in_grid(balls);
-    now.cost = group_->objective() * std::pow(grid_->cell(), 3);
+    now.cost = group_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);
   }

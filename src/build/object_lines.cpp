@@ -148,15 +148,27 @@ void ObjectLines::vote() {
                                      static_cast<std::size_t>(count_[2])};
   std::vector<std::uint8_t> votes(n[0] * n[1] * n[2], 0);
   const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
+  // Of a slender object most lines have nothing inside: those are not walked cell by cell.
+  std::array<std::vector<bool>, 3> has_inside;
+  for (std::size_t axis = 0; axis < 3; ++axis) has_inside[axis].assign(n[(axis + 1) % 3] * n[(axis + 2) % 3], false);
+  const auto mark = [&](const std::array<std::size_t, 3>& cell) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      has_inside[axis][cell[(axis + 2) % 3] * n[(axis + 1) % 3] + cell[(axis + 1) % 3]] = true;
+  };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t u_axis = (axis + 1) % 3, v_axis = (axis + 2) % 3;
     for (std::size_t v = 0; v < n[v_axis]; ++v)
       for (std::size_t u = 0; u < n[u_axis]; ++u) {
         const auto crossings = line(static_cast<int>(axis), static_cast<int>(u), static_cast<int>(v));
         for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-          const int end = first_middle_at_or_above(crossings[i + 1].at, count_[axis]);
-          for (int w = first_middle_at_or_above(crossings[i].at, count_[axis]); w < end; ++w)
-            ++votes[u * step[u_axis] + v * step[v_axis] + static_cast<std::size_t>(w) * step[axis]];
+          const auto end = static_cast<std::size_t>(first_middle_at_or_above(crossings[i + 1].at, count_[axis]));
+          for (auto w = static_cast<std::size_t>(first_middle_at_or_above(crossings[i].at, count_[axis])); w < end;
+               ++w) {
+            if (++votes[u * step[u_axis] + v * step[v_axis] + w * step[axis]] < 2) continue;
+            std::array<std::size_t, 3> cell{};
+            cell[u_axis] = u, cell[v_axis] = v, cell[axis] = w;
+            mark(cell);
+          }
         }
       }
   }
@@ -176,7 +188,7 @@ void ObjectLines::vote() {
           return nearest;
         };
         bool inside = false;
-        for (std::size_t w = 0; w <= n[axis]; ++w) {
+        for (std::size_t w = 0; has_inside[axis][v * n[u_axis] + u] && w <= n[axis]; ++w) {
           const bool now = w < n[axis] && votes[u * step[u_axis] + v * step[v_axis] + w * step[axis]] >= 2;
           if (now != inside) voted.crossings.push_back({static_cast<float>(w), facet_near(w)});
           inside = now;

@@ -27,6 +27,7 @@ class OutsideGrid {
   OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width);
 
   double cell() const { return cell_; }
+  double cell_volume() const { return cell_ * cell_ * cell_; }
   Vec3f to_grid(const Vec3& p) const;
   Vec3 from_grid(const Vec3f& p) const;
 

@@ -58,8 +58,7 @@ std::span<const BoxKernels> all_box_kernels() {
 }
 
 const BoxKernels& box_kernels() {
-  static const BoxKernels& widest = all_box_kernels().back();
-  return widest;
+  return all_box_kernels().back();
 }
 
 }  // namespace morula

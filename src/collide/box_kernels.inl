@@ -4,16 +4,14 @@
 
 // One bit for each lane where a is at most b.
 inline unsigned lanes_at_most(Wide a, Wide b) {
-#if MORULA_LANES == 16
+#ifndef MORULA_DISPATCH
+  return lane_bits(a <= b);
+#elif MORULA_LANES == 16
   return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
 #elif MORULA_LANES == 8
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
-#elif defined(__SSE2__)
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(a, b)));
 #else
-  unsigned bits = 0;
-  for (int k = 0; k < lanes; ++k) bits |= static_cast<unsigned>(a[k] <= b[k]) << k;
-  return bits;
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(a, b)));
 #endif
 }
 

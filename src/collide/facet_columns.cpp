@@ -72,8 +72,7 @@ std::span<const FacetKernels> all_facet_kernels() {
 }
 
 const FacetKernels& facet_kernels() {
-  static const FacetKernels& widest = all_facet_kernels().back();
-  return widest;
+  return all_facet_kernels().back();
 }
 
 }  // namespace morula

@@ -88,8 +88,7 @@ std::span<const PairKernels> all_pair_kernels() {
 }
 
 const PairKernels& pair_kernels() {
-  static const PairKernels& widest = all_pair_kernels().back();
-  return widest;
+  return all_pair_kernels().back();
 }
 
 }  // namespace morula

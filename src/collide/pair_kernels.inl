@@ -48,17 +48,14 @@ inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::siz
 
 // Bit i: lane i of a is at most lane i of b.
 inline std::uint64_t at_most(Wide a, Wide b) {
-#if defined(MORULA_DISPATCH) && MORULA_LANES == 16
+#ifndef MORULA_DISPATCH
+  return lane_bits(a <= b);
+#elif MORULA_LANES == 16
   return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OQ);
-#elif defined(MORULA_DISPATCH) && MORULA_LANES == 8
+#elif MORULA_LANES == 8
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(a <= b)));
-#elif defined(MORULA_DISPATCH)
-  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(a <= b)));
 #else
-  const auto chosen = a <= b;
-  std::uint64_t bits = 0;
-  for (int i = 0; i < lanes; ++i) bits |= static_cast<std::uint64_t>(chosen[i] & 1) << i;
-  return bits;
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(a <= b)));
 #endif
 }
 

@@ -7,8 +7,14 @@
 #include <array>
 #include <cmath>
 #include <morula/geometry/vector.hpp>
-#if defined(__SSE2__) && !defined(MORULA_SCALAR)
+#if !defined(MORULA_SCALAR)
+#if defined(__SSE2__)
+#define MORULA_SSE 1
 #include <emmintrin.h>
+#elif defined(__aarch64__) && defined(__GNUC__)
+#define MORULA_NEON 1
+#include <arm_neon.h>
+#endif
 #endif
 
 namespace morula {
@@ -85,7 +91,7 @@ class ScalarFloat4 {
   std::array<float, 4> lane_;
 };
 
-#if defined(__SSE2__) && !defined(MORULA_SCALAR)
+#if defined(MORULA_SSE)
 
 class SseFloat4 {
  public:
@@ -130,6 +136,50 @@ class SseFloat4 {
   __m128 v_;
 };
 using Float4 = SseFloat4;
+
+#elif defined(MORULA_NEON)
+
+class NeonFloat4 {
+ public:
+  NeonFloat4() = default;
+  explicit NeonFloat4(float all) : v_(vdupq_n_f32(all)) {}
+  explicit NeonFloat4(const Vec3f& v) : v_{v.x, v.y, v.z, 0.0f} {}
+  static NeonFloat4 counting() { return NeonFloat4(float32x4_t{0.0f, 1.0f, 2.0f, 3.0f}); }
+  static NeonFloat4 load(const float* four) { return NeonFloat4(vld1q_f32(four)); }
+  static NeonFloat4 load(const LocalPoint& p) { return NeonFloat4(vld1q_f32(&p.x)); }
+  void store(LocalPoint& p) const { vst1q_f32(&p.x, v_); }
+  std::array<float, 4> lanes() const {
+    std::array<float, 4> four;
+    vst1q_f32(four.data(), v_);
+    return four;
+  }
+
+  friend NeonFloat4 operator+(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vaddq_f32(a.v_, b.v_)); }
+  friend NeonFloat4 operator-(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vsubq_f32(a.v_, b.v_)); }
+  friend NeonFloat4 operator*(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vmulq_f32(a.v_, b.v_)); }
+  friend NeonFloat4 operator/(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vdivq_f32(a.v_, b.v_)); }
+  // Its own minima and maxima have other ideas of NaN and of zeros' signs.
+  friend NeonFloat4 min(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vbslq_f32(vcltq_f32(a.v_, b.v_), a.v_, b.v_)); }
+  friend NeonFloat4 max(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vbslq_f32(vcgtq_f32(a.v_, b.v_), a.v_, b.v_)); }
+  friend NeonFloat4 sqrt(NeonFloat4 a) { return NeonFloat4(vsqrtq_f32(a.v_)); }
+  NeonFloat4 truncated(std::array<int, 4>& whole) const {
+    const int32x4_t integers = vcvtq_s32_f32(v_);
+    vst1q_s32(whole.data(), integers);
+    return NeonFloat4(vcvtq_f32_s32(integers));
+  }
+  static void transpose(NeonFloat4& a, NeonFloat4& b, NeonFloat4& c, NeonFloat4& d) {
+    const float32x4_t xy_ac = vzip1q_f32(a.v_, c.v_), xy_bd = vzip1q_f32(b.v_, d.v_);
+    const float32x4_t zw_ac = vzip2q_f32(a.v_, c.v_), zw_bd = vzip2q_f32(b.v_, d.v_);
+    a.v_ = vzip1q_f32(xy_ac, xy_bd), b.v_ = vzip2q_f32(xy_ac, xy_bd);
+    c.v_ = vzip1q_f32(zw_ac, zw_bd), d.v_ = vzip2q_f32(zw_ac, zw_bd);
+  }
+  static void transpose_points(NeonFloat4& a, NeonFloat4& b, NeonFloat4& c, NeonFloat4 d) { transpose(a, b, c, d); }
+
+ private:
+  explicit NeonFloat4(float32x4_t v) : v_(v) {}
+  float32x4_t v_;
+};
+using Float4 = NeonFloat4;
 
 #else
 using Float4 = ScalarFloat4;

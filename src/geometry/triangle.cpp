@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <morula/geometry/triangle.hpp>
+#include <morula/geometry/trigonometry.hpp>
 
 namespace morula {
 namespace {
@@ -75,7 +76,7 @@ double solid_angle(const Triangle& t, const Vec3& p) {
   const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   // In the facet's own plane the angle is 0 or a half space, which no sign decides: take 0.
   if (numerator == 0) return 0;
-  return 2 * std::atan2(numerator, denominator);
+  return 2 * angle_of(numerator, denominator);
 }
 
 }  // namespace morula

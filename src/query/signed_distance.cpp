@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/trigonometry.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
 
@@ -111,7 +112,7 @@ void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
         const std::size_t k = corners[0] == v ? 0 : corners[1] == v ? 1 : 2;
         const Vec3 a = mesh.positions[corners[(k + 1) % 3]] - mesh.positions[v];
         const Vec3 b = mesh.positions[corners[(k + 2) % 3]] - mesh.positions[v];
-        const double angle = std::atan2(length(cross(a, b)), dot(a, b));
+        const double angle = angle_of(length(cross(a, b)), dot(a, b));
         sum += facet_normals_[f] * angle;
         angles += angle;
       }

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/trigonometry.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <numbers>
 
@@ -76,14 +77,14 @@ double solid_angle_modulo_turn(const Triangle& corners, const std::array<Side, 3
   double sum = -std::numbers::pi;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 &in = sides[(k + 2) % 3].plane, &out = -sides[k].plane;
-    sum += std::atan2(dot(corners[k], cross(out, in)), length(corners[k]) * dot(out, in));
+    sum += angle_of(dot(corners[k], cross(out, in)), length(corners[k]) * dot(out, in));
   }
   return std::remainder(sum, 2 * std::numbers::pi);  // a sum over many facets must not grow, it would lose digits
 }
 
 // Angle between (x1, y1) and (x2, y2), 0…π.
 double angle_between(double x1, double y1, double x2, double y2) {
-  return std::atan2(std::abs(x1 * y2 - x2 * y1), x1 * x2 + y1 * y2);
+  return angle_of(std::abs(x1 * y2 - x2 * y1), x1 * x2 + y1 * y2);
 }
 
 // H area(D) + s Ω(T) − s Ω(D), one side's part. height is H, the same for all sides.

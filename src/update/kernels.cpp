@@ -79,8 +79,7 @@ std::span<const Kernels> all_kernels() {
 }
 
 const Kernels& kernels() {
-  static const Kernels& widest = all_kernels().back();
-  return widest;
+  return all_kernels().back();
 }
 
 }  // namespace morula

@@ -52,16 +52,14 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
 
 // One bit for each lane that is equal to x.
 inline unsigned lanes_equal(Wide a, float x) {
-#if MORULA_LANES == 16
+#ifndef MORULA_DISPATCH
+  return lane_bits(a == all(x));
+#elif MORULA_LANES == 16
   return _mm512_cmp_ps_mask(a, all(x), _CMP_EQ_OQ);
 #elif MORULA_LANES == 8
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, all(x), _CMP_EQ_OQ)));
-#elif defined(__SSE2__)
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(a, all(x))));
 #else
-  unsigned bits = 0;
-  for (int k = 0; k < lanes; ++k) bits |= static_cast<unsigned>(a[k] == x) << k;
-  return bits;
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(a, all(x))));
 #endif
 }
 

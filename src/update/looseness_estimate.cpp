@@ -44,28 +44,30 @@ bool touch(const Spheref& a, const Spheref& b) {
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
-constexpr float facing_degrees = 60;  // between directions: below, rays keep apart as curvature has it
+// Between directions: below 60 degrees, rays keep apart as curvature has it.
+constexpr float facing_cosine = 0.5f, facing_sine = 0.5f * std::numbers::sqrt3_v<float>;
 
 // One over the distance along a ray at which y becomes as near as its start x is 2 (y − x)·d / |y − x|². The largest
 // over samples y whose directions face the ray's, lane by lane.
 void find_facing(const Vec3f& from, const Vec3f& direction, float side, const SampleBlock& block,
                  Lanes& nearness) noexcept {
   const Float4 px(from.x), py(from.y), pz(from.z), dx(direction.x), dy(direction.y), dz(direction.z);
-  const Float4 facing_cosine(0.5f), twice(2 * side), tiny(1e-30f);
+  const Float4 least_facing(facing_cosine), twice(2 * side), tiny(1e-30f);
   for (std::size_t q = 0; q < nearness.size(); ++q) {
     const Float4 x = lanes_of(block.x, q) - px, y = lanes_of(block.y, q) - py, z = lanes_of(block.z, q) - pz;
     const Float4 along = x * dx + y * dy + z * dz;
     const Float4 cosine = lanes_of(block.dx, q) * dx + lanes_of(block.dy, q) * dy + lanes_of(block.dz, q) * dz;
     const Float4 value = twice * along / (x * x + y * y + z * z + tiny);
-    nearness[q] = max(nearness[q], value * is_positive(facing_cosine - cosine));
+    nearness[q] = max(nearness[q], value * is_positive(least_facing - cosine));
   }
 }
 
 // May a direction of one cone face one of the other?
 bool may_face(const BlockBound& a, const BlockBound& b) {
-  constexpr float facing_angle = facing_degrees * std::numbers::pi_v<float> / 180;
-  const float rest = facing_angle - a.half_angle - b.half_angle;
-  return rest <= 0 || dot(a.axis, b.axis) <= std::cos(rest);
+  // Both half angles together, 0…2π; then what they leave of 60 degrees. No arccosine: it differs between libraries.
+  const float cosine = a.cosine * b.cosine - a.sine * b.sine, sine = a.sine * b.cosine + a.cosine * b.sine;
+  if (cosine <= facing_cosine || sine < 0) return true;
+  return dot(a.axis, b.axis) <= facing_cosine * cosine + facing_sine * sine;
 }
 
 // Smallest positive root of 1 + a t + b t²: where neighbouring rays meet.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -108,7 +109,7 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
       const Vec3f offset = point_[other] - point_[sample];
       const double gap = length(offset);
       if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
-      const double turn = std::atan2(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
+      const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
       const auto sector =
           std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));
       // Too near is worse than far away, the nearer the worse.
@@ -166,7 +167,8 @@ void SurfaceSamples::bound_blocks() noexcept {
     for (const Vec3f& p : points) squared = std::max(squared, squared_distance(p, bound.places.center));
     for (const Vec3f& d : directions) cosine = std::min(cosine, dot(d, bound.axis));
     bound.places.radius = std::sqrt(squared);
-    bound.half_angle = std::acos(std::max(-1.0f, cosine));
+    bound.cosine = std::max(-1.0f, cosine);
+    bound.sine = std::sqrt(1 - bound.cosine * bound.cosine);
   }
 }
 

@@ -29,9 +29,9 @@ struct SampleBlock {
 
 /// What bounds a block, apart from it: blocks are passed over far more often than looked into.
 struct BlockBound {
-  Spheref places;        ///< contains them
-  Vec3f axis;            ///< of the cone of directions
-  float half_angle = 0;  ///< of that cone, radians
+  Spheref places;              ///< contains them
+  Vec3f axis;                  ///< of the cone of directions
+  float cosine = 1, sine = 0;  ///< of the cone's half angle, 0…π
 };
 
 class SurfaceSamples {

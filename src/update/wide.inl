@@ -7,6 +7,7 @@ constexpr int lanes = MORULA_LANES;
 typedef float Wide __attribute__((vector_size(4 * lanes)));
 typedef float LooseWide __attribute__((vector_size(4 * lanes), aligned(4), may_alias));
 typedef float Four __attribute__((vector_size(16), may_alias));
+typedef std::int32_t WideMask __attribute__((vector_size(4 * lanes)));  // what comparisons give: all ones or zeros
 
 inline Wide all(float x) {
   return x - Wide{};
@@ -18,6 +19,19 @@ inline Wide larger(Wide a, Wide b) {
 inline Wide smaller(Wide a, Wide b) {
   return a < b ? a : b;
 }
+#ifndef MORULA_DISPATCH
+// Bit i: lane i of a comparison. x86 has an instruction for it, each kind its own.
+inline unsigned lane_bits(WideMask mask) {
+#ifdef __aarch64__
+  constexpr uint32x4_t bit_of_lane{1, 2, 4, 8};
+  return vaddvq_u32(vandq_u32(__builtin_bit_cast(uint32x4_t, mask), bit_of_lane));
+#else
+  unsigned bits = 0;
+  for (int k = 0; k < lanes; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
+  return bits;
+#endif
+}
+#endif
 inline Four load_point(const LocalPoint& p) {
   return *reinterpret_cast<const Four*>(&p);
 }

@@ -36,6 +36,21 @@ TEST(Octree, skips_cells_with_a_single_occupied_octant) {
   EXPECT_GE(built.tree.child_count[2], 4u);
 }
 
+// A tetrahedron with two corners in one place and a facet that is a segment: it stays whole, sticks out of its cell,
+// and all other pieces, which touch their cells' spheres, used to follow it. Sixty halvings then cut them to dust for
+// nothing.
+TEST(Octree, a_facet_that_stays_whole_does_not_draw_the_others_into_its_cell) {
+  Mesh mesh;
+  mesh.positions = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.facets = {{0, 2, 0}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (const int branching : {4, 8}) {
+    const Built built = build(mesh, {.method = Method::octree, .branching = branching, .depth = 2});
+    EXPECT_GE(built.tree.child_count[0], 3u);
+    EXPECT_EQ(built.tree.level_count(), 3u);
+    EXPECT_TRUE(validate(mesh, built).empty());
+  }
+}
+
 TEST(Octree, joins_octants_when_fewer_children_are_asked_for_and_divides_further_when_more) {
   const Mesh mesh = test::icosphere(4);
   for (const int branching : {2, 3, 5, 12, 40}) {

@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/trigonometry.hpp>
+
+#include "geometry/hash.hpp"
 
 namespace morula {
 namespace {
@@ -24,6 +27,46 @@ TEST(SinCos, agrees_with_extended_precision) {
     ASSERT_NEAR(found.sin, static_cast<double>(std::sin(static_cast<long double>(x))), 3e-16) << x;
     ASSERT_NEAR(found.cos, static_cast<double>(std::cos(static_cast<long double>(x))), 3e-16) << x;
   }
+}
+
+TEST(AngleOf, agrees_with_extended_precision_wherever_the_point_is) {
+  Random random(12);
+  for (int i = 0; i < 200000; ++i) {
+    const double spread = i % 3 == 0 ? 0 : i % 3 == 1 ? 40 : 600;
+    const double x = random.uniform(-1, 1) * std::exp2(random.uniform(-spread, spread));
+    const double y = random.uniform(-1, 1) * std::exp2(random.uniform(-spread, spread));
+    const long double expected = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    if (std::abs(expected) < 1e-300L) continue;  // few digits are left
+    ASSERT_NEAR(static_cast<double>(angle_of(y, x) / expected), 1, 5e-16) << y << ' ' << x;
+  }
+}
+
+TEST(AngleOf, has_the_zeros_and_infinities_of_atan2) {
+  const double infinity = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::max();
+  const double least = std::numeric_limits<double>::denorm_min();
+  for (const double y : {0.0, least, 1e-310, 1.0, 1e308, most, infinity})
+    for (const double x : {0.0, least, 1e-310, 1.0, 1e308, most, infinity})
+      for (const double sign_y : {1.0, -1.0})
+        for (const double sign_x : {1.0, -1.0}) {
+          const double found = angle_of(sign_y * y, sign_x * x), expected = std::atan2(sign_y * y, sign_x * x);
+          EXPECT_NEAR(found, expected, 5e-16 * std::abs(expected)) << sign_y * y << ' ' << sign_x * x;
+          EXPECT_EQ(std::signbit(found), std::signbit(expected)) << sign_y * y << ' ' << sign_x * x;
+        }
+  EXPECT_TRUE(std::isnan(angle_of(std::nan(""), 1)));
+  EXPECT_TRUE(std::isnan(angle_of(1, std::nan(""))));
+}
+
+// A golden hash: whatever the compiler, the processor and its library, of which std::atan2 would take its bits.
+TEST(AngleOf, and_sin_cos_have_the_same_bits_on_every_machine) {
+  Random random(13);
+  Hasher hash;
+  for (int i = 0; i < 20000; ++i) {
+    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
+    hash.add(angle_of(y, x));
+    hash.add(sin_cos(10 * x).sin);
+    hash.add(sin_cos(10 * y).cos);
+  }
+  EXPECT_EQ(hash.value(), 0xb2918869f4bbbbb6u);
 }
 
 TEST(Random, is_the_published_sequence_and_uniform) {

@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <morula/build/build.hpp>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/distance.hpp>
+#include <morula/collide/overlap.hpp>
+#include <morula/collide/primitives.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/update/body.hpp>
+#include <morula/update/kdop_tree.hpp>
+#include <morula/update/looseness_estimate.hpp>
+
+#include "claims.hpp"
+#include "samples.hpp"
+
+namespace morula::bits {
+namespace {
+
+using Poses = std::vector<std::vector<Vec3>>;
+
+// Out and back by every deformation, then noise without rhyme or reason, a collapse, and far away.
+Poses poses_of(const Mesh& mesh) {
+  Poses poses;
+  for (const Deformation& deformation :
+       {Deformation{Stretch{}}, Deformation{Twist{}}, Deformation{Bend{}}, Deformation{Poke{}}, Deformation{Noise{}}})
+    for (const double t : {0.3, 1.0, 0.0}) poses.push_back(deform(mesh, {deformation}, t));
+  Random random(9);
+  std::vector<Vec3> rough = mesh.positions, flat = mesh.positions, far = mesh.positions;
+  for (Vec3& p : rough)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += random.uniform(-0.4, 0.4);
+  for (Vec3& p : flat) p.y = 0;
+  for (Vec3& p : far) p = 1.25 * p + Vec3{1e9, -3e8, 7e7};
+  for (std::vector<Vec3>* pose : {&rough, &flat, &far}) poses.push_back(std::move(*pose));
+  return poses;
+}
+
+std::uint64_t hash_of_motion(Body body, const Poses& poses, Workers& workers) {
+  Sum sum;
+  sum.add(body.hash());
+  for (const std::vector<Vec3>& pose : poses) {
+    // Double, float, and float inside larger records: each is read by code of its own.
+    const std::vector<Vec3f> floats(pose.begin(), pose.end());
+    std::vector<float> records;
+    for (const Vec3f& p : floats) records.insert(records.end(), {p.x, p.y, p.z, -1.0f});
+    for (const PositionView& positions : {PositionView(pose), PositionView(floats),
+                                          PositionView::strided(records.data(), floats.size(), 4 * sizeof(float))}) {
+      const UpdateStatus status = body.update(positions, workers);
+      sum.add(status.points_tested).add(body.hash());
+    }
+  }
+  return sum.value();
+}
+
+std::uint64_t hash_of_parts(Body body, const Poses& poses, Workers& workers) {
+  Sum sum;
+  std::vector<Vec3> now = poses[1];
+  body.update(now, workers);
+  const auto count = static_cast<std::uint32_t>(now.size());
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const VertexRange moved{count * k / 7, count * k / 7 + count / 9};
+    for (std::uint32_t v = moved.begin; v < moved.end; ++v) now[v] += Vec3{0.03, -0.02 * k, 0.01};
+    body.update(now, std::span(&moved, 1), workers);
+    sum.add(body.hash());
+  }
+  body.update_lazily(poses[4], 1, workers);
+  for (std::uint32_t node = 0; node < body.spheres().size(); node += 3)
+    if (body.is_reached(node)) sum.add(body.reach(node)).add(body.sphere(node));
+  return sum.value();
+}
+
+Modes waves(const Mesh& mesh, std::size_t mode_count) {
+  Modes modes{.vertex_count = mesh.vertex_count(), .mode_count = mode_count, .displacements = {}};
+  for (std::size_t j = 0; j < mode_count; ++j)
+    for (const Vec3& p : mesh.positions) {
+      const double k = 1 + 0.5 * static_cast<double>(j);
+      modes.displacements.push_back({0.1 * p.y * p.y - 0.05 * k * p.z, 0.2 * k * p.x * p.z, 0.1 * p.x * p.x / k});
+    }
+  return modes;
+}
+
+std::uint64_t hash_of_modal(const Mesh& mesh, const Built& built, RuleOptions::ModalBound bound, Workers& workers) {
+  UpdateOptions options{.rules = {Rule::modal}};
+  options.details.modal_bound = bound;
+  options.modes = waves(mesh, 5);
+  Body body(mesh, built, options, workers);
+  Sum sum;
+  Random random(21);
+  for (int frame = 0; frame < 8; ++frame) {
+    std::vector<double> coordinates(5);
+    for (double& q : coordinates) q = random.uniform(-2, 2);
+    body.update_modal(coordinates, workers);
+    sum.add(body.hash()).add(body.modal_sphere(1, coordinates));
+  }
+  return sum.value();
+}
+
+void add_updates(Claims& claims, std::string_view name, Method method, Workers& workers) {
+  const Mesh mesh = sample(name, 14);
+  const Built built = build(mesh, {.method = method, .branching = 8, .depth = method == Method::grid ? 2 : 3}, workers);
+  const Poses poses = poses_of(mesh);
+  const std::string of = " of " + std::string(name) + ", " + std::string(morula::name(method));
+  const auto add = [&](const std::string& what, std::uint64_t hash) { claims.push_back({what + of, hash}); };
+
+  for (const Rule rule : position_rules())
+    for (const bool conservative : {false, true}) {
+      const UpdateOptions options{.rules = {rule}, .conservative = conservative};
+      add("rule " + std::string(morula::name(rule)) + (conservative ? ", made to cover" : ""),
+          hash_of_motion(Body(mesh, built, options, workers), poses, workers));
+    }
+  RuleOptions other{.approach1_weights = RuleOptions::Weights::inverse_distance,
+                    .approach1_inner_center = RuleOptions::InnerCenter::linked_vertices,
+                    .approach2_inner_boxes = RuleOptions::InnerBoxes::child_centers,
+                    .distance_floor = 0.25};
+  add("a mixture of rules",
+      hash_of_motion(
+          Body(mesh, built,
+               {.rules = {Rule::exact, Rule::approach1, Rule::approach2, Rule::approach1}, .details = other}, workers),
+          poses, workers));
+  add("parts and lazy updates", hash_of_parts(Body(mesh, built, {}, workers), poses, workers));
+  add("modal by gradients", hash_of_modal(mesh, built, RuleOptions::ModalBound::gradient, workers));
+  add("modal by shifts", hash_of_modal(mesh, built, RuleOptions::ModalBound::shift, workers));
+
+  for (const int k : {6, 14, 18, 26}) {
+    KDopTree tree(mesh, built, k, workers);
+    Sum sum;
+    for (const std::vector<Vec3>& pose : poses) tree.update(pose, workers), sum.add(tree.hash());
+    add(std::to_string(k) + "-DOPs", sum.value());
+  }
+  LoosenessEstimator estimator(mesh, 512);
+  Body body(mesh, built, {}, workers);
+  Sum estimates;
+  for (std::size_t i = 0; i < 12; ++i) {
+    std::vector<double> looseness(4);
+    body.update(poses[i], workers);
+    estimator.pose(poses[i]);
+    estimator.estimate(body, looseness);
+    estimates.add(looseness).add(estimator.volume());
+  }
+  add("estimated looseness", estimates.value());
+}
+
+// Two bodies, deformed, one of them placed: all queries about them.
+class Pair {
+ public:
+  Pair(std::string_view name_a, std::string_view name_b, Workers& workers)
+      : a_(name_a, 14, workers), b_(name_b, 12, workers), workers_(&workers) {}
+
+  void add_claims(Claims& claims) {
+    Sum contacts, carried, crossing, distances, shapes, inside;
+    ContactQuery query({.priority = Priority::overlap});
+    query.add(a_.collider, b_.collider);
+    DistanceQuery distance;
+    InsideTest test(a_.collider);
+    Crossings pairs;
+    bool is_first = true;
+    Random random(31);
+    for (int step = 0; step < 12; ++step) {
+      a_.deform(Bend{.degrees = 5.0 * step});
+      b_.deform(Twist{.degrees = 11.0 * step});
+      const Vec3 away{random.uniform(-1, 1), 0.12 * step, random.uniform(-0.5, 0.5)};
+      b_.collider.place(RigidTransform::from_axis({0.3, 0.2, 1}, 0.4 * step, away));
+
+      add(contacts, collide(a_.collider, b_.collider, {.surfaces = true, .exact = true, .containment = true}));
+      add(contacts, collide(a_.collider, b_.collider, {.level = 1, .margin = 0.1}));
+      contacts.add(overlap(a_.collider, b_.collider));
+      query.set_options({.budget = 40 + 10 * step, .priority = Priority::overlap});
+      (is_first ? query.start(*workers_) : query.carry(*workers_));
+      is_first = false;
+      add(carried, query.contacts());
+      query.set_options({});
+      query.resume(*workers_);
+      add(carried, query.contacts());
+
+      crossings(a_.collider, b_.collider, pairs);
+      for (const Crossing& x : pairs.pairs())
+        crossing.add(x.facet_a).add(x.facet_b).add(x.segment.from).add(x.segment.to);
+      crossing.add(pairs.pairs_tested());
+
+      for (const std::size_t budget : {std::size_t{60}, DistanceOptions::no_budget}) {
+        const DistanceBounds bounds = distance(a_.collider, b_.collider, {.budget = budget});
+        distances.add(bounds.lower).add(bounds.upper).add(bounds.a).add(bounds.b).add(bounds.crossing);
+        distances.add(bounds.sphere_tests).add(bounds.facet_tests);
+      }
+      add_shapes(shapes, random);
+      for (int k = 0; k < 20; ++k) {
+        const Vec3 p{random.uniform(-2, 2), random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6)};
+        const PointLocation where = test.locate(p);
+        const Probe probe = test.probe({p, 0.2});
+        inside.add(where.inside).add(where.winding).add(probe.distance).add(probe.nearest).add(probe.normal);
+      }
+    }
+    const std::string of = " of " + a_.name + " and " + b_.name;
+    claims.push_back({"contacts" + of, contacts.value()});
+    claims.push_back({"carried contacts" + of, carried.value()});
+    claims.push_back({"crossings" + of, crossing.value()});
+    claims.push_back({"distances" + of, distances.value()});
+    claims.push_back({"primitives" + of, shapes.value()});
+    claims.push_back({"inside tests" + of, inside.value()});
+  }
+
+ private:
+  struct Side {
+    Side(std::string_view n, int resolution, Workers& workers)
+        : name(n),
+          mesh(sample(n, resolution)),
+          body(mesh, build(mesh, {.method = Method::octree, .branching = 8, .depth = 3}, workers)),
+          collider(mesh, body) {}
+    void deform(const Deformation& deformation) {
+      positions = morula::deform(mesh, {deformation}, 1);
+      body.update(positions);
+      collider.set_positions(positions);
+    }
+    std::string name;
+    Mesh mesh;
+    Body body;
+    Collider collider;
+    std::vector<Vec3> positions;
+  };
+
+  static void add(Sum& sum, const Contacts& found) {
+    for (const Contact& c : found.contacts)
+      sum.add(c.node_a)
+          .add(c.node_b)
+          .add(c.finished)
+          .add(c.point)
+          .add(c.normal)
+          .add(c.depth)
+          .add(c.lens_volume)
+          .add(c.error_bound);
+    for (const ContactSurface& s : found.surfaces) sum.add(s.on_a).add(s.on_b).add(s.normal).add(s.depth);
+    for (const Crossing& x : found.crossings) sum.add(x.facet_a).add(x.facet_b).add(x.segment.from).add(x.segment.to);
+    for (const MutualContainment& m : found.containment) sum.add(m.a_in_b.inside).add(m.b_in_a.inside);
+    sum.add(found.pair_tests).add(found.finished_count).add(found.achieved_level);
+  }
+
+  void add_shapes(Sum& sum, Random& random) const {
+    const auto any = [&] { return random.uniform(-1, 1); };
+    const TouchOptions options{.nearest = true, .list = true};
+    const auto add_touch = [&](const Touch& t) {
+      sum.add(t.found).add(t.touches).add(t.lower).add(t.facets.size()).add(t.leaves);
+      if (t.found) sum.add(t.deepest.point).add(t.deepest.depth).add(t.deepest.normal);
+    };
+    for (int k = 0; k < 4; ++k) {
+      add_touch(touch(b_.collider, HalfSpace{normalized(Vec3{any(), any(), 1}), any()}, options));
+      add_touch(touch(b_.collider, Sphere{{any(), any(), any()}, 0.4}, options));
+      add_touch(touch(b_.collider, Capsule{{any(), any(), any()}, {any(), any(), any()}, 0.2}, options));
+      const RayHit hit = first_hit(b_.collider, {{3 * any(), 3 * any(), 3}, {any(), any(), -3}});
+      sum.add(hit.hit);
+      if (hit.hit) sum.add(hit.t).add(hit.point).add(hit.normal);
+    }
+  }
+
+  Side a_, b_;
+  Workers* workers_;
+};
+
+}  // namespace
+
+Claims motions(Workers& workers) {
+  Claims claims;
+  add_updates(claims, "limb", Method::grid, workers);
+  add_updates(claims, "torus", Method::octree, workers);
+  add_updates(claims, "open bar", Method::octree, workers);
+  Pair("limb", "torus", workers).add_claims(claims);
+  Pair("blob", "open limb", workers).add_claims(claims);
+  return claims;
+}
+
+}  // namespace morula::bits
