@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contacts.hpp"
 
-#include <cstdio>
+#include <limits>
+#include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
 #include <set>
 
@@ -158,11 +159,23 @@ PairJudge::PairJudge(const Collider& a, const Collider& b, Dice& dice)
 
 void PairJudge::judge_facets(Record& record) const {
   ++record.counts.poses_of_pairs;
+  // Where both are, for what fails: relative to the first one's own place.
+  record.place.second = {{}, b_.mesh().facets};
+  for (std::uint32_t v = 0; v < b_.mesh().vertex_count(); ++v) {
+    const Vec3 p = b_.vertex(v) - a_.placement().translation;
+    record.place.second.positions.push_back(a_.placement().turn_back(p));
+  }
   record.counts.exact_poses += exact_;
   record.counts.crossings += meetings_.size();
   if (!meetings_.empty())
     record.expect(overlap(a_, b_), "missed-overlap",
                   "overlap() says no, " + pair_text(meetings_[0].facet_a, meetings_[0].facet_b) + " meet");
+  Real nearest = meetings_.empty() ? std::numeric_limits<Real>::infinity() : 0;
+  for (const NearPair& n : near_) nearest = std::min(nearest, n.distance);
+  const DistanceBounds bounds = distance(a_, b_, {.budget = 200});
+  record.expect(static_cast<Real>(bounds.lower) <= nearest + 8 * error_, "missed-distance",
+                "the lower bound is " + std::to_string(bounds.lower) + ", two points are " +
+                    std::to_string(static_cast<double>(nearest)) + " apart");
   Crossings found;
   crossings(a_, b_, found);
   judge_list(found.pairs(), record, "missed-crossing");

@@ -28,7 +28,7 @@ class PairJudge {
   /// Every pair was decided, touching ones too, by whole numbers.
   bool exact() const { return exact_; }
 
-  /// overlap() and crossings().
+  /// overlap(), crossings(), and the lower bound of distance().
   void judge_facets(Record& record) const;
   /// Is every meeting in a pair of nodes that own its facets, and within that pair's error bound? Is every pair of
   /// points that are nearer than the margin? bodies: which pair of the query this is.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 
 namespace morula::properties {
@@ -25,7 +26,7 @@ void write_obj(const std::filesystem::path& path, const std::vector<Vec3>& posit
 
 void Record::begin(std::uint64_t seed, std::uint64_t number) {
   ++counts.cases;
-  place = {seed, number, {}, {}, {}, {}};
+  place = {seed, number, {}, {}, {}, {}, {}};
   seen_.clear();
 }
 
@@ -50,6 +51,8 @@ void Record::keep(const std::string& kind, const std::string& what) const {
     if (place.pose.size() == place.mesh.positions.size())
       write_obj(keep_ / (stem + "-" + kind + ".obj"), place.pose, place.mesh);
   }
+  if (!place.second.facets.empty())
+    write_obj(keep_ / (stem + "-" + kind + "-second.obj"), place.second.positions, place.second);
   std::ofstream out(keep_ / (stem + ".txt"), std::ios::app);
   out << kind << ": " << what << "\n  " << place.description << "\n  " << place.frame
       << "\n  scripts/properties --seed " << place.seed << " --only " << place.number << "\n";
@@ -81,8 +84,10 @@ std::string Record::summary(double seconds) const {
   text += line("cases with bare surface", bare) + line("cases with a missed contact", missed) +
           line("cases with another fault", other);
   for (const auto& [kind, count] : failures_) text += line(("  " + kind).c_str(), count);
-  char time[64];
-  std::snprintf(time, sizeof time, "  %-34s %14.1f\n", "seconds", seconds);
+  const double of_processor = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  char time[160];
+  std::snprintf(time, sizeof time, "  %-34s %14.1f\n  %-34s %14.1f\n", "seconds", seconds, "  of processor",
+                of_processor);
   return text + time;
 }
 

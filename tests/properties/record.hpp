@@ -33,6 +33,7 @@ struct Place {
   Mesh mesh;                ///< the first body's, for --keep
   std::string frame;        ///< what the body does at the moment
   std::vector<Vec3> pose;
+  Mesh second;  ///< the other body's, placed, where there is one
 };
 
 class Record {
