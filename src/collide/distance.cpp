@@ -10,6 +10,7 @@
 #include "collide/placed_spheres.hpp"
 #include "collide/slab.hpp"
 #include "collide/world_facets.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -284,6 +285,7 @@ DistanceQuery::DistanceQuery(DistanceQuery&&) noexcept = default;
 DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
 
 DistanceBounds DistanceQuery::operator()(const Collider& a, const Collider& b, const DistanceOptions& options) {
+  const StandardFloats standard;
   DistanceBounds refused;
   refused.upper = infinity;
   refused.status = askable(a, 0);
