@@ -102,6 +102,7 @@ class Search {
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
     answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
+    answer_.crossing = answer_.upper == 0;
     is_of_facets_ = false;
     slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
     ++version_;
