@@ -101,7 +101,7 @@ std::vector<std::string> check_tree(const Options& o, const TreeFile& file, cons
   if (!faults.empty() || !file.cover || !mesh) return faults;
   const Built built = read_built(o.file, *mesh);
   faults = validate(*mesh, built);
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   const Certificate certificate = certify(built.cover, mesh->positions, built.tree.spheres, workers);
   if (!certificate.covered) {
     faults.push_back(fmt::format("node {} does not contain its region: {} are missing", certificate.worst_node,
@@ -162,7 +162,7 @@ int tree_info(const Options& o) {
   // A bare tree proves nothing: what a cover would cost says how far it is from covering.
   std::optional<Built> repaired;
   if (o.check && faults.empty() && mesh && !file.cover) {
-    Workers workers(o.threads);
+    Workers workers = make_workers(o.threads);
     repaired = cover(*mesh, file.tree, workers);
   }
   if (o.json) {
