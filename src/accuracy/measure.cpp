@@ -3,10 +3,13 @@
 #include <morula/accuracy/measure.hpp>
 #include <stdexcept>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 
 std::vector<LevelMeasure> measure(const Mesh& mesh, const SphereTree& tree, const MeasureOptions& options,
                                   Workers& workers) {
+  const StandardFloats standard;
   require_usable(mesh);
   if (const std::vector<std::string> faults = validate(tree); !faults.empty())
     throw std::invalid_argument("measure: the tree is broken: " + faults.front());

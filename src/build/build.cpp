@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "build/top_down.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -145,6 +146,7 @@ std::span<const Quality> all_qualities() {
 }
 
 Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+  const StandardFloats standard;
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
     throw std::invalid_argument("build: branching " + std::to_string(options.branching) + " is not in 2…64");

@@ -10,6 +10,7 @@
 #include "collide/placed_spheres.hpp"
 #include "collide/slab.hpp"
 #include "collide/world_facets.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -101,6 +102,7 @@ class Search {
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
     answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
+    answer_.crossing = answer_.upper == 0;
     is_of_facets_ = false;
     slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
     ++version_;
@@ -284,6 +286,7 @@ DistanceQuery::DistanceQuery(DistanceQuery&&) noexcept = default;
 DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
 
 DistanceBounds DistanceQuery::operator()(const Collider& a, const Collider& b, const DistanceOptions& options) {
+  const StandardFloats standard;
   DistanceBounds refused;
   refused.upper = infinity;
   refused.status = askable(a, 0);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/exact_predicates.hpp"
+#include "geometry/triangles_meet.hpp"
 
 namespace morula {
 namespace {
@@ -82,6 +83,12 @@ class Search {
     for (std::size_t i = 0; i < edge_count(); ++i)
       for (std::size_t j = 0; j < 3; ++j) try_edges(i, (i + 1) % a_.size(), j, (j + 1) % 3);
     bound();
+    // Shapes that meet in one plane and nowhere else have no edge that pierces: an exact verdict where no slab is
+    // between.
+    if (best_.lower <= 0 && meet()) {
+      best_.lower = best_.upper = 0;
+      best_.crossing = true;
+    }
     return best_;
   }
 
@@ -147,6 +154,12 @@ class Search {
       return best_.crossing = true;
     }
     return false;
+  }
+
+  bool meet() const {
+    if (a_.size() == 1) return triangles_meet({a_[0], a_[0], a_[0]}, b_);
+    if (a_.size() == 2) return triangles_meet({a_[0], a_[1], a_[1]}, b_);
+    return triangles_meet({a_[0], a_[1], a_[2]}, b_);
   }
 
   // Points on edges and in triangles are off by less than 11 u of the largest coordinate each, corners not at all.

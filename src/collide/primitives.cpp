@@ -9,6 +9,7 @@
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
 #include "collide/world_facets.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -196,6 +197,7 @@ Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOption
 }  // namespace
 
 bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   const double size = length(shape.normal);
   const bool good = is_near(shape.normal) && size > 0x1p-200 && std::abs(shape.offset) / size < 0x1p200;
   if (!begin(body, good, options, result)) return false;
@@ -204,24 +206,29 @@ bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& opt
 }
 
 bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return false;
   search(body, PlacedCapsule(shape.center, shape.center, shape.radius), options, result);
   return true;
 }
 
 bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return false;
   search(body, PlacedCapsule(shape.p, shape.q, shape.radius), options, result);
   return true;
 }
 
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 

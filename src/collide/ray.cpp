@@ -6,6 +6,7 @@
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
 #include "geometry/exact_predicates.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -94,6 +95,7 @@ bool is_good(const Ray& ray) {
 }  // namespace
 
 RayHit first_hit(const Collider& body, const Ray& ray) {
+  const StandardFloats standard;
   RayHit result;
   result.status = askable(body);
   if (result.status && !is_good(ray)) result.status = {QueryStatus::Code::bad_shape};

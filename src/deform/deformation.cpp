@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "deform/parameters.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -205,6 +206,7 @@ void apply_to(std::vector<Vec3>& positions, const Deformation& deformation, cons
 }  // namespace
 
 std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations, double t) {
+  const StandardFloats standard;
   if (!(t >= 0 && t <= 1)) throw std::invalid_argument("deformation parameter " + format_number(t) + " is not in 0…1");
   for (const Deformation& deformation : deformations) require_in_range(deformation);
   const Rest rest(rest_mesh);

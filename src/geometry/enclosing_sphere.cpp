@@ -5,6 +5,8 @@
 #include <morula/geometry/random.hpp>
 #include <vector>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -102,6 +104,7 @@ double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
 }
 
 Sphere enclosing_sphere(std::span<const Vec3> points) {
+  const StandardFloats standard;
   if (points.empty()) return {};
   double squared = 0;
   const Vec3 first = points[0];

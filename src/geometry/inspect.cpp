@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -126,6 +128,7 @@ void inspect_facets(const Mesh& mesh, MeshReport& report) {
 }  // namespace
 
 MeshReport inspect(const Mesh& mesh) {
+  const StandardFloats standard;
   MeshReport report;
   report.vertex_count = mesh.vertex_count();
   report.facet_count = mesh.facet_count();

@@ -4,9 +4,12 @@
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/trigonometry.hpp>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 
 RigidTransform RigidTransform::from_quaternion(double w, double x, double y, double z, const Vec3& translation) {
+  const StandardFloats standard;
   const double square = w * w + x * x + y * y + z * z;
   RigidTransform t;
   t.translation = translation;
@@ -19,6 +22,7 @@ RigidTransform RigidTransform::from_quaternion(double w, double x, double y, dou
 }
 
 RigidTransform RigidTransform::from_axis(const Vec3& axis, double angle_radians, const Vec3& translation) {
+  const StandardFloats standard;
   const double size = length(axis);
   if (!(size > 0)) return from_quaternion(1, 0, 0, 0, translation);
   const SinCos half = sin_cos(0.5 * angle_radians);
@@ -27,6 +31,7 @@ RigidTransform RigidTransform::from_axis(const Vec3& axis, double angle_radians,
 }
 
 RigidTransform inverse(const RigidTransform& t) {
+  const StandardFloats standard;
   RigidTransform back;
   for (int row = 0; row < 3; ++row)
     back.rows[static_cast<std::size_t>(row)] = {t.rows[0][row], t.rows[1][row], t.rows[2][row]};
@@ -35,6 +40,7 @@ RigidTransform inverse(const RigidTransform& t) {
 }
 
 RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p) {
+  const StandardFloats standard;
   RigidTransform t;
   const RigidTransform back = inverse(frame);
   const RigidTransform columns = inverse({p.rows, {}});  // its rows are p's columns

@@ -6,6 +6,7 @@
 
 #include "medial/ball_neighbors.hpp"
 #include "medial/voronoi_balls.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -64,6 +65,7 @@ std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const V
 
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             Workers& workers) {
+  const StandardFloats standard;
   assert(points.size() == normals.size());
   const double diagonal = shape.bvh().bounding_box().diagonal();
   std::vector<std::optional<Sphere>> found(points.size());
@@ -79,6 +81,7 @@ MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> p
 }
 
 MedialBalls voronoi_balls(const SignedDistance& shape, std::span<const Vec3> samples) {
+  const StandardFloats standard;
   Box box;
   for (const Vec3& sample : samples) {
     if (is_finite(sample)) box.add(sample);

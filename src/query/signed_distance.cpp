@@ -8,6 +8,8 @@
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -55,6 +57,7 @@ SignedDistance::SignedDistance(const Mesh& mesh, SignMethod method, Workers& wor
     : SignedDistance(mesh, &method, workers) {}
 
 SignedDistance::SignedDistance(const Mesh& mesh, const SignMethod* method, Workers& workers) : bvh_(mesh, workers) {
+  const StandardFloats standard;
   const MeshReport report = inspect(mesh);
   has_volume_ = report.has_volume();
   if (has_volume_ && report.volume < 0) orientation_ = -1;
@@ -139,6 +142,7 @@ void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
 }
 
 SignedDistance::Result SignedDistance::at(const Vec3& p) const {
+  const StandardFloats standard;
   const std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p);
   if (!closest) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();

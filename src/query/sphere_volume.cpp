@@ -21,6 +21,8 @@
 #include <morula/query/sphere_volume.hpp>
 #include <numbers>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -110,6 +112,7 @@ double part_of_cone(const Vec3& normal, double height, const Side& side) {
 }  // namespace
 
 double inside_volume(const SignedDistance& object, const Sphere& ball) {
+  const StandardFloats standard;
   if (!(ball.radius > 0)) return 0;
   std::vector<std::uint32_t> near;
   object.bvh().facets_touching(ball, near);
@@ -174,6 +177,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
 }
 
 double outside_volume(const SignedDistance& object, const Sphere& ball) {
+  const StandardFloats standard;
   return volume(ball) - inside_volume(object, ball);
 }
 

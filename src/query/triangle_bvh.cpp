@@ -5,6 +5,7 @@
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
 
+#include "parallel/float_environment.hpp"
 #include "query/wide_tree.hpp"
 
 namespace morula {
@@ -53,7 +54,10 @@ void far_fields(const Clusters& c, const Vec3& p, double* squared_distances, dou
 }  // namespace
 
 TriangleBvh::TriangleBvh(const Mesh& mesh, Workers& workers)
-    : data_(std::make_unique<const Data>(Data{wide::build(mesh, workers)})) {}
+    : data_([&] {
+        const StandardFloats standard;
+        return std::make_unique<const Data>(Data{wide::build(mesh, workers)});
+      }()) {}
 TriangleBvh::~TriangleBvh() = default;
 TriangleBvh::TriangleBvh(TriangleBvh&&) noexcept = default;
 TriangleBvh& TriangleBvh::operator=(TriangleBvh&&) noexcept = default;
@@ -71,6 +75,7 @@ const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
 }
 
 std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, double max_distance) const {
+  const StandardFloats standard;
   if (!(max_distance >= 0)) return std::nullopt;
   const wide::Tree& tree = data_->tree;
   constexpr std::uint32_t none = 0xffffffffu;
@@ -107,6 +112,7 @@ std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, doubl
 }
 
 void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const {
+  const StandardFloats standard;
   facets.clear();
   if (!(ball.radius >= 0)) return;
   const wide::Tree& tree = data_->tree;
@@ -130,6 +136,7 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
 }
 
 double TriangleBvh::winding_number(const Vec3& p, double accuracy) const {
+  const StandardFloats standard;
   const wide::Tree& tree = data_->tree;
   const double squared_accuracy = accuracy * accuracy;
   double sum = 0;

@@ -5,6 +5,7 @@
 #include <morula/tree/cover.hpp>
 #include <stdexcept>
 
+#include "parallel/float_environment.hpp"
 #include "tree/region.hpp"
 
 namespace morula {
@@ -110,6 +111,7 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
 }
 
 Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
+  const StandardFloats standard;
   require_usable(mesh);
   if (const auto faults = validate(tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
@@ -180,6 +182,7 @@ Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
 
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers) {
+  const StandardFloats standard;
   if (positions.size() != cover.vertex_count)
     throw std::invalid_argument("certify: " + std::to_string(positions.size()) + " positions for a cover of " +
                                 std::to_string(cover.vertex_count) + " vertices");

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "geometry/hash.hpp"
+#include "parallel/float_environment.hpp"
 #include "update/body_state.hpp"
 #include "update/facet_hull.hpp"
 #include "update/ownership.hpp"
@@ -97,6 +98,7 @@ Body::Body(const Mesh& mesh, Built&& built, UpdateOptions options, Workers& work
     : Body(mesh, std::make_shared<const Built>(std::move(built)), std::move(options), workers) {}
 
 Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions options, Workers& workers) {
+  const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
   const Built& built = *shared;
   require_belonging(mesh, built);
@@ -176,19 +178,23 @@ Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(positions, workers));
 }
 
 UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
                           Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(positions, changed, workers));
 }
 
 UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(coordinates, workers));
 }
 
 UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {
+  const StandardFloats standard;
   State& s = *state_;
   const bool all_exact = s.exact && !s.paper && !s.modal;
   if (!all_exact) return update(positions, workers);
@@ -197,6 +203,7 @@ UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t leve
 
 UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std::size_t level,
                                        Workers& workers) noexcept {
+  const StandardFloats standard;
   State& s = *state_;
   const bool all_modal = s.modal && !s.paper && !s.exact;
   if (!all_modal) return update_modal(coordinates, workers);
@@ -204,6 +211,7 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
 }
 
 std::size_t Body::reach(std::uint32_t node) noexcept {
+  const StandardFloats standard;
   return state_->reach(node);
 }
 
@@ -216,6 +224,7 @@ bool Body::is_complete() const {
 }
 
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
+  const StandardFloats standard;
   const State& s = *state_;
   std::size_t bad = 0;
   if (!s.modal || !s.modal->serves(node) || coordinates.size() != s.motion->mode_count() ||
@@ -235,13 +244,19 @@ Vec3 Body::origin() const {
 }
 
 Sphere Body::sphere(std::uint32_t node) const {
+  const StandardFloats standard;
   const Spheref& s = state_->spheres[node];
   return {state_->origin + Vec3(s.center), static_cast<double>(s.radius)};
 }
 
 void Body::copy_spheres(std::vector<Sphere>& spheres) const {
   spheres.resize(state_->spheres.size());
-  for (std::uint32_t i = 0; i < spheres.size(); ++i) spheres[i] = sphere(i);
+  const StandardFloats standard;
+  const Vec3 origin = state_->origin;
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+    const Spheref& s = state_->spheres[i];
+    spheres[i] = {origin + Vec3(s.center), static_cast<double>(s.radius)};
+  }
 }
 
 SphereTree Body::current_tree() const {

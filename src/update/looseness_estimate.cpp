@@ -10,6 +10,7 @@
 #include <string>
 
 #include "geometry/float4.hpp"
+#include "parallel/float_environment.hpp"
 #include "update/surface_samples.hpp"
 
 namespace morula {
@@ -220,6 +221,7 @@ double LoosenessEstimator::State::level(const Body& body, std::size_t level) noe
 }
 
 LoosenessEstimator::LoosenessEstimator(const Mesh& rest, std::size_t sample_count) {
+  const StandardFloats standard;
   require_usable(rest);
   if (sample_count < 64 || sample_count > (std::size_t{1} << 20))
     throw std::invalid_argument("looseness estimate: " + std::to_string(sample_count) + " samples; 64…2^20 can be had");
@@ -231,10 +233,12 @@ LoosenessEstimator::LoosenessEstimator(LoosenessEstimator&&) noexcept = default;
 LoosenessEstimator& LoosenessEstimator::operator=(LoosenessEstimator&&) noexcept = default;
 
 void LoosenessEstimator::pose(const PositionView& positions) noexcept {
+  const StandardFloats standard;
   state_->pose(positions);
 }
 
 void LoosenessEstimator::estimate(const Body& body, std::span<double> looseness) noexcept {
+  const StandardFloats standard;
   const std::size_t levels = body.rest_tree().level_count();
   for (std::size_t level = 0; level < looseness.size(); ++level)
     looseness[level] = level < levels ? state_->level(body, level) : looseness[levels - 1];
@@ -249,6 +253,7 @@ double LoosenessEstimator::volume() const {
 }
 
 std::vector<double> estimate_looseness(const Mesh& rest, const Body& body, const PositionView& positions) {
+  const StandardFloats standard;
   if (positions.size() != rest.vertex_count() || positions.size() != body.vertex_count())
     throw std::invalid_argument("looseness estimate: " + std::to_string(positions.size()) +
                                 " positions for a mesh of " + std::to_string(rest.vertex_count()) +
