@@ -17,6 +17,7 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/mesh_file.hpp>

@@ -88,6 +88,7 @@ class FacetRange {
 Coverage coverage(const Mesh& mesh, std::span<const Sphere> spheres, Workers& workers) {
   const StandardFloats standard;
   require_some_usable(spheres, "coverage");
+  require_usable_scale(mesh);
   Coverage result;
   result.tolerance = rounding_allowance(mesh, spheres);
   const PowerDiagram diagram(spheres);

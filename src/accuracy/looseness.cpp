@@ -65,6 +65,7 @@ Looseness LoosenessMeter::measure(std::span<const Vec3> positions, std::span<con
                                 std::to_string(vertex_count_) + " vertices");
   require_some_usable(spheres, "looseness");
   const Box object = box_of(facets_, positions);
+  require_usable_scale(facets_, positions);
   const VoxelLattice lattice = voxel_lattice(grid, box_of(spheres), object);
   const Inside inside = !closed_ ? Inside::unknown : oriented_ ? Inside::nonzero_winding : Inside::odd_crossings;
   const VoxelCounts counts = count_voxels(lattice, facets_, positions, inside, spheres, workers);

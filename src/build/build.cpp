@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <morula/build/build.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 
 #include "build/top_down.hpp"
@@ -159,6 +160,7 @@ Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   require_length(options.max_protrusion, "the greatest protrusion");
   require_length(options.time_limit_seconds, "the time limit");
   require_usable(mesh);
+  require_usable_scale(mesh);
   const BuildRun run(options);
   run.throw_if_stopped();
   return chosen.build(mesh, run, workers);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <morula/collide/distance.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -101,7 +102,7 @@ class Search {
     const std::uint32_t facet_a = a_.facets(0).front(), facet_b = b_.facets(0).front();
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
-    answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
+    answer_.upper = scaled_length(answer_.b.point - answer_.a.point) * (1 + 0x1p-49);
     answer_.crossing = answer_.upper == 0;
     is_of_facets_ = false;
     slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);

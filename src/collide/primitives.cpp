@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <morula/collide/primitives.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 
 #include "collide/nearest_pair.hpp"
@@ -77,7 +78,7 @@ class PlacedCapsule {
     found.barycentric = pair.b;
     found.point = pair.point_b;
     // Measured anew: the pair's upper bound is padded.
-    found.distance = (pair.crossing ? 0.0 : distance(pair.point_a, pair.point_b)) - radius_;
+    found.distance = (pair.crossing ? 0.0 : scaled_length(pair.point_b - pair.point_a)) - radius_;
     found.lower = pair.lower - radius_ - 0x1p-52 * (pair.lower + radius_);
     return found;
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <numbers>
@@ -13,6 +14,7 @@ namespace morula {
 
 std::vector<SurfaceSample> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
   const StandardFloats standard;
+  require_usable_scale(mesh);
   std::vector<double> area_up_to(mesh.facet_count());
   double total = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) area_up_to[f] = total += area(mesh.corners(f));

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
+#include <morula/geometry/scale.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <optional>
+#include <stdexcept>
 
 #include "medial/ball_neighbors.hpp"
 #include "medial/voronoi_balls.hpp"
@@ -86,6 +88,8 @@ MedialBalls voronoi_balls(const SignedDistance& shape, std::span<const Vec3> sam
   for (const Vec3& sample : samples) {
     if (is_finite(sample)) box.add(sample);
   }
+  if (!box.is_empty() && !(has_usable_scale({box.lower, 0}) && has_usable_scale({box.upper, 0})))
+    throw std::invalid_argument("voronoi_balls: a sample has a number beyond 1e30");
   MedialBalls medial;
   if (box.is_empty()) return medial;
   VoronoiBalls voronoi(box, shape);

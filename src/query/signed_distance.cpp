@@ -153,6 +153,9 @@ SignedDistance::Result SignedDistance::at(const Vec3& p) const {
 }
 
 bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const {
+  // A body is inside its box. From far away rounding decides which facet is nearest, and it may be one behind.
+  const Box& box = bvh_.bounding_box();
+  if (has_volume_ && (max(p, box.upper) != box.upper || min(p, box.lower) != box.lower)) return false;
   if (method_ == SignMethod::pseudo_normal) {
     const std::array<double, 3>& b = closest.barycentric;
     const std::size_t corner = b[0] > 0 ? 0 : b[1] > 0 ? 1 : 2;

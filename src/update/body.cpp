@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 #include <stdexcept>
@@ -69,7 +70,7 @@ std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
     const Vec3 center = s.center - origin;
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
-    narrow.push_back({nearest, rounded_up(s.radius + distance(Vec3(nearest), center))});
+    narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
     if (!(largest_component(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale " +
@@ -114,9 +115,10 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
 
   const LocalPoints::Frame rest = s.local.move(mesh.positions, workers);
   if (!rest.finite)
-    throw std::invalid_argument("vertex " + std::to_string(rest.first_bad_vertex) +
-                                " is too far from the centre for an update: scale mesh and tree so that coordinates "
-                                "about it stay below 1e17");
+    throw std::invalid_argument(
+        "vertex " + std::to_string(rest.first_bad_vertex) +
+        " is too far from the centre for an update, or all are too far from the origin: scale "
+        "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
   s.origin = rest.origin;
   s.spheres = narrowed(built.tree, rest.origin);
   const std::vector<Spheref> of_tree = s.spheres;
@@ -124,8 +126,12 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
   const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
   const bool has_paper_nodes = exact_nodes + modal_nodes < std::ssize(rule_of_node);
+  // A wrapped node follows its children only: such a body may be smaller than what an index of facets takes.
+  const bool has_links = std::any_of(rule_of_node.begin(), rule_of_node.end(), [](Rule rule) {
+    return rule != Rule::exact && rule != Rule::modal && rule != Rule::wrapped;
+  });
   std::optional<TriangleBvh> bvh;
-  if (has_paper_nodes) bvh.emplace(mesh, workers);
+  if (has_links) bvh.emplace(mesh, workers);
   const Binding binding{mesh,    built.tree,    rule_of_node, bvh ? &*bvh : nullptr,
                         s.local, rest.rounding, of_tree,      workers};
   if (!s.options.modes.empty()) {
