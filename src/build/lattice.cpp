@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 
 namespace morula {
@@ -76,7 +77,9 @@ bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::s
   constexpr double cells_per_axis = 1 << 20;
   std::array<std::uint64_t, most_cells> keys;
   most = std::min(most, most_cells);
-  const Vec3 per_edge{1 / lattice.edge.x, 1 / lattice.edge.y, 1 / lattice.edge.z};
+  // Along an axis without extent all points are in one cell; 0 × ∞ would be none.
+  const auto per = [](double edge) { return edge > std::numeric_limits<double>::min() ? 1 / edge : 0; };
+  const Vec3 per_edge{per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)};
   std::size_t count = 0, recent = 0;
   for (const Vec3& p : points) {
     std::uint64_t key = 0;

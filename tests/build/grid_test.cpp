@@ -75,6 +75,18 @@ TEST(Lattice, occupied_cells_are_those_that_hold_points) {
   EXPECT_EQ(centers.size(), expected.size());
 }
 
+// The other axes tell points apart; without extent, and so without an edge, an axis has one cell.
+TEST(Lattice, axes_without_extent_have_one_cell) {
+  const std::vector<Vec3> points{{0.25, 1, 2}, {0.75, 1, 2}, {0.8, 1, 2}};
+  std::vector<Vec3> centers;
+  for (const double none : {0.0, 1e-310}) {
+    ASSERT_TRUE(occupied_cells({{0, 1, 2}, {0.5, none, none}}, points, 100, centers));
+    EXPECT_EQ(centers.size(), 2u) << none;
+    ASSERT_TRUE(occupied_cells({points[0], {none, none, none}}, std::span(points).first(1), 100, centers));
+    EXPECT_EQ(centers.size(), 1u) << none;
+  }
+}
+
 TEST(Lattice, greedy_cover_contains_every_point_and_needs_no_more_than_all_cells) {
   Random random(5);
   std::vector<Vec3> points;

@@ -125,11 +125,14 @@ TEST(SpheresFile, what_cannot_be_written_is_refused) {
   const fs::path nowhere = folder.path() / "nowhere" / "a.npz";
   expect_file_error(nowhere, 0, "there is no such folder", [&] { SphereFramesWriter(nowhere, tree, 1); });
   expect_file_error(path, 0, "4 GiB", [&] { SphereFramesWriter(path, tree, std::size_t{1} << 40); });
-  SphereFramesWriter writer(path, tree, 1);
-  EXPECT_THROW(writer.write({}), std::invalid_argument);
-  expect_file_error(path, 0, "0 of 1 frames were written", [&] { writer.finish(); });
-  writer.write(tree.spheres);
-  EXPECT_THROW(writer.write(tree.spheres), std::invalid_argument);
+  {
+    SphereFramesWriter writer(path, tree, 1);
+    EXPECT_THROW(writer.write({}), std::invalid_argument);
+    expect_file_error(path, 0, "0 of 1 frames were written", [&] { writer.finish(); });
+    writer.write(tree.spheres);
+    EXPECT_THROW(writer.write(tree.spheres), std::invalid_argument);
+    EXPECT_FALSE(fs::exists(path)) << "frames go to a hidden file until the last one is there";
+  }
   EXPECT_TRUE(folder.names().empty());
 }
 
