@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bundles src/ and the packages under BINARY into BINARY/page.html, one file, and that into BINARY/page_template.cpp.
 // usage: node build.mjs BINARY
+import { createHash } from 'node:crypto';
 import { createRequire } from 'node:module';
 import { mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
@@ -32,7 +33,11 @@ const licence = (name) => readFileSync(join(binary, 'node_modules', name, 'LICEN
 const notices = ['three', 'uplot'].map((name) => `${name}\n${licence(name)}`).join('\n\n').replaceAll('--', '- -');
 
 const script = text('.js').replace(/<\/script/gi, '<\\/script');
+// The page runs this script and has this style, and no others: not one that came in with the data.
+const hash = (content) => `'sha256-${createHash('sha256').update(content, 'utf8').digest('base64')}'`;
 const page = readFileSync(join(source, 'page.html'), 'utf8')
+  .replace('MORULA SCRIPT HASH', () => hash(script))
+  .replace('MORULA STYLE HASH', () => hash(text('.css')))
   .replace('/* MORULA STYLE */', () => text('.css'))
   .replace('/* MORULA SCRIPT */', () => script)
   .replace('MORULA NOTICES', () => notices);

@@ -12,6 +12,7 @@
 
 #include "build_report.hpp"
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "interrupt.hpp"
@@ -140,7 +141,7 @@ void print_report(const Options& o, const Mesh& mesh, const Built& built, const 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
 int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   BuildOptions options = build_options(o);
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
 
   Stopwatch watch;
   Seconds seconds{};
@@ -161,8 +162,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   const std::vector<std::string> faults = validate(mesh, built);
   seconds.check = watch.lap();
   if (!faults.empty()) {
-    fmt::print(stderr, "morula: error: the tree of {} is broken: {}; nothing was written, please report it\n", o.mesh,
-               faults.front());
+    say("morula: error: the tree of {} is broken: {}; nothing was written, please report it\n", o.mesh, faults.front());
     return exit_check_failed;
   }
   std::vector<LevelFigures> figures;
@@ -174,6 +174,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   } else {
     write_tree(o.output, built);
   }
+  note_written(o.output);
   seconds.write = watch.lap();
 
   if (o.json) {
@@ -186,11 +187,12 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
 
 int build_command(const Options& o) {
   require_sense(o);
+  require_not_input(o.output, {o.mesh});
   const Interrupt interrupt;
   try {
     return build_unless_stopped(o, interrupt);
   } catch (const BuildStopped&) {
-    fmt::print(stderr, "morula: interrupted; nothing was written\n");
+    say("morula: interrupted; nothing was written\n");
     return interrupt.exit_code();
   }
 }
@@ -211,18 +213,25 @@ void add_build(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
       ->type_name("N")
+      ->transform(signed_number())
       ->capture_default_str();
-  command->add_option("--depth", o->depth, "Levels below the root, 0 to 8")->type_name("N")->capture_default_str();
+  command->add_option("--depth", o->depth, "Levels below the root, 0 to 8")
+      ->type_name("N")
+      ->transform(signed_number())
+      ->capture_default_str();
   command
       ->add_option("--spheres", o->spheres,
                    "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
-      ->type_name("N");
+      ->type_name("N")
+      ->transform(signed_number());
   command
       ->add_option("--max-protrusion", o->max_protrusion,
                    "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
-      ->type_name("LENGTH");
+      ->type_name("LENGTH")
+      ->transform(real_number());
   command->add_option("--seed", o->seed, "Of every random choice; equal seeds give equal trees")
       ->type_name("N")
+      ->transform(whole_number())
       ->capture_default_str();
   command->add_option("--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
@@ -240,11 +249,13 @@ void add_build(CLI::App& app, Run& run) {
       ->add_option("--balance-excess", o->balance_excess,
                    "For the optimiser balance: share by which the worst sphere may stick out further")
       ->type_name("SHARE")
+      ->transform(real_number(0))
       ->capture_default_str();
   command
       ->add_option("--time-limit", o->time_limit,
                    "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
-      ->type_name("S");
+      ->type_name("S")
+      ->transform(real_number());
   command->add_flag("--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -10,10 +10,12 @@
 #include <memory>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/crossings.hpp>
+#include <morula/io/whole_output.hpp>
 
 #include "collide_bodies.hpp"
 #include "collide_report.hpp"
 #include "command.hpp"
+#include "console.hpp"
 #include "files.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -48,8 +50,9 @@ Budget parse_budget(const std::string& text) {
     if (unit.empty() && value == std::floor(value)) return static_cast<std::int64_t>(value);
     if (unit == "ns") return nanoseconds(value);
     if (unit == "us") return nanoseconds(1e3 * value);
-    if (unit == "ms") return nanoseconds(1e6 * value);
-    if (unit == "s" && value < 1e6) return nanoseconds(1e9 * value);
+    // Some centuries still fit into 64 bits of nanoseconds.
+    if (unit == "ms" && value < 1e12) return nanoseconds(1e6 * value);
+    if (unit == "s" && value < 1e9) return nanoseconds(1e9 * value);
   }
   throw UsageError(
       fmt::format("--budget '{}' is neither a number of pair tests such as 5000 nor a time such as 200us", text));
@@ -109,8 +112,9 @@ int collide_command(const Options& o) {
   if (!o.output.empty()) {
     if (format != ".csv") throw UsageError(fmt::format("-o {}: contacts are written as .csv", o.output));
     require_output_place(o.output);
+    require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   Side a(o.a, rules, o.sph_origin, workers), b(o.b, rules, o.sph_origin, workers);
   if (o.level) {
     const std::size_t levels =
@@ -130,7 +134,10 @@ int collide_command(const Options& o) {
       frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
     }
   }
-  if (!o.output.empty()) write_text_file(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
+  if (!o.output.empty()) {
+    write_whole(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
+    note_written(o.output);
+  }
   const CollideRun run{.mesh_a = a.name(),
                        .mesh_b = b.name(),
                        .rule = o.rule,
@@ -181,8 +188,11 @@ void add_collide(CLI::App& app, Run& run) {
   command->add_option("--priority", o->priority, "What a budget goes to first: overlap (default) or level")
       ->type_name("NAME");
   command->add_option("--level", o->level, "Contacts of this level of both trees; default: of the leaves")
-      ->type_name("N");
-  command->add_option("--margin", o->margin, "Spheres this far apart count too; default: 0")->type_name("LENGTH");
+      ->type_name("N")
+      ->transform(whole_number(0, max_depth));
+  command->add_option("--margin", o->margin, "Spheres this far apart count too; default: 0")
+      ->type_name("LENGTH")
+      ->transform(real_number());
   command->add_flag("--carry", o->carry, "Start each frame from where the one before ended");
   command->add_option("--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
   add_sph_origin(*command, o->sph_origin);

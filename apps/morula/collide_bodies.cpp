@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <morula/build/build.hpp>
 #include <morula/io/mesh_file.hpp>
@@ -29,6 +30,9 @@ RigidTransform parse_placement(const SideFiles& files) {
     degrees = parse_vector(option, "0,0," + files.turn.substr(comma + 1)).z;
     if (axis == Vec3{}) throw UsageError(fmt::format("{} '{}': the axis has no direction", option, files.turn));
   }
+  // Squares of very long and very short axes would leave the range of double.
+  axis = axis / largest_component(axis);
+  degrees = std::fmod(degrees, 360);
   return RigidTransform::from_axis(axis, degrees * std::numbers::pi / 180, place);
 }
 

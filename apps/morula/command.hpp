@@ -11,10 +11,11 @@ namespace morula::cli {
 
 /// Exit codes, the same for every command.
 inline constexpr int exit_done = 0;
-inline constexpr int exit_check_failed = 1;  ///< a check failed or the result is incomplete
-inline constexpr int exit_bad_use = 2;       ///< bad options or bad input; nothing was written
-inline constexpr int exit_internal_error = 3;
-// 130, 143: ended by Ctrl-C or SIGTERM, with nothing written (interrupt.hpp); a study keeps its finished cells.
+inline constexpr int exit_check_failed = 1;    ///< a check failed, the result is incomplete, or cannot be reported
+inline constexpr int exit_bad_use = 2;         ///< bad options or bad input; nothing was written
+inline constexpr int exit_internal_error = 3;  ///< or not enough memory
+// 130, 143, 129: ended by Ctrl-C, SIGTERM or SIGHUP, with nothing unfinished left (interrupt.hpp); a study keeps its
+// finished cells.
 
 /// Bad use of the command line: what() is one line with the remedy.
 class UsageError : public std::runtime_error {

@@ -8,6 +8,7 @@
 #include <morula/io/tree_file.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
@@ -27,6 +28,7 @@ struct Options {
 
 /// What was written; `growth` of a cover that had to be made.
 int report(const Options& o, const std::string& line, const BuildReport* growth) {
+  note_written(o.output);
   if (o.json) {
     Json json{{"input", o.input}, {"output", o.output}};
     if (growth != nullptr) json["growth"] = growth_json(*growth);
@@ -53,7 +55,7 @@ int convert_tree(const Options& o) {
   TreeFile file = read_tree(o.input, reading);
   if (extension(o.output) != ".morula") {
     write_tree(o.output, file.tree);
-    if (file.cover) fmt::print(stderr, "morula: note: the cover stays behind: only .morula files hold it\n");
+    if (file.cover) say("morula: note: the cover stays behind: only .morula files hold it\n");
     return report(o,
                   fmt::format("{}: {}, {}", o.output, counted(file.tree.node_count(), "sphere"),
                               counted(file.tree.level_count(), "level")),
@@ -67,7 +69,7 @@ int convert_tree(const Options& o) {
     throw UsageError(fmt::format(
         "{} has spheres alone, and a .morula file proves that they cover a mesh: add --mesh MESH", o.input));
   }
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   const Built built = read_built(o.input, *mesh, reading, workers);
   write_tree(o.output, built);
   return report(o,
@@ -77,6 +79,7 @@ int convert_tree(const Options& o) {
 }
 
 int convert_command(const Options& o) {
+  require_not_input(o.output, {o.input, o.mesh});
   switch (file_kind(o.input)) {
     case FileKind::mesh:
       if (file_kind(o.output) == FileKind::tree) {

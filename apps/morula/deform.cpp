@@ -11,6 +11,7 @@
 #include <morula/io/motion_file.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
@@ -82,7 +83,9 @@ int deform_command(const Options& o, const CLI::App& command) {
   const bool is_npy = kind == FileKind::motion;
   if (is_npy) {
     require_output_place(o.output);
+    require_not_input(o.output, {o.mesh});
   } else {
+    require_frames_not_input(o.output, o.frames, ending, {o.mesh});
     require_no_strangers(o.output, o.frames, ending, {".obj", ".off", ".ply", ".stl"});
   }
   const Mesh mesh = read_mesh(o.mesh);
@@ -91,16 +94,15 @@ int deform_command(const Options& o, const CLI::App& command) {
   deform(mesh, deformations, *std::max_element(parameters.begin(), parameters.end()));
 
   {
-    std::optional<StagedFolder> stage;
-    if (!is_npy) stage.emplace(o.output);
-    MotionWriter writer(is_npy ? std::filesystem::path(o.output) : stage->path(), mesh, o.frames, ending);
+    require_folder_place(o.output);
+    MotionWriter writer(o.output, mesh, o.frames, ending);
     Progress progress("deforming");
     for (std::size_t i = 0; i < o.frames; ++i) {
       progress.update(static_cast<double>(i) / static_cast<double>(o.frames));
       writer.write(deform(mesh, deformations, parameters[i]));
     }
     writer.finish();
-    if (stage) stage->commit();
+    note_written(o.output);
   }
 
   std::vector<std::string> words;
@@ -130,7 +132,7 @@ void add_deform(CLI::App& app, Run& run) {
       ->type_name("MOTION")
       ->required();
   const auto amounts = [&](const char* name, std::vector<double>& values, const char* unit, const char* help) {
-    command->add_option(name, values, help)->type_name(unit)->allow_extra_args(false);
+    command->add_option(name, values, help)->type_name(unit)->allow_extra_args(false)->transform(real_number());
   };
   amounts("--stretch", o->stretch, "FACTOR", "Lengthen along the axis; the cross-section shrinks to keep the volume");
   amounts("--twist", o->twist, "DEGREES", "Turn one end against the other");
@@ -143,6 +145,7 @@ void add_deform(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_option("--shrink", o->shrink, "Of --stretch: cross-section times factor^-SHRINK; 0.5 keeps the volume")
       ->type_name("EXPONENT")
+      ->transform(real_number())
       ->capture_default_str();
   command->add_option("--poke-center", o->poke_center, "Relative to the box, 0 to 1 on each axis")
       ->type_name("X,Y,Z")
@@ -150,14 +153,19 @@ void add_deform(CLI::App& app, Run& run) {
   command->add_option("--poke-push", o->poke_push, "How far, in diagonals")->type_name("X,Y,Z")->capture_default_str();
   command->add_option("--poke-radius", o->poke_radius, "Reach of the dent in diagonals")
       ->type_name("SHARE")
+      ->transform(number_above_zero())
       ->capture_default_str();
   command->add_option("--noise-wavelength", o->wavelength, "Shortest wave of --noise in diagonals")
       ->type_name("SHARE")
+      ->transform(number_above_zero())
       ->capture_default_str();
-  command->add_option("--seed", o->seed, "Of --noise")->type_name("N")->capture_default_str();
+  command->add_option("--seed", o->seed, "Of --noise")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
   command->add_option("--frames", o->frames, "How many; with an odd number the middle one has the full amount")
       ->type_name("N")
-      ->check(CLI::Range(std::size_t{2}, std::size_t{1000000}))
+      ->transform(whole_number(2, 1000000))
       ->capture_default_str();
   command->add_flag("--one-way", o->one_way, "End at the full amount instead of going back to rest");
   command->add_option("--format", o->extension, "Of meshes in a folder: obj, off or ply")

@@ -8,9 +8,11 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <scenes/scenes.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "demo_run.hpp"
 #include "demo_text.hpp"
 #include "demo_touch.hpp"
@@ -110,9 +112,10 @@ void print_text(const DemoPlan& plan, const std::vector<DemoTree>& trees, const 
 }
 
 int demo_command(const Options& o) {
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   const DemoPlan plan = make_plan(o.quick);
-  StagedFolder stage(o.output);
+  require_folder_place(o.output);
+  WholeFolder stage(o.output);
   Stopwatch watch;
   std::vector<DemoTree> trees;
   DemoTouch touch;
@@ -125,10 +128,11 @@ int demo_command(const Options& o) {
   }
   Json json = demo_json(plan, trees);
   json["contacts"] = touch_json(touch);
-  write_text_file(stage.path() / "demo.json", json.dump(2) + "\n");
-  write_text_file(stage.path() / "demo.csv", demo_csv(trees));
-  write_text_file(stage.path() / "contacts.csv", touch_csv(touch));
+  write_whole(stage.path() / "demo.json", json_text(json, 2) + "\n");
+  write_whole(stage.path() / "demo.csv", demo_csv(trees));
+  write_whole(stage.path() / "contacts.csv", touch_csv(touch));
   stage.commit();
+  note_written(o.output);
   if (o.json) {
     print_json(json);
   } else {
@@ -136,7 +140,7 @@ int demo_command(const Options& o) {
   }
   std::vector<std::string> faults = demo_faults(trees);
   for (std::string& fault : touch_faults(touch)) faults.push_back(std::move(fault));
-  for (const std::string& fault : faults) fmt::print(stderr, "morula: error: {}: please report it\n", fault);
+  for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
   return faults.empty() ? exit_done : exit_check_failed;
 }
 

@@ -155,7 +155,7 @@ int tree_info(const Options& o) {
   // A bare tree proves nothing: what a cover would cost says how far it is from covering.
   std::optional<Built> repaired;
   if (o.check && faults.empty() && mesh && !file.cover) {
-    Workers workers(o.threads);
+    Workers workers = make_workers(o.threads);
     repaired = cover(*mesh, file.tree, workers);
   }
   if (o.json) {

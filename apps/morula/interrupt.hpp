@@ -1,17 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C during long work: the work is asked to stop, and the command leaves as if it had never begun.
+// Ctrl-C and its like: the command leaves as if it had never begun.
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
+#include <atomic>
 #include <stop_token>
-#include <thread>
 
 namespace morula::cli {
 
-/// While it lives, the first SIGINT or SIGTERM requests a stop instead of ending the program; the second one ends it. A
-/// signal that was ignored at the start (nohup, background jobs) stays ignored. One at a time.
+/// From now on SIGINT, SIGTERM and SIGHUP remove what is written and not complete before they end the program, with
+/// exit code 128 + signal. Those that were ignored at the start (nohup, background jobs) stay ignored. A closed pipe
+/// and a file that grows too large become errors of the write instead of signals. Once, at the beginning.
+void watch_signals();
+
+/// While it lives, the first signal requests a stop instead of ending the program; the second one ends it. One at a
+/// time.
 class Interrupt {
  public:
   Interrupt();
@@ -20,15 +23,14 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   std::stop_token token() const { return source_.get_token(); }
-  bool requested() const;
+  bool requested() const { return signal_ != 0; }
   /// 128 + the signal, as shells have it.
-  int exit_code() const;
+  int exit_code() const { return 128 + signal_; }
 
  private:
+  friend void take_signal(int signal);
   std::stop_source source_;
-  std::mutex mutex_;
-  std::condition_variable_any ended_;
-  std::jthread watch_;  // a signal handler may do no more than set a flag: this thread looks at it
+  std::atomic<int> signal_{0};
 };
 
 }  // namespace morula::cli

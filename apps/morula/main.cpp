@@ -4,14 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <morula/io/mesh_file.hpp>
 #include <morula/version.hpp>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "command.hpp"
+#include "console.hpp"
+#include "interrupt.hpp"
 #include "options.hpp"
 
 namespace morula::cli {
@@ -19,7 +23,7 @@ namespace {
 
 int fail(int exit_code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "morula: error: {}\n", message);
+  say("morula: error: {}\n", message);
   return exit_code;
 }
 
@@ -61,8 +65,10 @@ int run(int argc, char** argv) {
       "  morula sample limb -o limb.obj\n"
       "  morula build limb.obj -o limb.morula\n"
       "  morula measure limb.obj limb.morula\n\n"
-      "Exit codes: 0 done, 1 a check failed or the result is incomplete, 2 bad use or bad input, 3 internal error,\n"
-      "130 interrupted.");
+      "Exit codes: 0 done; 1 a check failed, the result is incomplete, or it is written and its report could not be\n"
+      "printed; 2 bad use or bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C, 143 "
+      "SIGTERM\n"
+      "and 129 SIGHUP, with nothing unfinished left behind.");
   Run run;
   add_build(app, run);
   add_measure(app, run);
@@ -92,13 +98,19 @@ int run(int argc, char** argv) {
   return run();
 }
 
-int guarded(int argc, char** argv) {
+/// The work is done, but what is to be said of it cannot be said.
+int fail_to_print(int error) {
+  return fail(exit_check_failed,
+              fmt::format("standard output cannot be written ({}){}",
+                          error != 0 ? std::generic_category().message(error) : "it is closed", written_so_far()));
+}
+
+int guarded(int argc, char** argv, bool has_stdout) {
   try {
     const int exit_code = run(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return fail(exit_bad_use, "cannot write to standard output: is the disk full?");
-    }
-    return exit_code;
+    errno = 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail_to_print(errno);
+    return has_stdout ? exit_code : fail_to_print(0);
   } catch (const UsageError& error) {
     return fail(exit_bad_use, error.what());
   } catch (const FileError& error) {
@@ -108,7 +120,10 @@ int guarded(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return fail(exit_bad_use, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(exit_internal_error, "not enough memory");
+    return fail(exit_internal_error, fmt::format("not enough memory{}", written_so_far()));
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return fail_to_print(error.code().value());
+    return fail(exit_internal_error, fmt::format("{}{}", error.what(), written_so_far()));
   } catch (const std::exception& error) {
     return fail(exit_internal_error, fmt::format("internal: {}; please report it", error.what()));
   }
@@ -118,5 +133,7 @@ int guarded(int argc, char** argv) {
 }  // namespace morula::cli
 
 int main(int argc, char** argv) {
-  return morula::cli::guarded(argc, argv);
+  const bool has_stdout = morula::cli::open_standard_streams();
+  morula::cli::watch_signals();
+  return morula::cli::guarded(argc, argv, has_stdout);
 }

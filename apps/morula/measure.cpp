@@ -8,8 +8,10 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "measure_table.hpp"
@@ -72,7 +74,7 @@ std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, co
     if (motion) mesh.positions = motion->frame(i);
     const TreeFile file = read_tree(trees[i], reading);
     if (!motion && file.cover && file.report.mesh_hash != mesh_hash(mesh)) {
-      fmt::print(stderr, "morula: note: {} was built for another mesh than {}; measured as it is\n", o.trees, o.mesh);
+      say("morula: note: {} was built for another mesh than {}; measured as it is\n", o.trees, o.mesh);
     }
     frames.push_back(
         {motion ? motion->frame_name(i) : o.mesh, trees[i].string(), measure(mesh, file.tree, options, workers)});
@@ -117,13 +119,32 @@ std::string csv_text(const std::vector<MeasuredFrame>& frames) {
   return text;
 }
 
+/// Nor may it be a file of the folders that are read.
+void require_csv_not_input(const Options& o) {
+  std::vector<std::filesystem::path> inputs{o.mesh, o.trees, o.motion};
+  for (const std::string& folder : {o.trees, o.motion}) {
+    if (file_kind(folder) != FileKind::folder) continue;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      // What is none of the frames may lie beside them.
+      if (file_kind(entry.path()) != FileKind::unknown) inputs.push_back(entry.path());
+    }
+  }
+  require_not_input(o.csv, inputs);
+}
+
 int measure_command(const Options& o) {
-  if (!o.csv.empty()) require_output_place(o.csv);
-  Workers workers(o.threads);
+  if (!o.csv.empty()) {
+    require_output_place(o.csv);
+    require_csv_not_input(o);
+  }
+  Workers workers = make_workers(o.threads);
   const Mesh rest = read_mesh(o.mesh);
   const MeasureOptions options = measure_options(o, rest);
   const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
-  if (!o.csv.empty()) write_text_file(o.csv, csv_text(frames));
+  if (!o.csv.empty()) {
+    write_whole(o.csv, csv_text(frames));
+    note_written(o.csv);
+  }
   if (!o.json) {
     print_text(o, rest, frames);
     return exit_done;
@@ -159,12 +180,12 @@ void add_measure(CLI::App& app, Run& run) {
       ->add_option("--resolution", o->resolution,
                    "Voxels along the longest side of the level's box (level) or the rest diagonal (fixed)")
       ->type_name("N")
-      ->check(CLI::Range(8, 4096))
+      ->transform(whole_number(8, 4096))
       ->capture_default_str();
   command
       ->add_option("--voxel-edge", o->voxel_edge, "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
       ->type_name("LENGTH")
-      ->check(CLI::PositiveNumber);
+      ->transform(number_above_zero());
   command->add_flag("--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
   add_sph_origin(*command, o->sph_origin);
   command->add_option("--csv", o->csv, "Write every figure of every frame and level, with all digits")

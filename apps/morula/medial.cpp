@@ -12,6 +12,7 @@
 #include <morula/medial/medial_balls.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
@@ -53,7 +54,8 @@ int medial_command(const Options& o) {
   }
   if (extension(o.output) != ".ply") throw UsageError(fmt::format("{}: balls are written as .ply", o.output));
   require_output_place(o.output);
-  Workers workers(o.threads);
+  require_not_input(o.output, {o.mesh});
+  Workers workers = make_workers(o.threads);
 
   Stopwatch watch;
   const Mesh mesh = read_mesh(o.mesh);
@@ -61,6 +63,7 @@ int medial_command(const Options& o) {
   const MedialBalls medial = medial_balls(o, mesh, workers);
   const double balls_seconds = watch.lap();
   write_balls(o.output, medial.balls);
+  note_written(o.output);
   const double write_seconds = watch.lap();
 
   std::vector<double> radii;
@@ -113,9 +116,13 @@ void add_medial(CLI::App& app, Run& run) {
   command->add_option("--kind", o->kind, "shrinking (no surface inside), voronoi (no sample inside)")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--samples", o->samples, "Points spread over the surface")->type_name("N")->capture_default_str();
+  command->add_option("--samples", o->samples, "Points spread over the surface")
+      ->type_name("N")
+      ->transform(signed_number())
+      ->capture_default_str();
   command->add_option("--seed", o->seed, "Of the points; equal seeds give equal balls")
       ->type_name("N")
+      ->transform(whole_number())
       ->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "command.hpp"
+#include "console.hpp"
 
 namespace morula::cli {
 namespace {
@@ -51,6 +52,10 @@ std::optional<Number> parse_number(const std::string& text) {
   return value;
 }
 
+std::string without_plus(const std::string& text) {
+  return text.size() > 1 && text.front() == '+' && text[1] != '-' ? text.substr(1) : text;
+}
+
 template <class Items>
 std::vector<std::string> names_of(const Items& items) {
   std::vector<std::string> names;
@@ -68,7 +73,60 @@ Rule parse_rule(const std::string& text) {
 void add_threads(CLI::App& command, unsigned& threads) {
   command.add_option("--threads", threads, "Threads to use; default: one per processor. Results never depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1u, 1024u));
+      ->transform(whole_number(1, 1024));
+}
+
+Workers make_workers(unsigned threads) {
+  Workers workers(threads);
+  if (workers.thread_count() < threads) {
+    say("morula: note: --threads {}: only {} to be had, here or in this build; the result is the same\n", threads,
+        workers.thread_count());
+  }
+  return workers;
+}
+
+CLI::Validator real_number(double least, double most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        const std::optional<double> value = parse_number<double>(without_plus(text));
+        if (!value || !std::isfinite(*value)) return fmt::format("'{}' is not a number", text);
+        if (*value >= least && *value <= most) return std::string();
+        return fmt::format("{} is not in {} to {}", text, least, most);
+      },
+      "");
+}
+
+CLI::Validator number_above_zero() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const std::optional<double> value = parse_number<double>(without_plus(text));
+        if (value && std::isfinite(*value) && *value > 0) return std::string();
+        return fmt::format("'{}' is not a number above 0", text);
+      },
+      "");
+}
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        const std::optional<std::uint64_t> value = parse_number<std::uint64_t>(without_plus(text));
+        if (!value || *value < least || *value > most)
+          return fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
+        text = std::to_string(*value);
+        return std::string();
+      },
+      "");
+}
+
+CLI::Validator signed_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const std::optional<std::int64_t> value = parse_number<std::int64_t>(without_plus(text));
+        if (!value) return fmt::format("'{}' is not a whole number", text);
+        text = std::to_string(*value);
+        return std::string();
+      },
+      "");
 }
 
 void add_json(CLI::App& command, bool& json) {
@@ -103,7 +161,7 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
       .add_option("--distance-floor", names.distance_floor,
                   "Share of the radius that distances are raised to before ratios are taken; 0 is the paper")
       ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0))
+      ->transform(real_number(0.0, 1.0))
       ->capture_default_str();
   command
       .add_option("--modal-bound", names.modal_bound,

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
 #include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/io/tree_file.hpp>
@@ -17,6 +19,17 @@
 namespace morula::cli {
 
 void add_threads(CLI::App& command, unsigned& threads);
+/// As many as asked for, or, with a note, as many as there are to be had.
+Workers make_workers(unsigned threads);
+
+/// For options that take a number, which CLI11 would read more generously: not "nan", "inf", "-1" as 2^64 - 1, "0x10",
+/// or "010" as 8. Applied before the number is read, together with the range.
+CLI::Validator real_number(double least = std::numeric_limits<double>::lowest(),
+                           double most = std::numeric_limits<double>::max());
+CLI::Validator number_above_zero();
+CLI::Validator whole_number(std::uint64_t least = 0, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// A whole number that may have a sign: whoever uses it says what is wrong with it.
+CLI::Validator signed_number();
 void add_json(CLI::App& command, bool& json);
 void add_sph_origin(CLI::App& command, std::string& origin);
 /// The `details` of rules: --approach1-weights and the rest.

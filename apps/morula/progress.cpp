@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "progress.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cstdio>
+#include <string>
 
 #ifdef _WIN32
 #include <io.h>
 #else
 #include <unistd.h>
 #endif
+
+#include "console.hpp"
 
 namespace morula::cli {
 namespace {
@@ -29,7 +29,7 @@ bool stderr_is_terminal() {
 Progress::Progress(std::string label) : label_(std::move(label)), shown_(stderr_is_terminal()) {}
 
 Progress::~Progress() {
-  if (shown_ && last_ != Clock::time_point{}) fmt::print(stderr, "\r\x1b[K");
+  if (shown_ && last_ != Clock::time_point{}) say("\r\x1b[K");
 }
 
 void Progress::update(double share) {
@@ -40,9 +40,7 @@ void Progress::update(double share) {
   const std::size_t width = 30;
   const double clamped = std::clamp(share, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(clamped * static_cast<double>(width));
-  fmt::print(stderr, "\r\x1b[K[{}{}] {:3.0f}% {}", std::string(filled, '#'), std::string(width - filled, '.'),
-             100 * clamped, label_);
-  std::fflush(stderr);
+  say("\r\x1b[K[{}{}] {:3.0f}% {}", std::string(filled, '#'), std::string(width - filled, '.'), 100 * clamped, label_);
 }
 
 void Progress::update(double share, std::string label) {

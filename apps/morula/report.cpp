@@ -32,8 +32,12 @@ LevelSummary summary(const SphereTree& tree, std::size_t level) {
   return s;
 }
 
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 void print_json(const Json& json) {
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", json_text(json, 2));
 }
 
 std::string level_table(const SphereTree& tree) {

@@ -14,6 +14,8 @@ namespace morula::cli {
 /// Keys stay in the order they were written in.
 using Json = nlohmann::ordered_json;
 
+/// Names of files need not be text in UTF-8: what is not is replaced.
+std::string json_text(const Json& json, int indent);
 /// One document on stdout, with a line break.
 void print_json(const Json& json);
 

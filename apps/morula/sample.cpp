@@ -9,6 +9,7 @@
 #include <morula/io/mesh_file.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "files.hpp"
 #include "options.hpp"
 #include "report.hpp"
@@ -30,8 +31,10 @@ std::vector<std::string> body_names() {
 int sample_command(const Options& o) {
   check_name("body", o.name, body_names());
   require_mesh_output(o.output);
+  require_not_input(o.output, {});
   const Mesh mesh = sample_body(o.name, o.resolution);
   write_mesh(o.output, mesh);
+  note_written(o.output);
   if (o.json) {
     print_json({{"body", o.name},
                 {"mesh", o.output},
@@ -54,6 +57,7 @@ void add_sample(CLI::App& app, Run& run) {
   command->add_option("-o,--output", o->output, "Mesh file: .obj, .off or .ply")->type_name("MESH")->required();
   command->add_option("--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
       ->type_name("N")
+      ->transform(signed_number())
       ->capture_default_str();
   add_json(*command, o->json);
   command->footer("Example:\n  morula sample limb -o limb.obj");

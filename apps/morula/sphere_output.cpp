@@ -24,17 +24,21 @@ std::string sphere_format(const std::string& given, const std::string& output) {
   return given;
 }
 
-void require_sphere_output(const std::string& output, const std::string& format, std::size_t frame_count) {
+void require_sphere_output(const std::string& output, const std::string& format, std::size_t frame_count,
+                           const std::vector<std::filesystem::path>& inputs) {
   if (format == "npz") {
     require_output_place(output);
+    require_not_input(output, inputs);
   } else {
+    require_folder_place(output);
+    require_frames_not_input(output, frame_count, "." + format, inputs);
     require_no_strangers(output, frame_count, "." + format, {".sph", ".json", ".morula"});
   }
 }
 
 SphereOutput::SphereOutput(const std::string& output, const std::string& format, const SphereTree& tree,
                            std::size_t frame_count)
-    : output_(output), extension_("." + format) {
+    : output_(output), extension_("." + format), frame_count_(frame_count) {
   if (format == "npz") {
     archive_.emplace(output, tree, frame_count);
   } else {
@@ -47,7 +51,10 @@ void SphereOutput::write(const Body& body) {
   if (archive_) {
     archive_->write(tree.spheres);
   } else {
-    write_tree(folder_->path() / frame_file_name(written_, extension_), tree);
+    const std::filesystem::path file = folder_->path() / frame_file_name(written_, extension_);
+    write_tree(file, tree);
+    // Frames are about as long as the first: half of that is plainly needed.
+    if (written_ == 0) require_room(output_, std::filesystem::file_size(file) / 2 * frame_count_);
   }
   ++written_;
 }

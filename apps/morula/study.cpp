@@ -9,9 +9,11 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <scenes/scenes.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "interrupt.hpp"
@@ -187,12 +189,13 @@ StudyPlan make_plan(const Options& o) {
 
 int study_command(const Options& o) {
   const StudyPlan plan = make_plan(o);
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   const Interrupt interrupt;
   const fs::path folder = o.output;
   if (fs::exists(folder) && !fs::is_directory(folder)) {
     throw UsageError(fmt::format("{}: is a file; name a folder", o.output));
   }
+  if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
   const StudyCache cache(folder / "cells");
   Stopwatch watch;
   try {
@@ -201,15 +204,20 @@ int study_command(const Options& o) {
       return make_study(plan, cache, workers, interrupt.token(),
                         [&](double share, std::string label) { progress.update(share, std::move(label)); });
     }();
-    write_study(study, folder);
+    // Into a folder in use: finished cells stay where they are, and results change together.
+    WholeFolder results(folder, WholeFolder::Mode::merge);
+    write_study(study, results.path());
     const bool with_page = has_page();
     if (with_page) {
       Progress progress("study");
       const PageContent page =
           study_page(plan, study.result, study.json, workers,
                      [&](double share, std::string label) { progress.update(share, std::move(label)); });
-      write_text_file(folder / "index.html", make_page(page));
+      write_whole(results.path() / "index.html", make_page(page));
     }
+    if (interrupt.requested()) throw StudyStopped();
+    results.commit();
+    note_written(folder);
     if (o.json) {
       print_json(study.json);
     } else {
@@ -223,11 +231,11 @@ int study_command(const Options& o) {
       }
     }
     const std::vector<std::string> faults = study_faults(study.result);
-    for (const std::string& fault : faults) fmt::print(stderr, "morula: error: {}: please report it\n", fault);
+    for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
     return faults.empty() ? exit_done : exit_check_failed;
   } catch (const StudyStopped&) {
-    fmt::print(stderr, "morula: interrupted; finished cells are kept in {}: the same command goes on from there\n",
-               (folder / "cells").string());
+    say("morula: interrupted; finished cells are kept in {}: the same command goes on from there\n",
+        (folder / "cells").string());
     return interrupt.exit_code();
   }
 }
@@ -246,6 +254,7 @@ void add_study(CLI::App& app, Run& run) {
   command->add_flag("--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
   command->add_option("--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
       ->type_name("N")
+      ->transform(whole_number())
       ->capture_default_str();
   command
       ->add_option("--methods", o->methods,
@@ -263,21 +272,24 @@ void add_study(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   command->add_option("--frames", o->frames, "Samples of each motion, rest and the full amount among them; default: 13")
       ->type_name("N")
-      ->check(CLI::Range(3, 1000));
+      ->transform(whole_number(3, 1000));
   command->add_option("--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
       ->type_name("N")
-      ->check(CLI::Range(8, 4096));
+      ->transform(whole_number(8, 4096));
   command->add_option("--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
       ->type_name("NAME")
       ->capture_default_str();
   command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
       ->type_name("N")
-      ->check(CLI::Range(2, 64))
+      ->transform(whole_number(2, 64))
       ->capture_default_str();
   command->add_option("--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
-      ->check(CLI::Range(1, 6));
-  command->add_option("--seed", o->seed, "Of every random choice")->type_name("N")->capture_default_str();
+      ->transform(whole_number(1, 6));
+  command->add_option("--seed", o->seed, "Of every random choice")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
   command->add_flag("--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

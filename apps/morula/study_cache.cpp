@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
 
 #include "files.hpp"
 
@@ -31,7 +32,7 @@ std::filesystem::path StudyCache::path(const std::string& stem, const Json& sett
   std::string safe = stem;
   for (char& c : safe)
     if (c == ' ' || c == '/' || c == '\\' || c == ':') c = '-';
-  return folder_ / fmt::format("{}-{:016x}{}", safe, content_hash(settings.dump()), extension);
+  return folder_ / fmt::format("{}-{:016x}{}", safe, content_hash(json_text(settings, -1)), extension);
 }
 
 std::optional<Json> StudyCache::find(const std::string& stem, const Json& settings) const {
@@ -44,7 +45,7 @@ std::optional<Json> StudyCache::find(const std::string& stem, const Json& settin
 }
 
 void StudyCache::store(const std::string& stem, const Json& settings, const Json& result) const {
-  write_text_file(path(stem, settings, ".json"), Json{{"settings", settings}, {"result", result}}.dump() + "\n");
+  write_whole(path(stem, settings, ".json"), json_text({{"settings", settings}, {"result", result}}, -1) + "\n");
 }
 
 std::optional<Built> StudyCache::find_tree(const std::string& stem, const Json& settings, const Mesh& mesh) const {

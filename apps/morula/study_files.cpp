@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <morula/geometry/inspect.hpp>
+#include <morula/io/whole_output.hpp>
 #include <morula/version.hpp>
 
 #include "figures.hpp"
@@ -78,7 +79,7 @@ std::string cell_text(const Json& value, bool all_digits) {
   if (value.is_null()) return all_digits ? "" : "n/a";
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return all_digits ? exact_digits(value.get<double>()) : figure(value.get<double>());
-  return value.dump();
+  return json_text(value, -1);
 }
 
 std::string table_csv(const StudyTable& table) {
@@ -148,13 +149,13 @@ Study make_study(const StudyPlan& plan, const StudyCache& cache, Workers& worker
 
 void write_study(const Study& study, const std::filesystem::path& folder) {
   for (const std::vector<const StudyFigure*>& group : groups_of(study.figures)) {
-    write_text_file(folder / (group.front()->group + ".csv"), figure_csv(group));
-    write_text_file(folder / (group.front()->group + ".svg"), svg_plot(plot_of(group)));
+    write_whole(folder / (group.front()->group + ".csv"), figure_csv(group));
+    write_whole(folder / (group.front()->group + ".svg"), svg_plot(plot_of(group)));
   }
-  for (const StudyTable& table : study.tables) write_text_file(folder / (table.id + ".csv"), table_csv(table));
-  for (const StudyPicture& picture : study.pictures) write_text_file(folder / (picture.id + ".svg"), picture.svg);
-  write_text_file(folder / "cells.csv", cells_csv(study.result));
-  write_text_file(folder / "study.json", study.json.dump(1) + "\n");
+  for (const StudyTable& table : study.tables) write_whole(folder / (table.id + ".csv"), table_csv(table));
+  for (const StudyPicture& picture : study.pictures) write_whole(folder / (picture.id + ".svg"), picture.svg);
+  write_whole(folder / "cells.csv", cells_csv(study.result));
+  write_whole(folder / "study.json", json_text(study.json, 1) + "\n");
 }
 
 std::vector<std::string> study_faults(const StudyResult& result) {

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "exact_check.hpp"
 #include "figures.hpp"
 #include "frames.hpp"
@@ -203,11 +204,12 @@ int update_command(const Options& o) {
   require_frames(o.files);
   UpdateOptions options = update_options(o);
   const std::string format = sphere_format(o.format, o.output);
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
   const Mesh mesh = read_mesh(o.mesh);
   Frames frames(o.files, mesh);
   options.modes = frames.take_modes();
-  require_sphere_output(o.output, format, frames.count());
+  require_sphere_output(o.output, format, frames.count(),
+                        {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates});
   const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   if (options.rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
@@ -218,14 +220,15 @@ int update_command(const Options& o) {
   SphereOutput output(o.output, format, built.tree, frames.count());
   const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
   output.commit();
+  note_written(o.output);
   if (o.json) {
     print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
   } else {
     print_text(o, built, body, outcome, output, workers.thread_count());
   }
   if (outcome.frames_not_covered == 0) return exit_done;
-  fmt::print(stderr, "morula: error: the certificate fails in {}, worst in frame {} by {}: please report it\n",
-             counted(outcome.frames_not_covered, "frame"), outcome.worst_frame, figure(outcome.worst_excess));
+  say("morula: error: the certificate fails in {}, worst in frame {} by {}: please report it\n",
+      counted(outcome.frames_not_covered, "frame"), outcome.worst_frame, figure(outcome.worst_excess));
   return exit_check_failed;
 }
 

@@ -10,8 +10,10 @@
 #include <memory>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
 
 #include "command.hpp"
+#include "console.hpp"
 #include "figures.hpp"
 #include "files.hpp"
 #include "options.hpp"
@@ -102,6 +104,7 @@ int view_command(const Options& o) {
   const std::string ending = extension(o.output);
   if (ending != ".html" && ending != ".htm") throw UsageError(fmt::format("{}: pages are written as .html", o.output));
   require_output_place(o.output);
+  require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
   for (const std::vector<Rule>& list : rules) {
@@ -109,7 +112,7 @@ int view_command(const Options& o) {
       throw UsageError("--rule modal needs a modal model, which morula view does not take");
     }
   }
-  Workers workers(o.threads);
+  Workers workers = make_workers(o.threads);
 
   PageContent content;
   content.study = read_study(o.study);
@@ -130,7 +133,8 @@ int view_command(const Options& o) {
   content.title = o.title.empty() ? content.motions.front().body : o.title;
 
   const std::string page = make_page(content);
-  write_text_file(o.output, page);
+  write_whole(o.output, page);
+  note_written(o.output);
   print_result(o, content, built, page.size());
   return exit_done;
 }

@@ -17,12 +17,15 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/io/ball_file.hpp>
+#include <morula/io/frame_files.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/tree/renumber.hpp>

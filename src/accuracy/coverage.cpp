@@ -8,6 +8,7 @@
 #include "accuracy/bare_polygon.hpp"
 #include "accuracy/largest_gap.hpp"
 #include "accuracy/usable_spheres.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -85,7 +86,9 @@ class FacetRange {
 }  // namespace
 
 Coverage coverage(const Mesh& mesh, std::span<const Sphere> spheres, Workers& workers) {
+  const StandardFloats standard;
   require_some_usable(spheres, "coverage");
+  require_usable_scale(mesh);
   Coverage result;
   result.tolerance = rounding_allowance(mesh, spheres);
   const PowerDiagram diagram(spheres);

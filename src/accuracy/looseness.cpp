@@ -10,6 +10,7 @@
 #include "accuracy/usable_spheres.hpp"
 #include "accuracy/voxel_columns.hpp"
 #include "accuracy/voxel_lattice.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -45,10 +46,12 @@ double signed_volume(std::span<const Facet> facets, std::span<const Vec3> positi
 }  // namespace
 
 Looseness looseness(const Mesh& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid, Workers& workers) {
+  const StandardFloats standard;
   return LoosenessMeter(mesh).measure(mesh.positions, spheres, grid, workers);
 }
 
 LoosenessMeter::LoosenessMeter(const Mesh& mesh) : facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
+  const StandardFloats standard;
   const MeshReport report = inspect(mesh);
   closed_ = report.closed;
   oriented_ = report.oriented;
@@ -56,11 +59,13 @@ LoosenessMeter::LoosenessMeter(const Mesh& mesh) : facets_(mesh.facets), vertex_
 
 Looseness LoosenessMeter::measure(std::span<const Vec3> positions, std::span<const Sphere> spheres,
                                   const VoxelGrid& grid, Workers& workers) const {
+  const StandardFloats standard;
   if (positions.size() != vertex_count_)
     throw std::invalid_argument("looseness: " + std::to_string(positions.size()) + " positions for a mesh of " +
                                 std::to_string(vertex_count_) + " vertices");
   require_some_usable(spheres, "looseness");
   const Box object = box_of(facets_, positions);
+  require_usable_scale(facets_, positions);
   const VoxelLattice lattice = voxel_lattice(grid, box_of(spheres), object);
   const Inside inside = !closed_ ? Inside::unknown : oriented_ ? Inside::nonzero_winding : Inside::odd_crossings;
   const VoxelCounts counts = count_voxels(lattice, facets_, positions, inside, spheres, workers);

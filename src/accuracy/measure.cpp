@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/accuracy/measure.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
+
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 
 std::vector<LevelMeasure> measure(const Mesh& mesh, const SphereTree& tree, const MeasureOptions& options,
                                   Workers& workers) {
+  const StandardFloats standard;
   require_usable(mesh);
+  require_usable_scale(mesh);
   if (const std::vector<std::string> faults = validate(tree); !faults.empty())
     throw std::invalid_argument("measure: the tree is broken: " + faults.front());
 

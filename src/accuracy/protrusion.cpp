@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accuracy/usable_spheres.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -158,6 +159,7 @@ class ProtrusionSearch {
 }  // namespace
 
 BallProtrusion protrusion(const SignedDistance& object, const Sphere& ball, double tolerance) {
+  const StandardFloats standard;
   require_usable(std::span(&ball, 1), "protrusion");
   require_usable_tolerance(tolerance);
   return ProtrusionSearch(object, ball, tolerance).run();
@@ -165,6 +167,7 @@ BallProtrusion protrusion(const SignedDistance& object, const Sphere& ball, doub
 
 Protrusion protrusion(const SignedDistance& object, std::span<const Sphere> spheres, double tolerance,
                       Workers& workers) {
+  const StandardFloats standard;
   require_usable(spheres, "protrusion");
   require_usable_tolerance(tolerance);
   std::vector<double> uppers(spheres.size());

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <span>
 #include <stdexcept>
@@ -11,13 +12,17 @@
 
 namespace morula {
 
-/// Throws std::invalid_argument, naming the first offender, unless all centres and radii are finite and no radius is
-/// negative.
+/// Throws std::invalid_argument, naming the first offender, unless all centres and radii are finite and of usable scale
+/// and no radius is negative.
 inline void require_usable(std::span<const Sphere> spheres, const char* measure) {
   for (std::size_t i = 0; i < spheres.size(); ++i)
     if (!is_finite(spheres[i].center) || !std::isfinite(spheres[i].radius) || spheres[i].radius < 0)
       throw std::invalid_argument(std::string(measure) + ": sphere " + std::to_string(i) +
                                   " is not finite or has a negative radius");
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (!has_usable_scale(spheres[i]))
+      throw std::invalid_argument(std::string(measure) + ": sphere " + std::to_string(i) +
+                                  " has a number beyond 1e30: scale mesh and spheres down");
 }
 
 /// The same, and at least one sphere.

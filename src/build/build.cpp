@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <morula/build/build.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 
 #include "build/top_down.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -145,6 +147,7 @@ std::span<const Quality> all_qualities() {
 }
 
 Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+  const StandardFloats standard;
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
     throw std::invalid_argument("build: branching " + std::to_string(options.branching) + " is not in 2…64");
@@ -157,6 +160,7 @@ Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   require_length(options.max_protrusion, "the greatest protrusion");
   require_length(options.time_limit_seconds, "the time limit");
   require_usable(mesh);
+  require_usable_scale(mesh);
   const BuildRun run(options);
   run.throw_if_stopped();
   return chosen.build(mesh, run, workers);

@@ -25,8 +25,10 @@ double largest_coordinate(const Mesh& mesh) {
 }
 
 double smallest_radius(const Mesh& mesh) {
-  constexpr double share_of_diagonal = 1e-9;
-  return share_of_diagonal * bounding_box(mesh).diagonal();
+  // A sphere about a point has a radius of 2^-48 of its coordinates: nothing that small is worth dividing, nor can it
+  // be.
+  constexpr double share_of_diagonal = 1e-9, share_of_coordinate = 0x1p-47;
+  return std::max(share_of_diagonal * bounding_box(mesh).diagonal(), share_of_coordinate * largest_coordinate(mesh));
 }
 
 BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell) {

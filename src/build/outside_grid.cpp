@@ -21,9 +21,10 @@ struct Range {
   int begin, end;
 };
 Range middles_within(float middle, float half, int count) {
-  const float lower = middle - half + 0.5F, upper = middle + half + 0.5F;
-  return {lower > 0 ? std::min(count, static_cast<int>(lower)) : 0,
-          upper > 0 ? std::min(count, static_cast<int>(upper)) : 0};
+  const float lower = middle - half + 0.5F, upper = middle + half + 0.5F, last = static_cast<float>(count);
+  // Balls that are proposed may reach far beyond the grid: cut off before a number too large becomes a whole one.
+  return {lower > 0 ? static_cast<int>(std::min(last, lower)) : 0,
+          upper > 0 ? static_cast<int>(std::min(last, upper)) : 0};
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 
 Collider::Collider(const Mesh& mesh, const Body& body) : mesh_(&mesh), body_(&body), positions_(mesh.positions) {
+  const StandardFloats standard;
   const SphereTree& tree = body.rest_tree();
   const Cover& cover = body.cover();
   if (mesh.vertex_count() != cover.vertex_count || mesh.facet_count() != cover.facet_count)
@@ -39,6 +42,7 @@ Collider::Collider(const Mesh& mesh, const Body& body) : mesh_(&mesh), body_(&bo
 }
 
 void Collider::place(const RigidTransform& placement) {
+  const StandardFloats standard;
   const double deviation = deviation_from_rigid(placement);
   if (!(deviation <= largest_rigid_deviation))
     throw std::invalid_argument(
@@ -48,6 +52,7 @@ void Collider::place(const RigidTransform& placement) {
 }
 
 void Collider::set_positions(const PositionView& positions) {
+  const StandardFloats standard;
   if (positions.size() != mesh_->vertex_count())
     throw std::invalid_argument(std::to_string(positions.size()) + " positions for a mesh of " +
                                 std::to_string(mesh_->vertex_count()) + " vertices");

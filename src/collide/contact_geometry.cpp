@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collide/contact_geometry.hpp"
 
+#include <morula/geometry/scale.hpp>
 #include <numbers>
 
 namespace morula {
@@ -23,7 +24,8 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double radius_a = a.radius, radius_b = b.radius;
   const double smaller = std::min(radius_a, radius_b), sum = radius_a + radius_b;
   const Vec3 between = center_a - center_b;
-  const double distance = length(between);
+  // Placements may be so far apart that squares overflow: what touches there does so only for want of digits.
+  const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 
   const double growth = 0.5 * placed.margin + placed.growth(a, b);
@@ -45,6 +47,8 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double squared_bound = overlap * (0.25 * overlap + from_a * (grown_b + distance - grown_a) * inverse);
   contact.error_bound = std::sqrt(std::max(0.0, squared_bound)) * (1 + 0x1p-30);
   const double depth = std::max(0.0, contact.depth), difference = radius_a - radius_b;
+  contact.lens_volume = 0;
+  if (!(depth > 0)) return;
   contact.lens_volume = std::numbers::pi / 12 * depth * depth * inverse *
                         (distance * distance + 2 * distance * sum - 3 * difference * difference);
 }

@@ -7,6 +7,7 @@
 
 #include "collide/front_walk.hpp"
 #include "collide/require.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 
@@ -102,6 +103,7 @@ ContactQuery::ContactQuery(ContactQuery&&) noexcept = default;
 ContactQuery& ContactQuery::operator=(ContactQuery&&) noexcept = default;
 
 std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double weight) {
+  const StandardFloats standard;
   if (!(std::isfinite(weight) && weight >= 0))
     throw std::invalid_argument("the weight of a pair of bodies is " + std::to_string(weight) +
                                 ": it must be finite and not negative");
@@ -127,6 +129,7 @@ const CollideOptions& ContactQuery::options() const {
 }
 
 ContactStatus ContactQuery::start(Workers& workers) {
+  const StandardFloats standard;
   State& s = *state_;
   if (const ContactStatus status = s.usable(); !status) return status;
   s.walk.start(s.options, true, workers, s.contacts);
@@ -134,6 +137,7 @@ ContactStatus ContactQuery::start(Workers& workers) {
 }
 
 ContactStatus ContactQuery::resume(Workers& workers) {
+  const StandardFloats standard;
   State& s = *state_;
   if (const ContactStatus status = s.usable(); !status) return status;
   if (const ContactStatus status = s.fits(true); !status) return status;
@@ -143,6 +147,7 @@ ContactStatus ContactQuery::resume(Workers& workers) {
 }
 
 ContactStatus ContactQuery::carry(Workers& workers) {
+  const StandardFloats standard;
   State& s = *state_;
   if (const ContactStatus status = s.usable(); !status) return status;
   if (const ContactStatus status = s.fits(false); !status) return status;
@@ -164,6 +169,7 @@ void ContactQuery::set_front(Front front) {
 }
 
 void ContactQuery::cut(std::vector<FrontPair>& pairs) const {
+  const StandardFloats standard;
   state_->walk.cut(pairs);
 }
 

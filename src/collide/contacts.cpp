@@ -8,6 +8,7 @@
 #include "collide/descent.hpp"
 #include "collide/front_walk.hpp"
 #include "collide/require.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 struct ContactScratch::State {
@@ -29,6 +30,7 @@ ContactScratch::State& ContactScratch::state() {
 }
 
 void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused) {
+  const StandardFloats standard;
   require_usable(options);
   const bool looks_at_facets = options.surfaces || options.exact || options.containment;
   require_bodies(a, b, {.all_spheres = !options.reach, .positions = looks_at_facets});
@@ -60,6 +62,7 @@ void collide(const Collider& a, const Collider& b, const CollideOptions& options
 }
 
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options) {
+  const StandardFloats standard;
   Contacts contacts;
   collide(a, b, options, contacts);
   return contacts;

@@ -11,6 +11,7 @@
 
 #include "collide/placed_spheres.hpp"
 #include "geometry/exact_predicates.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -142,6 +143,7 @@ std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
 }
 
 InsideTest::InsideTest(const Collider& body) : body_(&body) {
+  const StandardFloats standard;
   const MeshReport report = inspect(body.mesh());
   if (!report.closed)
     throw std::invalid_argument("an open surface has no inside: " + std::to_string(report.boundary_edges) +
@@ -151,6 +153,7 @@ InsideTest::InsideTest(const Collider& body) : body_(&body) {
 }
 
 PointLocation InsideTest::locate(const Vec3& point) {
+  const StandardFloats standard;
   PointLocation result;
   result.status = askable(*body_);
   if (result.status && !is_near(point)) result.status = {QueryStatus::Code::bad_shape};
@@ -186,6 +189,7 @@ PointLocation InsideTest::locate(const Vec3& point) {
 }
 
 Probe InsideTest::probe(const Sphere& ball) {
+  const StandardFloats standard;
   Probe result;
   if (!touch(*body_, ball, {.nearest = true}, touch_)) {
     result.status = touch_.status;
@@ -210,6 +214,7 @@ Probe InsideTest::probe(const Sphere& ball) {
 
 bool InsideTest::components_inside(const Collider& other, std::span<const std::uint32_t> vertices,
                                    Containment& result) {
+  const StandardFloats standard;
   result.status = askable(*body_, 1);
   if (result.status) result.status = askable(other, 0);
   for (const std::uint32_t vertex : vertices)

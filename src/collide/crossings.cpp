@@ -10,6 +10,8 @@
 #include "collide/node_facets.hpp"
 #include "collide/pair_set.hpp"
 #include "collide/require.hpp"
+#include "geometry/triangles_meet.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -100,7 +102,7 @@ void Crossings::State::look_at(const NodePair& pair) {
       const std::uint32_t slot_b = few_a ? many.slot(partners[j]) : few.slot(i);
       const std::uint64_t key = std::uint64_t{facets_a.facet(slot_a)} << 32 | facets_b.facet(slot_b);
       if (!tested.insert(key)) continue;
-      if (intersect(facets_a.triangle(slot_a), facets_b.triangle(slot_b))) keys.push_back(key);
+      if (triangles_meet(facets_a.triangle(slot_a), facets_b.triangle(slot_b))) keys.push_back(key);
     }
   }
 }
@@ -142,12 +144,14 @@ std::size_t Crossings::pairs_tested() const {
 }
 
 void crossings(const Collider& a, const Collider& b, std::span<const NodePair> nodes, Crossings& result) {
+  const StandardFloats standard;
   require_bodies(a, b, {.all_spheres = false, .positions = true});
   require_nodes(a, b, nodes);
   result.state().find(a, b, nodes);
 }
 
 void crossings(const Collider& a, const Collider& b, Crossings& result) {
+  const StandardFloats standard;
   require_bodies(a, b, {.positions = true});
   Crossings::State& state = result.state();
   state.leaves.clear();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <morula/collide/distance.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "collide/placed_spheres.hpp"
 #include "collide/slab.hpp"
 #include "collide/world_facets.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -100,7 +102,8 @@ class Search {
     const std::uint32_t facet_a = a_.facets(0).front(), facet_b = b_.facets(0).front();
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
-    answer_.upper = distance(answer_.a.point, answer_.b.point) * (1 + 0x1p-49);
+    answer_.upper = scaled_length(answer_.b.point - answer_.a.point) * (1 + 0x1p-49);
+    answer_.crossing = answer_.upper == 0;
     is_of_facets_ = false;
     slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
     ++version_;
@@ -284,6 +287,7 @@ DistanceQuery::DistanceQuery(DistanceQuery&&) noexcept = default;
 DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
 
 DistanceBounds DistanceQuery::operator()(const Collider& a, const Collider& b, const DistanceOptions& options) {
+  const StandardFloats standard;
   DistanceBounds refused;
   refused.upper = infinity;
   refused.status = askable(a, 0);

@@ -3,12 +3,20 @@
 #include "collide/nearest_pair.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <morula/geometry/scale.hpp>
 
 #include "geometry/exact_predicates.hpp"
+#include "geometry/triangles_meet.hpp"
 
 namespace morula {
 namespace {
+
+// Where the largest |coordinate| is at least this, and differences are no smaller than its rounding, fourth powers of
+// them are normal numbers.
+constexpr double least_ordinary = 0x1p-200;
 
 struct Parameters {
   double s, t;
@@ -82,6 +90,12 @@ class Search {
     for (std::size_t i = 0; i < edge_count(); ++i)
       for (std::size_t j = 0; j < 3; ++j) try_edges(i, (i + 1) % a_.size(), j, (j + 1) % 3);
     bound();
+    // Shapes that meet in one plane and nowhere else have no edge that pierces: an exact verdict where no slab is
+    // between.
+    if (best_.lower <= 0 && meet()) {
+      best_.lower = best_.upper = 0;
+      best_.crossing = true;
+    }
     return best_;
   }
 
@@ -149,6 +163,12 @@ class Search {
     return false;
   }
 
+  bool meet() const {
+    if (a_.size() == 1) return triangles_meet({a_[0], a_[0], a_[0]}, b_);
+    if (a_.size() == 2) return triangles_meet({a_[0], a_[1], a_[1]}, b_);
+    return triangles_meet({a_[0], a_[1], a_[2]}, b_);
+  }
+
   // Points on edges and in triangles are off by less than 11 u of the largest coordinate each, corners not at all.
   void bound() {
     double coordinate = 0;
@@ -157,7 +177,7 @@ class Search {
     const auto is_corner = [](const Barycentric& b) { return b[0] == 1 || b[1] == 1 || b[2] == 1; };
     const bool corners = is_corner(best_.a) && is_corner(best_.b);
     const Vec3 direction = best_.point_b - best_.point_a;
-    best_.upper = length(direction) * (1 + 0x1p-49) + (corners ? 0.0 : 0x1p-48 * coordinate);
+    best_.upper = scaled_length(direction) * (1 + 0x1p-49) + (corners ? 0.0 : 0x1p-48 * coordinate);
     best_.lower = std::max(0.0, slab_width(a_, b_, best_.point_a, direction));
     if (best_.upper - best_.lower > 0x1p-40 * best_.upper) try_other_slabs();
   }
@@ -190,7 +210,27 @@ class Search {
 }  // namespace
 
 NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
-  return Search(a, b).run();
+  double largest = 0;
+  for (const Vec3& p : a) largest = std::max(largest, largest_component(p));
+  for (const Vec3& p : b) largest = std::max(largest, largest_component(p));
+  if (largest == 0 || !(largest < least_ordinary)) return Search(a, b).run();
+  // So small that squares vanish: larger by a power of two, which changes no digit on the way there.
+  const int exponent = -std::ilogb(largest);
+  const auto times = [](const Vec3& p, int power) {
+    return Vec3{std::ldexp(p.x, power), std::ldexp(p.y, power), std::ldexp(p.z, power)};
+  };
+  std::array<Vec3, 3> large_a;
+  for (std::size_t i = 0; i < a.size(); ++i) large_a[i] = times(a[i], exponent);
+  const Triangle large_b{times(b[0], exponent), times(b[1], exponent), times(b[2], exponent)};
+  NearestPair found = Search(std::span<const Vec3>(large_a).first(a.size()), large_b).run();
+  found.point_a = times(found.point_a, -exponent);
+  found.point_b = times(found.point_b, -exponent);
+  if (found.crossing) return found;
+  // On the way back denormals are rounded.
+  constexpr double rounding = std::numeric_limits<double>::denorm_min();
+  found.upper = found.upper > 0 ? std::ldexp(found.upper, -exponent) + rounding : 0;
+  found.lower = std::max(0.0, std::ldexp(found.lower, -exponent) - rounding);
+  return found;
 }
 
 double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x) {
@@ -199,9 +239,14 @@ double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x) {
   return square > 0 ? std::clamp(dot(x - p, d) / square, 0.0, 1.0) : 0.0;
 }
 
-double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& direction) {
+double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& any_direction) {
+  const double largest = largest_component(any_direction);
+  if (!(largest > 0) || !is_finite(any_direction)) return 0;
+  // Its size does not matter; so that no square of it vanishes.
+  const int exponent = std::ilogb(largest);
+  const Vec3 direction{std::ldexp(any_direction.x, -exponent), std::ldexp(any_direction.y, -exponent),
+                       std::ldexp(any_direction.z, -exponent)};
   const double size = length(direction);
-  if (!(size > 0)) return 0;
   // `from` and `direction` are exact as they are, whatever they were meant to be. A difference is off by u of its
   // length w, its product with the direction by 5 u |direction| w: both sides together by 10 u w, and 2^-49 w = 16 u w.
   double top = -std::numeric_limits<double>::infinity(), bottom = std::numeric_limits<double>::infinity(), farthest = 0;
@@ -216,7 +261,8 @@ double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& 
     farthest = std::max(farthest, squared_length(w));
   }
   const double width = (bottom - top) / size;
-  return width - 0x1p-50 * std::abs(width) - 0x1p-49 * std::sqrt(farthest);
+  // Squares of differences below 2^-511 vanish; errors of those are below 2^-560.
+  return width - 0x1p-50 * std::abs(width) - 0x1p-49 * std::sqrt(farthest) - 0x1p-560;
 }
 
 }  // namespace morula

@@ -14,7 +14,7 @@ struct NearestPair {
   Vec3 point_a{}, point_b{};
   /// lower <= distance of the two shapes <= upper, for corners as they are. 0 and 0 exactly when `crossing`.
   double lower = 0, upper = 0;
-  /// An edge of one meets the other, decided exactly; coplanar ones may be 0 up to rounding without it.
+  /// The two have a point in common, decided exactly: touching and coplanar ones, too.
   bool crossing = false;
 };
 

@@ -5,6 +5,7 @@
 
 #include "collide/require.hpp"
 #include "collide/tree_pair.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -22,6 +23,7 @@ bool any_leaves(const TreePair& trees, std::uint32_t a, std::uint32_t b, std::ui
 }  // namespace
 
 bool overlap(const Collider& a, const Collider& b) {
+  const StandardFloats standard;
   require_bodies(a, b, {});
   const TreePair trees(a, b, 0, leaf_level);
   return trees.overlaps(0, 0) && any_leaves(trees, 0, 0, 0);

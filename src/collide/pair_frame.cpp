@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collide/pair_frame.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "update/rounding.hpp"
 
 namespace morula {
@@ -17,7 +20,7 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
   // Comparisons the other way round: what is not a number is not small.
   if (!(rounding + margin < too_coarse)) {
     u = {};
-    pair.pad = far;
+    pair.pad = std::max(far, std::min(rounding, std::numeric_limits<double>::max()));
   } else {
     if (!(largest_component(u) < far)) u = {far, 0, 0};
     pair.pad = 0x1p-20 * largest_component(u) + rounding;

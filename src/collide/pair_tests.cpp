@@ -6,19 +6,23 @@
 #include <morula/collide/pair_tests.hpp>
 
 #include "collide/pair_kernels.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 
 std::size_t pair_test_kinds() {
+  const StandardFloats standard;
   return all_pair_kernels().size();
 }
 
 std::string_view pair_test_kind_name(std::size_t kind) {
+  const StandardFloats standard;
   return all_pair_kernels()[kind].instructions;
 }
 
 std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& placement,
                               std::size_t kind) {
+  const StandardFloats standard;
   assert(kind < pair_test_kinds());
   const PairKernels& kernels = all_pair_kernels()[kind];
   const PairFrame frame = placed_pair(placement, 0, 0).narrow;

@@ -47,7 +47,8 @@ class PlacedSpheres {
 /// Below every distance of a point of one sphere to one of the other; negative where the spheres overlap.
 ///
 /// The differences of centres are off by u each, the length by 3 u of it; sums of radii by u. Under and overflow:
-/// squares vanish only below 2^-500, where pads are larger; they stay finite below 2^500.
+/// squares vanish only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
+/// finite below 2^500.
 inline double gap_below(const Sphere& a, const Sphere& b) {
   return distance(a.center, b.center) * (1 - 0x1p-49) - (a.radius + b.radius) * (1 + 0x1p-51);
 }

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <morula/collide/primitives.hpp>
+#include <morula/geometry/scale.hpp>
 #include <stdexcept>
 
 #include "collide/nearest_pair.hpp"
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
 #include "collide/world_facets.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -76,7 +78,7 @@ class PlacedCapsule {
     found.barycentric = pair.b;
     found.point = pair.point_b;
     // Measured anew: the pair's upper bound is padded.
-    found.distance = (pair.crossing ? 0.0 : distance(pair.point_a, pair.point_b)) - radius_;
+    found.distance = (pair.crossing ? 0.0 : scaled_length(pair.point_b - pair.point_a)) - radius_;
     found.lower = pair.lower - radius_ - 0x1p-52 * (pair.lower + radius_);
     return found;
   }
@@ -196,6 +198,7 @@ Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOption
 }  // namespace
 
 bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   const double size = length(shape.normal);
   const bool good = is_near(shape.normal) && size > 0x1p-200 && std::abs(shape.offset) / size < 0x1p200;
   if (!begin(body, good, options, result)) return false;
@@ -204,24 +207,29 @@ bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& opt
 }
 
 bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return false;
   search(body, PlacedCapsule(shape.center, shape.center, shape.radius), options, result);
   return true;
 }
 
 bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result) {
+  const StandardFloats standard;
   if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return false;
   search(body, PlacedCapsule(shape.p, shape.q, shape.radius), options, result);
   return true;
 }
 
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 

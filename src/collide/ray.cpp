@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <morula/collide/primitives.hpp>
 
 #include "collide/placed_spheres.hpp"
 #include "collide/walk.hpp"
 #include "geometry/exact_predicates.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -52,9 +55,18 @@ class ShearedRay {
 
   // Does the ray hit the triangle, at a t from 0 to `limit`?
   bool hits(const Triangle& t, double limit, double& where, Barycentric& barycentric) const {
+    std::array<Vec3, 3> from_origin{t[0] - origin_, t[1] - origin_, t[2] - origin_};
+    // Areas of what is very small and near would vanish: larger by a power of two, which changes no verdict.
+    const double largest = std::max(
+        {largest_component(from_origin[0]), largest_component(from_origin[1]), largest_component(from_origin[2])});
+    constexpr double least_ordinary = 0x1p-400;
+    const int exponent = largest > 0 && largest < least_ordinary ? std::ilogb(largest) : 0;
+    if (exponent != 0)
+      for (Vec3& p : from_origin)
+        p = {std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
     double x[3], y[3], z[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 p = t[k] - origin_;
+      const Vec3& p = from_origin[k];
       x[k] = p[x_] - shear_x_ * p[z_];
       y[k] = p[y_] - shear_y_ * p[z_];
       z[k] = p[z_];
@@ -73,7 +85,7 @@ class ShearedRay {
     if (!(sum > 0)) return false;
     barycentric = {a / sum, b / sum, c / sum};
     const double height = z[0] + barycentric[1] * (z[1] - z[0]) + barycentric[2] * (z[2] - z[0]);
-    where = height / scaled_[z_] * scale_;
+    where = std::ldexp(height / scaled_[z_], exponent) * scale_;
     return where >= 0 && where <= limit;
   }
   double t_end() const { return t_end_; }
@@ -94,6 +106,7 @@ bool is_good(const Ray& ray) {
 }  // namespace
 
 RayHit first_hit(const Collider& body, const Ray& ray) {
+  const StandardFloats standard;
   RayHit result;
   result.status = askable(body);
   if (result.status && !is_good(ray)) result.status = {QueryStatus::Code::bad_shape};

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/random.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <stdexcept>
 
 #include "deform/parameters.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -205,8 +207,10 @@ void apply_to(std::vector<Vec3>& positions, const Deformation& deformation, cons
 }  // namespace
 
 std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations, double t) {
+  const StandardFloats standard;
   if (!(t >= 0 && t <= 1)) throw std::invalid_argument("deformation parameter " + format_number(t) + " is not in 0…1");
   for (const Deformation& deformation : deformations) require_in_range(deformation);
+  require_usable_scale(rest_mesh);
   const Rest rest(rest_mesh);
 
   // What cannot reach its full amount fails on the first frame of a motion, not halfway. Twists and bends can fail.
@@ -220,6 +224,11 @@ std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations
   positions = rest_mesh.positions;
   if (t == 0) return positions;
   for (const Deformation& deformation : deformations) apply_to(positions, deformation, rest, t);
+  for (const Facet& f : rest_mesh.facets)
+    for (const std::uint32_t v : f)
+      if (!is_finite(positions[v]))
+        throw std::invalid_argument("the deformations together take vertex " + std::to_string(v) +
+                                    " out of the range of numbers");
   return positions;
 }
 

@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cmath>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
+#include <morula/geometry/scale.hpp>
 #include <vector>
+
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -68,7 +73,7 @@ Sphere smallest_of_few(std::span<const Vec3> absolute, Support& best_support) {
     const Sphere sphere = circumsphere(support, independent);
     if (independent < support.count) continue;
     if (best.radius >= 0 && sphere.radius >= best.radius) continue;
-    const double reach = sphere.radius * (1 + 1e-12) + 1e-300;
+    const double reach = sphere.radius * (1 + 1e-12);
     bool contains_all = true;
     for (const Vec3& p : points) contains_all = contains_all && squared_distance(p, sphere.center) <= reach * reach;
     if (contains_all) {
@@ -93,23 +98,24 @@ std::size_t farthest(const Vec3& center, std::span<const Vec3> points, double& s
   return index;
 }
 
-}  // namespace
-
-double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
-  double largest = 0;
-  for (const Vec3& p : points) largest = std::max(largest, squared_distance(center, p));
-  return std::sqrt(largest);
+// Squares in this range come from lengths whose fourth powers, which circumspheres take, are normal numbers, down to
+// parts of 2^-52 of them.
+bool is_ordinary(double squared) {
+  return squared > 0x1p-380 && squared < 0x1p500;
 }
 
-Sphere enclosing_sphere(std::span<const Vec3> points) {
-  if (points.empty()) return {};
-  double squared = 0;
-  const Vec3 first = points[0];
+Vec3 times_power_of_two(const Vec3& v, int exponent) {
+  return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
+}
+
+// start: a point that is far from another.
+Sphere by_pivots(std::span<const Vec3> points, const Vec3& start) {
   Support support;
-  support.points[support.count++] = points[farthest(first, points, squared)];
+  support.points[support.count++] = start;
   Sphere sphere{support.points[0], 0};
   // Take in the farthest point, keep what supports the sphere. The radius grows with every pivot, so it ends; the cap
   // only guards against rounding, and the final radius is measured anyway.
+  double squared = 0;
   constexpr int most_pivots = 100;
   for (int pivot = 0; pivot < most_pivots; ++pivot) {
     const std::size_t next = farthest(sphere.center, points, squared);
@@ -123,6 +129,44 @@ Sphere enclosing_sphere(std::span<const Vec3> points) {
     sphere = grown;
     support = next_support;
   }
+  return sphere;
+}
+
+// The points about the first, so large that squares are ordinary: scaling by a power of two changes no digit.
+Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
+  Box box;
+  for (const Vec3& p : points) box.add(p);
+  // In halves, whose difference cannot overflow.
+  const double half_extent = largest_component(box.upper * 0.5 - box.lower * 0.5);
+  if (!(half_extent > 0) || !std::isfinite(half_extent)) return {points[0], farthest_distance(points[0], points)};
+  const int exponent = -1 - std::ilogb(half_extent);
+  std::vector<Vec3> scaled;
+  for (const Vec3& p : points) scaled.push_back(times_power_of_two(p * 0.5 - points[0] * 0.5, exponent));
+  double squared = 0;
+  const Sphere sphere = by_pivots(scaled, scaled[farthest({}, scaled, squared)]);
+  const Vec3 center = points[0] + times_power_of_two(sphere.center, 1 - exponent);
+  return {center, farthest_distance(center, points)};
+}
+
+}  // namespace
+
+double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
+  double largest = 0;
+  for (const Vec3& p : points) largest = std::max(largest, squared_distance(center, p));
+  // Of other squares something vanished, or overflowed.
+  if (largest > 0x1p-900 && largest < std::numeric_limits<double>::infinity()) return std::sqrt(largest);
+  double farthest = 0;
+  for (const Vec3& p : points) farthest = std::max(farthest, scaled_length(p - center));
+  return farthest;
+}
+
+Sphere enclosing_sphere(std::span<const Vec3> points) {
+  const StandardFloats standard;
+  if (points.empty()) return {};
+  double squared = 0;
+  const std::size_t opposite = farthest(points[0], points, squared);
+  if (!is_ordinary(squared)) return enclosing_sphere_of_extremes(points);
+  Sphere sphere = by_pivots(points, points[opposite]);
   sphere.radius = farthest_distance(sphere.center, points);
   return sphere;
 }

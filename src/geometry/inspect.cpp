@@ -7,6 +7,9 @@
 #include <tuple>
 #include <vector>
 
+#include "geometry/own_units.hpp"
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -112,7 +115,7 @@ void inspect_vertices(const Mesh& mesh, MeshReport& report) {
 }
 
 void inspect_facets(const Mesh& mesh, MeshReport& report) {
-  const double diagonal = report.box.diagonal();
+  const double diagonal = bounding_box(mesh).diagonal();
   const double negligible_area = 1e-12 * diagonal * diagonal;
   std::vector<Facet> triples = mesh.facets;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
@@ -126,6 +129,7 @@ void inspect_facets(const Mesh& mesh, MeshReport& report) {
 }  // namespace
 
 MeshReport inspect(const Mesh& mesh) {
+  const StandardFloats standard;
   MeshReport report;
   report.vertex_count = mesh.vertex_count();
   report.facet_count = mesh.facet_count();
@@ -134,7 +138,8 @@ MeshReport inspect(const Mesh& mesh) {
   report.volume = signed_volume(mesh);
   inspect_vertices(mesh, report);
   inspect_edges(mesh, report);
-  inspect_facets(mesh, report);
+  const std::optional<OwnUnits> own = in_own_units(mesh);
+  inspect_facets(own ? own->mesh : mesh, report);
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "geometry/hash.hpp"
+#include "geometry/own_units.hpp"
 
 namespace morula {
 
@@ -31,12 +32,14 @@ Box bounding_box(const Mesh& mesh) {
 }
 
 double surface_area(const Mesh& mesh) {
+  if (const auto own = in_own_units(mesh)) return std::ldexp(surface_area(own->mesh), 2 * own->exponent);
   double sum = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) sum += area(mesh.corners(f));
   return sum;
 }
 
 double signed_volume(const Mesh& mesh) {
+  if (const auto own = in_own_units(mesh)) return std::ldexp(signed_volume(own->mesh), 3 * own->exponent);
   // About the box centre, so that far from the origin nothing cancels.
   const Vec3 origin = bounding_box(mesh).center();
   double six_times = 0;

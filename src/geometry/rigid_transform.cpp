@@ -1,12 +1,28 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/trigonometry.hpp>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 
+namespace {
+
+// Only directions count: divided by a power of two, which changes no digit, so that no square vanishes or overflows.
+int common_exponent(double largest) {
+  return largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
+}
+
+}  // namespace
+
 RigidTransform RigidTransform::from_quaternion(double w, double x, double y, double z, const Vec3& translation) {
+  const StandardFloats standard;
+  const int exponent = common_exponent(std::max({std::abs(w), std::abs(x), std::abs(y), std::abs(z)}));
+  for (double* q : {&w, &x, &y, &z}) *q = std::ldexp(*q, -exponent);
   const double square = w * w + x * x + y * y + z * z;
   RigidTransform t;
   t.translation = translation;
@@ -19,14 +35,18 @@ RigidTransform RigidTransform::from_quaternion(double w, double x, double y, dou
 }
 
 RigidTransform RigidTransform::from_axis(const Vec3& axis, double angle_radians, const Vec3& translation) {
-  const double size = length(axis);
+  const StandardFloats standard;
+  const int exponent = common_exponent(largest_component(axis));
+  const Vec3 scaled{std::ldexp(axis.x, -exponent), std::ldexp(axis.y, -exponent), std::ldexp(axis.z, -exponent)};
+  const double size = length(scaled);
   if (!(size > 0)) return from_quaternion(1, 0, 0, 0, translation);
   const SinCos half = sin_cos(0.5 * angle_radians);
-  const Vec3 v = (half.sin / size) * axis;
+  const Vec3 v = (half.sin / size) * scaled;
   return from_quaternion(half.cos, v.x, v.y, v.z, translation);
 }
 
 RigidTransform inverse(const RigidTransform& t) {
+  const StandardFloats standard;
   RigidTransform back;
   for (int row = 0; row < 3; ++row)
     back.rows[static_cast<std::size_t>(row)] = {t.rows[0][row], t.rows[1][row], t.rows[2][row]};
@@ -35,6 +55,7 @@ RigidTransform inverse(const RigidTransform& t) {
 }
 
 RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p) {
+  const StandardFloats standard;
   RigidTransform t;
   const RigidTransform back = inverse(frame);
   const RigidTransform columns = inverse({p.rows, {}});  // its rows are p's columns

@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -199,6 +201,7 @@ std::span<const std::string_view> sample_body_names() {
 }
 
 Mesh sample_body(std::string_view name, int resolution) {
+  const StandardFloats standard;
   constexpr int coarsest = 3, finest = 4096;
   if (resolution < coarsest || resolution > finest)
     throw std::invalid_argument("resolution " + std::to_string(resolution) + " is not in " + std::to_string(coarsest) +

@@ -3,13 +3,18 @@
 #include <cmath>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 
 std::vector<SurfaceSample> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+  const StandardFloats standard;
+  require_usable_scale(mesh);
   std::vector<double> area_up_to(mesh.facet_count());
   double total = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) area_up_to[f] = total += area(mesh.corners(f));
@@ -30,6 +35,7 @@ std::vector<SurfaceSample> sample_surface(const Mesh& mesh, std::size_t count, s
 }
 
 std::vector<Vec3> fibonacci_directions(std::size_t count) {
+  const StandardFloats standard;
   std::vector<Vec3> directions;
   directions.reserve(count);
   const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));

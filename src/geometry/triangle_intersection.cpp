@@ -9,6 +9,8 @@
 #include <morula/geometry/triangle_intersection.hpp>
 
 #include "geometry/exact_predicates.hpp"
+#include "geometry/triangles_meet.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -218,7 +220,7 @@ struct CrossedPair {
 
 }  // namespace
 
-bool intersect(const Triangle& a, const Triangle& b) {
+bool triangles_meet(const Triangle& a, const Triangle& b) {
   const Sides b_sides = sides_of(TrianglePlane(a), b);
   if (on_one_side(b_sides)) return false;
   const Sides a_sides = sides_of(TrianglePlane(b), a);
@@ -227,7 +229,13 @@ bool intersect(const Triangle& a, const Triangle& b) {
   return meet_by_edges(a, b, a_sides, b_sides, nullptr);
 }
 
+bool intersect(const Triangle& a, const Triangle& b) {
+  const StandardFloats standard;
+  return triangles_meet(a, b);
+}
+
 std::optional<Segment> intersection(const Triangle& a, const Triangle& b) {
+  const StandardFloats standard;
   const Sides b_sides = sides_of(TrianglePlane(a), b);
   if (on_one_side(b_sides)) return {};
   const Sides a_sides = sides_of(TrianglePlane(b), a);

@@ -5,6 +5,7 @@
 #include "io/mesh_formats.hpp"
 #include "io/number_text.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -23,6 +24,7 @@ void require_sound(const std::filesystem::path& path, const Mesh& mesh) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
+  const StandardFloats standard;
   const std::string extension = lower_extension(path);
   if (!is_readable_mesh_extension(extension))
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +

@@ -4,8 +4,11 @@
 #include <array>
 #include <cassert>
 #include <charconv>
+#include <morula/io/frame_files.hpp>
 #include <morula/io/motion_file.hpp>
+#include <set>
 
+#include "io/byte_reader.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/npy.hpp"
 #include "io/whole_file.hpp"
@@ -15,74 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-// Digits compare as numbers: frame9 comes before frame10. Names that differ in leading zeros only compare as text.
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-      ++i, ++j;
-      continue;
-    }
-    while (i < a.size() && a[i] == '0') ++i;
-    while (j < b.size() && b[j] == '0') ++j;
-    const std::size_t a_begin = i, b_begin = j;
-    while (i < a.size() && is_digit(a[i])) ++i;
-    while (j < b.size() && is_digit(b[j])) ++j;
-    if (i - a_begin != j - b_begin) return i - a_begin < j - b_begin;
-    if (const int order = a.compare(a_begin, i - a_begin, b, b_begin, j - b_begin)) return order < 0;
-  }
-  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
-  return a < b;
-}
-
-// * stands for any characters, ? for one.
-bool matches(std::string_view pattern, std::string_view name) {
-  std::size_t p = 0, n = 0;
-  std::size_t star = std::string_view::npos, resume = 0;  // the last star, and where what it stands for ends
-  while (n < name.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      resume = n;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
-      ++p, ++n;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      n = ++resume;
-    } else {
-      return false;
-    }
-  }
-  while (p < pattern.size() && pattern[p] == '*') ++p;
-  return p == pattern.size();
-}
-
-// Mesh files of a folder whose name matches, in natural order. Hidden files are left out.
-std::vector<fs::path> meshes_in(const fs::path& folder, std::string_view pattern) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  fs::directory_iterator entries(folder, error);
-  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    const fs::path& file = entries->path();
-    std::error_code ignored;
-    const std::string name = file.filename().string();
-    if (name[0] != '.' && matches(pattern, name) && is_readable_mesh_extension(lower_extension(file)) &&
-        entries->is_regular_file(ignored))
-      files.push_back(file);
-  }
-  if (error) throw FileError(folder.string() + ": the folder cannot be read (" + error.message() + ")");
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
-  return files;
-}
+const std::set<std::string> mesh_extensions{".obj", ".off", ".ply", ".stl"};
 
 std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& asked) {
-  std::vector<fs::path> files = meshes_in(folder.empty() ? "." : folder, pattern);
+  std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions);
   if (files.empty())
     throw FileError(asked.string() + ": no mesh file is there; a motion needs files ending in " +
                     readable_mesh_extensions());
@@ -191,18 +130,28 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
   if (own_extension == ".npy") {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error)) throw FileError(path.string() + ": there is no such folder; make it first");
+    const std::string start = npy_start("<f8", std::array{frame_count, mesh.vertex_count(), std::size_t{3}});
+    const std::uint64_t frame_bytes = 24 * std::uint64_t{mesh.vertex_count()};
+    if (frame_count > (std::uint64_t{1} << 62) / frame_bytes)
+      throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames are too many for any disk");
+    require_room(path, start.size() + frame_bytes * frame_count);
+    npy_.emplace(path);
+    npy_->write(start);
     return;
   }
   if (fs::exists(path, error) ? !fs::is_directory(path, error) : is_readable_mesh_extension(own_extension))
     throw FileError(path.string() + ": a motion is written into a folder or a .npy file, not into one mesh file");
-  fs::create_directories(path, error);
-  if (error) throw FileError(path.string() + ": the folder cannot be made (" + error.message() + ")");
-
   // Frames of a longer motion that was here before would be read as part of this one.
-  for (const fs::path& file : meshes_in(path, "*"))
-    if (!is_frame_of(file.filename().string(), frame_count, extension))
-      throw FileError(file.string() + ": would be read as part of this motion of " + std::to_string(frame_count) +
-                      " frames; empty the folder, or choose another");
+  for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name[0] != '.' && is_readable_mesh_extension(lower_extension(name)) &&
+        !is_frame_of(name, frame_count, extension))
+      throw FileError(entry->path().string() + ": would be read as part of this motion of " +
+                      std::to_string(frame_count) + " frames; empty the folder, or choose another");
+  }
+  const fs::path parent = (path.has_filename() ? path : path.parent_path()).parent_path();
+  if (!parent.empty()) fs::create_directories(parent, error);
+  folder_.emplace(path);
 }
 
 void MotionWriter::write(std::span<const Vec3> positions) {
@@ -216,10 +165,17 @@ void MotionWriter::write(std::span<const Vec3> positions) {
     if (!is_finite(positions[v]))
       throw std::invalid_argument(frame + ": vertex " + std::to_string(v) + " has a coordinate that is not finite");
 
-  if (lower_extension(path_) == ".npy")
-    for (const Vec3& p : positions) npy_.insert(npy_.end(), {p.x, p.y, p.z});
-  else
-    write_whole(path_ / frame_file_name(written_, extension_), mesh_bytes(extension_, positions, mesh_.facets));
+  if (npy_) {
+    chunk_.clear();
+    for (const Vec3& p : positions)
+      for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
+    npy_->write(chunk_);
+  } else {
+    const std::string bytes = mesh_bytes(extension_, positions, mesh_.facets);
+    // Frames are about as long as the first: half of that is plainly needed.
+    if (written_ == 0) require_room(path_, bytes.size() / 2 * frame_count_);
+    write_whole(folder_->path() / frame_file_name(written_, extension_), bytes);
+  }
   ++written_;
 }
 
@@ -227,8 +183,10 @@ void MotionWriter::finish() {
   if (written_ < frame_count_)
     throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the motion is incomplete");
-  if (lower_extension(path_) == ".npy")
-    write_whole(path_, npy_bytes(npy_, std::array{frame_count_, mesh_.vertex_count(), std::size_t{3}}));
+  if (npy_)
+    npy_->commit();
+  else
+    folder_->commit();
 }
 
 }  // namespace morula

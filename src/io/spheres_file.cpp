@@ -21,6 +21,8 @@ std::string index_array(std::span<const std::uint32_t> indices) {
 
 }  // namespace
 
+SphereFramesWriter::~SphereFramesWriter() = default;
+
 SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const SphereTree& tree,
                                        std::size_t frame_count)
     : path_(path), tree_(tree), frame_count_(frame_count) {
@@ -35,7 +37,12 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
   if (frame_count > room / (32 * nodes))
     throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames of " + std::to_string(nodes) +
                     " spheres do not fit the 4 GiB of an archive; write fewer frames at a time, or a folder");
-  spheres_ = npy_start("<f8", std::array<std::size_t, 3>{frame_count, tree.node_count(), 4});
+  const std::string start = npy_start("<f8", std::array<std::size_t, 3>{frame_count, tree.node_count(), 4});
+  const std::uint64_t size = start.size() + 32 * nodes * frame_count;
+  require_room(path, size);
+  archive_ = std::make_unique<StoredZip>(path);
+  archive_->begin("spheres.npy", size);
+  archive_->append(start);
 }
 
 void SphereFramesWriter::write(std::span<const Sphere> spheres) {
@@ -44,8 +51,10 @@ void SphereFramesWriter::write(std::span<const Sphere> spheres) {
   if (spheres.size() != tree_.node_count())
     throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +
                                 " spheres, but the tree has " + std::to_string(tree_.node_count()) + " nodes");
+  chunk_.clear();
   for (const Sphere& s : spheres)
-    for (const double number : {s.center.x, s.center.y, s.center.z, s.radius}) store(spheres_, number);
+    for (const double number : {s.center.x, s.center.y, s.center.z, s.radius}) store(chunk_, number);
+  archive_->append(chunk_);
   ++written_;
 }
 
@@ -53,13 +62,12 @@ void SphereFramesWriter::finish() {
   if (written_ < frame_count_)
     throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the file is incomplete");
-  StoredZip archive;
-  archive.add("spheres.npy", spheres_);
-  archive.add("level_begin.npy", index_array(tree_.level_begin));
-  archive.add("parent.npy", index_array(tree_.parent));
-  archive.add("first_child.npy", index_array(tree_.first_child));
-  archive.add("child_count.npy", index_array(tree_.child_count));
-  write_whole(path_, archive.finish());
+  archive_->end();
+  archive_->add("level_begin.npy", index_array(tree_.level_begin));
+  archive_->add("parent.npy", index_array(tree_.parent));
+  archive_->add("first_child.npy", index_array(tree_.first_child));
+  archive_->add("child_count.npy", index_array(tree_.child_count));
+  archive_->commit();
 }
 
 }  // namespace morula

@@ -5,6 +5,7 @@
 
 #include "io/tree_formats.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -97,6 +98,7 @@ void require_valid(const std::filesystem::path& path, const SphereTree& tree) {
 }
 
 TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options) {
+  const StandardFloats standard;
   const std::string extension = lower_extension(path);
   if (extension != ".morula" && extension != ".sph" && extension != ".json") fail_unknown(path, extension);
   if (!is_finite(options.sph_origin)) throw std::invalid_argument("sph_origin has a coordinate that is not finite");

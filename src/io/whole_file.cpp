@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/whole_file.hpp"
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <fstream>
 #include <morula/io/mesh_file.hpp>
 #include <system_error>
-#include <utility>
 
 namespace morula {
 namespace {
@@ -18,43 +15,6 @@ namespace fs = std::filesystem;
 std::string reason(int error) {
   return std::generic_category().message(error);
 }
-
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target) {
-    // Exclusive creation finds a free name whoever else is writing here; leftovers of a crash are stepped over.
-    constexpr int most_attempts = 1000;
-    for (int n = 0; n < most_attempts && !file_; ++n) {
-      path_ = fs::path(target).replace_filename(".morula-" + std::to_string(n) + ".tmp");
-      errno = 0;
-      file_ = std::fopen(path_.string().c_str(), "wbx");
-      if (!file_ && errno != EEXIST) break;
-    }
-    if (!file_)
-      throw FileError(target.string() + ": cannot make a file in this folder (" + reason(errno) +
-                      "); make the folder first, or choose one that you may write to");
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (file_) std::fclose(file_);
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove(path_, ignored);
-  }
-
-  bool write(std::string_view bytes) { return std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size(); }
-  bool close() { return std::fclose(std::exchange(file_, nullptr)) == 0; }
-  std::error_code rename_to(const fs::path& target) {
-    std::error_code error;
-    fs::rename(path_, target, error);
-    if (!error) path_.clear();
-    return error;
-  }
-
- private:
-  fs::path path_;
-  std::FILE* file_ = nullptr;
-};
 
 }  // namespace
 
@@ -93,19 +53,6 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
     throw FileError(name + ": reading stopped after " + std::to_string(offset) + " + " + std::to_string(in.gcount()) +
                     " bytes; the disk failed, or another program is writing the file");
   return bytes;
-}
-
-void write_whole(const fs::path& path, std::string_view bytes) {
-  const std::string name = path.string();
-  std::error_code error;
-  if (!path.has_filename() || fs::is_directory(path, error))
-    throw FileError(name + ": is a folder, not a file; name a file in it");
-  TemporaryFile file(path);
-  errno = 0;
-  if (!file.write(bytes) || !file.close())
-    throw FileError(name + ": cannot be written (" + reason(errno) + "); nothing was changed");
-  if (const std::error_code failed = file.rename_to(path))
-    throw FileError(name + ": cannot be replaced (" + failed.message() + "); nothing was changed");
 }
 
 std::string lower_extension(const fs::path& path) {

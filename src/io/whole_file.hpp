@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Files as a whole: read into memory, written or not at all.
+// Files as a whole, read into memory. Those that are written: morula/io/whole_output.hpp.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <morula/io/whole_output.hpp>
 #include <string>
 #include <string_view>
 
@@ -18,10 +19,6 @@ std::string read_whole(const std::filesystem::path& path);
 
 /// `count` bytes from `offset` on, which must lie inside the file. Throws FileError.
 std::string read_part(const std::filesystem::path& path, std::uintmax_t offset, std::uintmax_t count);
-
-/// Makes the file hold exactly these bytes: a temporary file in the same folder takes its name when it is complete, so
-/// that nobody ever sees half a file and a failure leaves the old one alone. Throws FileError.
-void write_whole(const std::filesystem::path& path, std::string_view bytes);
 
 /// The extension with its dot, in lower case.
 std::string lower_extension(const std::filesystem::path& path);

@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
+#include <morula/geometry/scale.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <optional>
+#include <stdexcept>
 
 #include "medial/ball_neighbors.hpp"
 #include "medial/voronoi_balls.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -64,6 +67,7 @@ std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const V
 
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             Workers& workers) {
+  const StandardFloats standard;
   assert(points.size() == normals.size());
   const double diagonal = shape.bvh().bounding_box().diagonal();
   std::vector<std::optional<Sphere>> found(points.size());
@@ -79,10 +83,13 @@ MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> p
 }
 
 MedialBalls voronoi_balls(const SignedDistance& shape, std::span<const Vec3> samples) {
+  const StandardFloats standard;
   Box box;
   for (const Vec3& sample : samples) {
     if (is_finite(sample)) box.add(sample);
   }
+  if (!box.is_empty() && !(has_usable_scale({box.lower, 0}) && has_usable_scale({box.upper, 0})))
+    throw std::invalid_argument("voronoi_balls: a sample has a number beyond 1e30");
   MedialBalls medial;
   if (box.is_empty()) return medial;
   VoronoiBalls voronoi(box, shape);

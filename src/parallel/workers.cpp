@@ -2,15 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
 #include <morula/parallel/workers.hpp>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 #ifdef MORULA_THREADS
 #include <atomic>
 #include <condition_variable>
-#include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 #endif
+
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -32,6 +35,26 @@ void run_serially(std::size_t count, ChunkFunction chunk) {
   if (first) std::rethrow_exception(first);
 }
 
+// The host's threads get neither our exceptions nor nested loops, and our chunks none of the host's roundings.
+void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunction chunk) {
+  std::mutex mutex;
+  std::size_t failed_index = count;
+  std::exception_ptr failure;
+  const auto guarded = [&](std::size_t i) {
+    const StandardFloats standard;
+    const bool was_inside = std::exchange(inside_chunk, true);
+    try {
+      chunk(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (i < failed_index) failed_index = i, failure = std::current_exception();
+    }
+    inside_chunk = was_inside;
+  };
+  executor(count, guarded);
+  if (failure) std::rethrow_exception(failure);
+}
+
 }  // namespace
 
 #ifdef MORULA_THREADS
@@ -41,11 +64,14 @@ struct Workers::Pool {
     threads_.reserve(helpers);
     try {
       for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { serve(); });
+    } catch (const std::system_error&) {
+      // The system has no more threads: those that are there do the work.
     } catch (...) {
       stop();
       throw;
     }
   }
+  std::size_t helpers() const { return threads_.size(); }
   ~Pool() { stop(); }
 
   void run(std::size_t count, ChunkFunction f) {
@@ -68,6 +94,7 @@ struct Workers::Pool {
 
  private:
   void serve() {
+    const StandardFloats standard;  // threads inherit what their maker had set
     std::uint64_t seen = 0;
     for (;;) {
       {
@@ -123,6 +150,8 @@ struct Workers::Pool {
 Workers::Workers(unsigned thread_count) {
   thread_count_ = thread_count == 0 ? std::max(1u, std::thread::hardware_concurrency()) : thread_count;
   if (thread_count_ > 1) pool_ = std::make_unique<Pool>(thread_count_ - 1);
+  if (pool_) thread_count_ = static_cast<unsigned>(pool_->helpers()) + 1;
+  if (thread_count_ == 1) pool_.reset();
 }
 
 #else
@@ -151,7 +180,7 @@ unsigned Workers::thread_count() const {
 void Workers::run(std::size_t count, ChunkFunction chunk) {
   if (count == 0) return;
   if (inside_chunk || count == 1 || (!pool_ && !executor_)) return run_serially(count, chunk);
-  if (executor_) return executor_(count, chunk);
+  if (executor_) return run_on_host(executor_, count, chunk);
   pool_->run(count, chunk);
 }
 

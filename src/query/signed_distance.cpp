@@ -8,6 +8,8 @@
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -55,6 +57,7 @@ SignedDistance::SignedDistance(const Mesh& mesh, SignMethod method, Workers& wor
     : SignedDistance(mesh, &method, workers) {}
 
 SignedDistance::SignedDistance(const Mesh& mesh, const SignMethod* method, Workers& workers) : bvh_(mesh, workers) {
+  const StandardFloats standard;
   const MeshReport report = inspect(mesh);
   has_volume_ = report.has_volume();
   if (has_volume_ && report.volume < 0) orientation_ = -1;
@@ -139,6 +142,7 @@ void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
 }
 
 SignedDistance::Result SignedDistance::at(const Vec3& p) const {
+  const StandardFloats standard;
   const std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p);
   if (!closest) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -149,6 +153,9 @@ SignedDistance::Result SignedDistance::at(const Vec3& p) const {
 }
 
 bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const {
+  // A body is inside its box. From far away rounding decides which facet is nearest, and it may be one behind.
+  const Box& box = bvh_.bounding_box();
+  if (has_volume_ && (max(p, box.upper) != box.upper || min(p, box.lower) != box.lower)) return false;
   if (method_ == SignMethod::pseudo_normal) {
     const std::array<double, 3>& b = closest.barycentric;
     const std::size_t corner = b[0] > 0 ? 0 : b[1] > 0 ? 1 : 2;

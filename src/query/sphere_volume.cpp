@@ -17,9 +17,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <numbers>
+#include <stdexcept>
+
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
@@ -110,7 +114,14 @@ double part_of_cone(const Vec3& normal, double height, const Side& side) {
 }  // namespace
 
 double inside_volume(const SignedDistance& object, const Sphere& ball) {
+  const StandardFloats standard;
   if (!(ball.radius > 0)) return 0;
+  if (!has_usable_scale(ball)) throw std::invalid_argument("volume of a ball: it has a number beyond 1e30");
+  // So small that it is a point beside the object's coordinates: in units of its radius those would overflow.
+  const Box& box = object.bvh().bounding_box();
+  constexpr double smallest_share = 0x1p-60;
+  if (!(ball.radius > smallest_share * std::max(largest_component(box.lower), largest_component(box.upper))))
+    return object.is_inside(ball.center) ? volume(ball) : 0;
   std::vector<std::uint32_t> near;
   object.bvh().facets_touching(ball, near);
   if (near.empty() && object.has_volume()) return object.is_inside(ball.center) ? volume(ball) : 0;
@@ -174,6 +185,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
 }
 
 double outside_volume(const SignedDistance& object, const Sphere& ball) {
+  const StandardFloats standard;
   return volume(ball) - inside_volume(object, ball);
 }
 

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <morula/geometry/scale.hpp>
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
+#include <numeric>
 
+#include "parallel/float_environment.hpp"
 #include "query/wide_tree.hpp"
 
 namespace morula {
@@ -17,6 +20,10 @@ namespace {
 
 using wide::Clusters;
 using wide::Node;
+
+// From here the whole mesh, whose coordinates end at 2^100, is one point, whatever the rounding; squares stay finite up
+// to here.
+constexpr double too_far = 0x1p200;
 
 // A child waiting to be looked at: a node, or the slots of a leaf.
 struct Waiting {
@@ -53,7 +60,10 @@ void far_fields(const Clusters& c, const Vec3& p, double* squared_distances, dou
 }  // namespace
 
 TriangleBvh::TriangleBvh(const Mesh& mesh, Workers& workers)
-    : data_(std::make_unique<const Data>(Data{wide::build(mesh, workers)})) {}
+    : data_([&] {
+        const StandardFloats standard;
+        return std::make_unique<const Data>(Data{wide::build(mesh, workers)});
+      }()) {}
 TriangleBvh::~TriangleBvh() = default;
 TriangleBvh::TriangleBvh(TriangleBvh&&) noexcept = default;
 TriangleBvh& TriangleBvh::operator=(TriangleBvh&&) noexcept = default;
@@ -71,7 +81,8 @@ const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
 }
 
 std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, double max_distance) const {
-  if (!(max_distance >= 0)) return std::nullopt;
+  const StandardFloats standard;
+  if (!(max_distance >= 0) || !(largest_component(p) < too_far)) return std::nullopt;
   const wide::Tree& tree = data_->tree;
   constexpr std::uint32_t none = 0xffffffffu;
   double limit = max_distance * max_distance;
@@ -107,9 +118,16 @@ std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, doubl
 }
 
 void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const {
+  const StandardFloats standard;
   facets.clear();
   if (!(ball.radius >= 0)) return;
   const wide::Tree& tree = data_->tree;
+  if (!(std::max(largest_component(ball.center), ball.radius) < too_far)) {
+    if (!(scaled_length(ball.center) <= ball.radius)) return;
+    facets.resize(tree.facets.size());
+    std::iota(facets.begin(), facets.end(), 0u);
+    return;
+  }
   const double limit = ball.radius * ball.radius;
   std::uint32_t stack[wide::stack_size];
   int top = 0;
@@ -130,6 +148,8 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
 }
 
 double TriangleBvh::winding_number(const Vec3& p, double accuracy) const {
+  const StandardFloats standard;
+  if (is_finite(p) && !(largest_component(p) < too_far)) return 0;
   const wide::Tree& tree = data_->tree;
   const double squared_accuracy = accuracy * accuracy;
   double sum = 0;

@@ -9,6 +9,7 @@
 #include <cassert>
 #include <limits>
 #include <morula/geometry/box.hpp>
+#include <morula/geometry/scale.hpp>
 #include <span>
 #include <utility>
 
@@ -422,6 +423,7 @@ class Builder {
 }  // namespace
 
 Tree build(const Mesh& mesh, Workers& workers) {
+  require_usable_scale(mesh);
   return Builder(mesh, workers).build();
 }
 

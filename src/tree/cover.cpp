@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/tree/cover.hpp>
 #include <stdexcept>
 
+#include "parallel/float_environment.hpp"
 #include "tree/region.hpp"
 
 namespace morula {
@@ -100,6 +104,41 @@ Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, doub
   return moved.radius < same_center.radius ? moved : same_center;
 }
 
+// |p − c| − r where squares vanish or overflow: in units of the largest number involved, which changes no digit. What
+// is not comparable is far outside.
+double excess_at_any_scale(const Sphere& sphere, const Vec3& p) {
+  Vec3 difference = p - sphere.center;
+  double radius = sphere.radius;
+  int halvings = 0;
+  if (!is_finite(difference)) {
+    // By halves no difference of finite numbers overflows; the digit that a denormal loses is nothing beside the other.
+    difference = p * 0.5 - sphere.center * 0.5;
+    radius *= 0.5;
+    halvings = 1;
+  }
+  if (!is_finite(difference) || std::isnan(radius)) return std::numeric_limits<double>::infinity();
+  if (std::isinf(radius)) return -radius;
+  const double largest = std::max(largest_component(difference), std::abs(radius));
+  if (largest == 0) return 0;
+  const int exponent = std::ilogb(largest);
+  const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
+  const double excess = length(Vec3{scaled(difference.x), scaled(difference.y), scaled(difference.z)}) - scaled(radius);
+  const double unscaled = std::ldexp(excess, exponent + halvings);
+  // Outside is outside, by however little.
+  return excess > 0 && unscaled == 0 ? std::numeric_limits<double>::denorm_min() : unscaled;
+}
+
+// What underflow can have moved a corner by: each product of a cut point by half of the least double per coordinate, at
+// most 3/2 √3 of it in all. Vertices are as they are given.
+double underflow_of(const Cover& cover, std::uint32_t corner, const PositionView& positions) {
+  if (corner < cover.vertex_count) return 0;
+  double largest = 0;
+  for (const std::uint32_t v : cover.cut_points[corner - cover.vertex_count].vertex)
+    largest = std::max(largest, largest_component(positions[v]));
+  // Larger coordinates have products that are normal numbers, or too small beside them to matter.
+  return largest > 0 && largest < 0x1p-960 ? 3 * std::numeric_limits<double>::denorm_min() : 0;
+}
+
 }  // namespace
 
 Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionView& positions) {
@@ -110,9 +149,15 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
 }
 
 Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
+  const StandardFloats standard;
   require_usable(mesh);
+  require_usable_scale(mesh);
   if (const auto faults = validate(tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i)
+    if (!has_usable_scale(tree.spheres[i]))
+      throw std::invalid_argument("node " + std::to_string(i) +
+                                  " of the sphere tree has a number beyond 1e30: scale mesh and tree down");
 
   std::vector<std::uint32_t> leaf_nodes;
   std::vector<Sphere> leaves;
@@ -180,6 +225,7 @@ Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
 
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers) {
+  const StandardFloats standard;
   if (positions.size() != cover.vertex_count)
     throw std::invalid_argument("certify: " + std::to_string(positions.size()) + " positions for a cover of " +
                                 std::to_string(cover.vertex_count) + " vertices");
@@ -190,6 +236,8 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] = corner_position(cover, static_cast<std::uint32_t>(i), positions);
 
+  // Where the largest square is above this, those that vanished are no digits of it.
+  constexpr double smallest_safe_square = 0x1p-900;
   std::vector<double> excess(spheres.size());
   parallel_for(workers, spheres.size(), 1, [&](std::size_t i, std::size_t) {
     double farthest = 0;
@@ -199,7 +247,15 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
       comparable = comparable && !std::isnan(squared);
       farthest = std::max(farthest, squared);
     }
-    excess[i] = comparable ? std::sqrt(farthest) - spheres[i].radius : std::numeric_limits<double>::infinity();
+    if (!comparable) {
+      excess[i] = std::numeric_limits<double>::infinity();
+    } else if (farthest > smallest_safe_square && farthest < std::numeric_limits<double>::infinity()) {
+      excess[i] = std::sqrt(farthest) - spheres[i].radius;
+    } else {
+      excess[i] = -std::numeric_limits<double>::infinity();
+      for (const std::uint32_t c : cover.region_corners(static_cast<std::uint32_t>(i)))
+        excess[i] = std::max(excess[i], excess_at_any_scale(spheres[i], points[c]) + underflow_of(cover, c, positions));
+    }
   });
   Certificate certificate;
   certificate.worst_excess = -std::numeric_limits<double>::infinity();

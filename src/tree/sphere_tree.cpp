@@ -4,6 +4,7 @@
 #include <morula/tree/sphere_tree.hpp>
 
 #include "geometry/hash.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 
@@ -64,6 +65,7 @@ std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::size_t level)
 }
 
 std::vector<std::string> validate(const SphereTree& tree) {
+  const StandardFloats standard;
   std::vector<std::string> faults;
   const std::size_t n = tree.node_count();
   if (tree.branching < 2 || tree.branching > static_cast<std::uint32_t>(max_branching))

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <morula/tree/cover.hpp>
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -124,6 +126,7 @@ void check_regions(const Built& built, std::vector<std::string>& faults) {
 }  // namespace
 
 std::vector<std::string> validate(const Mesh& mesh, const Built& built) {
+  const StandardFloats standard;
   std::vector<std::string> faults = validate(built.tree);
   if (!faults.empty() || !sizes_agree(mesh, built, faults)) return faults;
   check_tiling(mesh, built.cover, faults);

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "geometry/hash.hpp"
+#include "parallel/float_environment.hpp"
 #include "update/body_state.hpp"
 #include "update/facet_hull.hpp"
 #include "update/ownership.hpp"
@@ -68,7 +70,7 @@ std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
     const Vec3 center = s.center - origin;
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
-    narrow.push_back({nearest, rounded_up(s.radius + distance(Vec3(nearest), center))});
+    narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
     if (!(largest_component(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale " +
@@ -97,6 +99,7 @@ Body::Body(const Mesh& mesh, Built&& built, UpdateOptions options, Workers& work
     : Body(mesh, std::make_shared<const Built>(std::move(built)), std::move(options), workers) {}
 
 Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions options, Workers& workers) {
+  const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
   const Built& built = *shared;
   require_belonging(mesh, built);
@@ -112,9 +115,10 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
 
   const LocalPoints::Frame rest = s.local.move(mesh.positions, workers);
   if (!rest.finite)
-    throw std::invalid_argument("vertex " + std::to_string(rest.first_bad_vertex) +
-                                " is too far from the centre for an update: scale mesh and tree so that coordinates "
-                                "about it stay below 1e17");
+    throw std::invalid_argument(
+        "vertex " + std::to_string(rest.first_bad_vertex) +
+        " is too far from the centre for an update, or all are too far from the origin: scale "
+        "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
   s.origin = rest.origin;
   s.spheres = narrowed(built.tree, rest.origin);
   const std::vector<Spheref> of_tree = s.spheres;
@@ -122,8 +126,12 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
   const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
   const bool has_paper_nodes = exact_nodes + modal_nodes < std::ssize(rule_of_node);
+  // A wrapped node follows its children only: such a body may be smaller than what an index of facets takes.
+  const bool has_links = std::any_of(rule_of_node.begin(), rule_of_node.end(), [](Rule rule) {
+    return rule != Rule::exact && rule != Rule::modal && rule != Rule::wrapped;
+  });
   std::optional<TriangleBvh> bvh;
-  if (has_paper_nodes) bvh.emplace(mesh, workers);
+  if (has_links) bvh.emplace(mesh, workers);
   const Binding binding{mesh,    built.tree,    rule_of_node, bvh ? &*bvh : nullptr,
                         s.local, rest.rounding, of_tree,      workers};
   if (!s.options.modes.empty()) {
@@ -176,19 +184,23 @@ Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(positions, workers));
 }
 
 UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
                           Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(positions, changed, workers));
 }
 
 UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->counted(state_->follow(coordinates, workers));
 }
 
 UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {
+  const StandardFloats standard;
   State& s = *state_;
   const bool all_exact = s.exact && !s.paper && !s.modal;
   if (!all_exact) return update(positions, workers);
@@ -197,6 +209,7 @@ UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t leve
 
 UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std::size_t level,
                                        Workers& workers) noexcept {
+  const StandardFloats standard;
   State& s = *state_;
   const bool all_modal = s.modal && !s.paper && !s.exact;
   if (!all_modal) return update_modal(coordinates, workers);
@@ -204,6 +217,7 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
 }
 
 std::size_t Body::reach(std::uint32_t node) noexcept {
+  const StandardFloats standard;
   return state_->reach(node);
 }
 
@@ -216,6 +230,7 @@ bool Body::is_complete() const {
 }
 
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
+  const StandardFloats standard;
   const State& s = *state_;
   std::size_t bad = 0;
   if (!s.modal || !s.modal->serves(node) || coordinates.size() != s.motion->mode_count() ||
@@ -235,13 +250,19 @@ Vec3 Body::origin() const {
 }
 
 Sphere Body::sphere(std::uint32_t node) const {
+  const StandardFloats standard;
   const Spheref& s = state_->spheres[node];
   return {state_->origin + Vec3(s.center), static_cast<double>(s.radius)};
 }
 
 void Body::copy_spheres(std::vector<Sphere>& spheres) const {
   spheres.resize(state_->spheres.size());
-  for (std::uint32_t i = 0; i < spheres.size(); ++i) spheres[i] = sphere(i);
+  const StandardFloats standard;
+  const Vec3 origin = state_->origin;
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+    const Spheref& s = state_->spheres[i];
+    spheres[i] = {origin + Vec3(s.center), static_cast<double>(s.radius)};
+  }
 }
 
 SphereTree Body::current_tree() const {

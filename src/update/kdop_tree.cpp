@@ -9,6 +9,7 @@
 
 #include "geometry/hash.hpp"
 #include "update/facet_hull.hpp"
+#include "parallel/float_environment.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
 #include "update/ownership_check.hpp"
@@ -125,6 +126,7 @@ struct KDopTree::State {
 };
 
 KDopTree::KDopTree(const Mesh& mesh, const Built& built, int k, Workers& workers) {
+  const StandardFloats standard;
   require_known(k);
   require_belonging(mesh, built);
   LeafOrder order = depth_first_leaves(built.tree);
@@ -146,6 +148,7 @@ KDopTree::KDopTree(KDopTree&&) noexcept = default;
 KDopTree& KDopTree::operator=(KDopTree&&) noexcept = default;
 
 UpdateStatus KDopTree::update(const PositionView& positions, Workers& workers) noexcept {
+  const StandardFloats standard;
   State& s = *state_;
   if (positions.size() != s.mesh_vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
   const LocalPoints::Frame frame = s.local.move(positions, workers);

@@ -120,7 +120,7 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
   Frame frame;
   frame.origin = origin_;
   const float largest = *std::max_element(block_largest_.begin(), block_largest_.end());
-  if (!(largest <= largest_local_coordinate)) {
+  if (!(largest <= largest_local_coordinate && largest_component(origin_) <= largest_origin_coordinate)) {
     frame.finite = false;
     frame.first_bad_vertex = first_bad_vertex(positions, origin_);
     return frame;
@@ -173,7 +173,7 @@ std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const V
     const Vec3f p(positions[v] - origin);
     const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
                       std::abs(p.z) <= largest_local_coordinate;
-    if (!good) first = std::min<std::size_t>(first, v);
+    if (!good || !(largest_component(origin) <= largest_origin_coordinate)) first = std::min<std::size_t>(first, v);
   }
   return first;
 }

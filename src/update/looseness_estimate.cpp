@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "geometry/float4.hpp"
+#include "parallel/float_environment.hpp"
 #include "update/surface_samples.hpp"
 
 namespace morula {
@@ -127,11 +129,13 @@ void LoosenessEstimator::State::raise_over(const Spheref& ball, float side) noex
 void LoosenessEstimator::State::raise_over_level(const Body& body, std::size_t level, float side) noexcept {
   for (Lanes& lanes : height) lanes.fill(Float4(0.0f));
   const SphereTree& tree = body.rest_tree();
-  const Vec3f shift(body.origin() - samples.origin());
+  const double scale = samples.per_mesh_unit();
+  const auto narrow_scale = static_cast<float>(scale);
+  const Vec3f shift((body.origin() - samples.origin()) * scale);
   for (std::uint32_t node = 0; node < tree.level_begin[level + 1]; ++node) {
     if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
     const Spheref& s = body.spheres()[node];
-    raise_over({s.center + shift, s.radius}, side);
+    raise_over({s.center * narrow_scale + shift, s.radius * narrow_scale}, side);
   }
 }
 
@@ -215,12 +219,15 @@ double LoosenessEstimator::State::level(const Body& body, std::size_t level) noe
     const double ball = 4 * std::numbers::pi / 3 * radius * radius * radius;
     return std::max(0.0, ball / volume - (samples.has_volume() ? 1.0 : 0.0));
   }
+  const double unit = 1 / samples.per_mesh_unit(), of_one = volume / (unit * unit * unit);
   const double outside = outside_volume(body, level, 1.0f);
-  return (samples.has_volume() ? outside : outside + outside_volume(body, level, -1.0f)) / volume;
+  return (samples.has_volume() ? outside : outside + outside_volume(body, level, -1.0f)) / of_one;
 }
 
 LoosenessEstimator::LoosenessEstimator(const Mesh& rest, std::size_t sample_count) {
+  const StandardFloats standard;
   require_usable(rest);
+  require_usable_scale(rest);
   if (sample_count < 64 || sample_count > (std::size_t{1} << 20))
     throw std::invalid_argument("looseness estimate: " + std::to_string(sample_count) + " samples; 64…2^20 can be had");
   state_ = std::make_unique<State>(rest, sample_count);
@@ -231,10 +238,12 @@ LoosenessEstimator::LoosenessEstimator(LoosenessEstimator&&) noexcept = default;
 LoosenessEstimator& LoosenessEstimator::operator=(LoosenessEstimator&&) noexcept = default;
 
 void LoosenessEstimator::pose(const PositionView& positions) noexcept {
+  const StandardFloats standard;
   state_->pose(positions);
 }
 
 void LoosenessEstimator::estimate(const Body& body, std::span<double> looseness) noexcept {
+  const StandardFloats standard;
   const std::size_t levels = body.rest_tree().level_count();
   for (std::size_t level = 0; level < looseness.size(); ++level)
     looseness[level] = level < levels ? state_->level(body, level) : looseness[levels - 1];
@@ -249,6 +258,7 @@ double LoosenessEstimator::volume() const {
 }
 
 std::vector<double> estimate_looseness(const Mesh& rest, const Body& body, const PositionView& positions) {
+  const StandardFloats standard;
   if (positions.size() != rest.vertex_count() || positions.size() != body.vertex_count())
     throw std::invalid_argument("looseness estimate: " + std::to_string(positions.size()) +
                                 " positions for a mesh of " + std::to_string(rest.vertex_count()) +

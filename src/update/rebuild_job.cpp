@@ -13,6 +13,8 @@
 #include <stdexcept>
 #endif
 
+#include "parallel/float_environment.hpp"
+
 namespace morula {
 namespace {
 
@@ -59,6 +61,7 @@ RebuildJob::Result RebuildJob::take() {
 }
 
 void RebuildJob::run() noexcept {
+  const StandardFloats standard;
   if (stage() != Stage::queued) return;
   const auto start = std::chrono::steady_clock::now();
   retired_.reset();

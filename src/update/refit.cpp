@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "parallel/float_environment.hpp"
 #include "update/rebuild_job.hpp"
 
 namespace morula {
@@ -335,13 +336,17 @@ void RefittedBody::State::raise_threshold() noexcept {
 }
 
 RefittedBody::RefittedBody(const Mesh& mesh, const Built& built, RefitOptions options, Workers& workers)
-    : state_(std::make_unique<State>(mesh, built, std::move(options), workers)) {}
+    : state_([&] {
+        const StandardFloats standard;
+        return std::make_unique<State>(mesh, built, std::move(options), workers);
+      }()) {}
 
 RefittedBody::~RefittedBody() = default;
 RefittedBody::RefittedBody(RefittedBody&&) noexcept = default;
 RefittedBody& RefittedBody::operator=(RefittedBody&&) noexcept = default;
 
 RefitStatus RefittedBody::update(const PositionView& positions, Workers& workers) noexcept {
+  const StandardFloats standard;
   return state_->update(positions, workers);
 }
 

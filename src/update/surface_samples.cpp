@@ -53,19 +53,22 @@ SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(re
   if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
   has_volume_ = report.has_volume() && report.volume != 0;
   inside_out_ = report.volume < 0;
+  const double size = largest_component(report.box.extent());
+  constexpr int ordinary = 20;  // sizes from 2^-20 to 2^20 keep cubes of a millionth of them within float
+  if (std::abs(std::ilogb(size)) > ordinary) per_mesh_unit_ = std::ldexp(1.0, -std::ilogb(size));
   count = (count + block_size - 1) / block_size * block_size;
   const double each = report.area / static_cast<double>(count);
   std::vector<Vec3f> points;
   for (const SurfaceSample& s : sample_surface(rest, count)) {
     const auto [a, b, c] = rest.corners(s.facet);
     sites_.push_back({rest.facets[s.facet], s.barycentric, 2 * each / length(cross(b - a, c - a))});
-    points.emplace_back(s.point - report.box.center());
+    points.emplace_back((s.point - report.box.center()) * per_mesh_unit_);
   }
   sort_into_blocks(std::move(points));
   const PositionView positions = rest.positions;
   place(ReaderOf<double>{positions});
   bound_blocks();
-  choose_rings(std::sqrt(each));
+  choose_rings(std::sqrt(each) * per_mesh_unit_);
   move(positions);
 }
 
@@ -143,8 +146,9 @@ void SurfaceSamples::place(const Reader& positions) noexcept {
   origin_ = positions[facets_[0][0]];
   for (std::size_t i = 0; i < sites_.size(); ++i) {
     const Site& s = sites_[i];
-    const Vec3 a = positions[s.facet[0]] - origin_, b = positions[s.facet[1]] - origin_,
-               c = positions[s.facet[2]] - origin_;
+    const Vec3 a = (positions[s.facet[0]] - origin_) * per_mesh_unit_,
+               b = (positions[s.facet[1]] - origin_) * per_mesh_unit_,
+               c = (positions[s.facet[2]] - origin_) * per_mesh_unit_;
     const Vec3 twice_area = cross(b - a, c - a);
     const double size = length(twice_area);
     point_[i] = Vec3f(a * s.barycentric[0] + b * s.barycentric[1] + c * s.barycentric[2]);
@@ -227,7 +231,7 @@ void SurfaceSamples::measure_curvature() noexcept {
 template <class Reader>
 void SurfaceSamples::measure_volume(const Reader& positions) noexcept {
   if (!has_volume_) {
-    const double area = std::accumulate(area_.begin(), area_.end(), 0.0);
+    const double area = std::accumulate(area_.begin(), area_.end(), 0.0) / (per_mesh_unit_ * per_mesh_unit_);
     volume_ = area * std::sqrt(area / pi) / 6;
     return;
   }

@@ -20,7 +20,7 @@ inline constexpr std::size_t group_size = 8;
 /// Samples near each other, component by component.
 struct SampleBlock {
   using Lanes = std::array<float, block_size>;
-  Lanes x, y, z;  ///< place, about origin()
+  Lanes x, y, z;  ///< place, about origin(), in units of 1 / per_mesh_unit()
   Lanes dx, dy,
       dz;      ///< unit direction outward: normals averaged over the neighbours, so that neighbouring rays fan out
   Lanes flux;  ///< area, times the cosine between direction and normal
@@ -48,8 +48,10 @@ class SurfaceSamples {
   std::size_t count() const { return sites_.size(); }
   /// The mesh tells inside from outside; otherwise directions are arbitrary as to side.
   bool has_volume() const { return has_volume_; }
-  /// Of the object; for an open mesh, of the ball with its area.
+  /// Of the object, in mesh units; for an open mesh, of the ball with its area.
   double volume() const { return volume_; }
+  /// Samples are in units of their own where volumes in mesh units would leave the range of float: a power of two.
+  double per_mesh_unit() const { return per_mesh_unit_; }
 
  private:
   static constexpr std::size_t ring_size = 6;
@@ -80,6 +82,7 @@ class SurfaceSamples {
   std::vector<Vec3f> point_, normal_, direction_;
   std::vector<float> area_;
   Vec3 origin_;
+  double per_mesh_unit_ = 1;
   double volume_ = 0;
   bool has_volume_ = false;
   bool inside_out_ = false;

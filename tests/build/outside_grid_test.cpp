@@ -321,6 +321,26 @@ TEST(Extremes, decide_the_radius_nearly_as_all_points_do) {
   }
 }
 
+// What is proposed may be any ball: it counts as far as the grid goes.
+TEST(OutsideGrid, takes_balls_of_any_size) {
+  const Body& body = *bodies()[0];
+  OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 0.5), 0.1);
+  const GridBall ball(grid, {{0, 0, 0}, 1.2});
+  const float alone = grid.new_outside(ball.cells);
+  for (const float radius : {1e5F, 1e10F, 1e18F}) {
+    const Spheref huge{ball.cells.center, radius};
+    grid.add(huge);
+    EXPECT_EQ(grid.new_outside(ball.cells), 0) << radius;
+    grid.remove(huge);
+    EXPECT_EQ(grid.new_outside(ball.cells), alone) << radius;
+    // Beside the grid they take nothing.
+    const Spheref beside{{-3 * radius, 0, 0}, radius};
+    grid.add(beside);
+    EXPECT_EQ(grid.new_outside(ball.cells), alone) << radius;
+    grid.remove(beside);
+  }
+}
+
 TEST(Extremes, of_few_points_are_all_of_them) {
   const Body& body = *bodies()[0];
   const OutsideGrid grid(body.lines, bounding_box(body.mesh), 0.1);

@@ -41,6 +41,7 @@ class Child {
     sigemptyset(&defaults);
     sigaddset(&defaults, SIGINT);
     sigaddset(&defaults, SIGTERM);
+    sigaddset(&defaults, SIGHUP);
     posix_spawnattr_setsigdefault(&attributes, &defaults);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     EXPECT_EQ(posix_spawn(&id_, MORULA_COMMAND, &files, &attributes, argv.data(), environ), 0);
@@ -77,6 +78,48 @@ TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
     std::ifstream file(err);
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     EXPECT_EQ(text, "morula: interrupted; nothing was written\n");
+  }
+  std::filesystem::remove(err);
+}
+
+/// Hidden files and folders: what is being written.
+std::size_t hidden_in(const Workbench& bench) {
+  std::size_t count = 0;
+  std::error_code gone;
+  for (const auto& entry : std::filesystem::directory_iterator(bench.folder(), gone)) {
+    count += entry.path().filename().string().front() == '.' ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 24");
+  bench.require("build limb.obj -o limb.morula --method octree --depth 3");
+  bench.require("deform limb.obj -o motion.npy --twist 90 --frames 1500");
+  bench.require("deform limb.obj -o old --twist 30 --frames 3");
+  const auto before = bench.listing();
+  const std::filesystem::path err = bench.folder().string() + ".err";
+  const std::vector<std::vector<std::string>> commands{
+      {"deform", "limb.obj", "-o", "new", "--bend", "90", "--frames", "100000"},
+      {"deform", "limb.obj", "-o", "new.npy", "--bend", "90", "--frames", "20000"},
+      {"deform", "limb.obj", "-o", "motion.npy", "--bend", "90", "--frames", "20000"},
+      {"update", "limb.obj", "limb.morula", "motion.npy", "-o", "spheres"},
+      {"update", "limb.obj", "limb.morula", "motion.npy", "-o", "spheres.npz"},
+      {"demo", "--quick", "-o", "demo"},
+  };
+  const std::vector<std::pair<int, int>> signals{{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const auto [signal, code] = signals[i % signals.size()];
+    Child child(bench, commands[i], err);
+    while (hidden_in(bench) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 * i));
+    child.send(signal);
+    EXPECT_EQ(child.wait(), code) << commands[i].front() << " -o " << commands[i][3];
+    EXPECT_EQ(bench.listing(), before) << commands[i].front();
+    std::ifstream file(err);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    EXPECT_EQ(text, "morula: interrupted; nothing unfinished was left behind\n");
   }
   std::filesystem::remove(err);
 }

@@ -38,11 +38,15 @@ Workbench::~Workbench() {
 }
 
 CommandResult Workbench::run(const std::string& arguments) const {
+  return shell("\"$MORULA\" " + arguments);
+}
+
+CommandResult Workbench::shell(const std::string& command) const {
   // Beside the folder, so that the listing holds what the command wrote and nothing else.
   const std::string out = folder_.string() + ".out";
   const std::string err = folder_.string() + ".err";
-  const std::string line = "cd '" + folder_.string() + "' && '" MORULA_COMMAND "' " + arguments + " >'" + out +
-                           "' 2>'" + err + "' </dev/null";
+  const std::string line = "cd '" + folder_.string() + "' && MORULA='" MORULA_COMMAND "' && { " + command + "\n} >'" +
+                           out + "' 2>'" + err + "' </dev/null";
   const int status = std::system(line.c_str());
   CommandResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

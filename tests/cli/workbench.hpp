@@ -29,6 +29,8 @@ class Workbench {
   std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
   /// Runs "morula ARGUMENTS" in the folder, through the shell.
   CommandResult run(const std::string& arguments) const;
+  /// Runs a line of shell in the folder, where $MORULA is the command: for streams that are closed or full.
+  CommandResult shell(const std::string& line) const;
   /// As run(), and fails the test unless the command says that all is done.
   CommandResult require(const std::string& arguments) const;
   void write(const std::string& name, const std::string& text) const;

@@ -148,7 +148,8 @@ TEST(Distance, of_touching_bodies_is_zero_and_of_nearly_touching_ones_is_not) {
   b.collider.place({.translation = {2, 0.25, 0.5}});
   const DistanceBounds touching = distance(a.collider, b.collider);
   EXPECT_EQ(touching.lower, 0) << "sides that lie in one plane";
-  EXPECT_LE(touching.upper, 1e-14);
+  EXPECT_EQ(touching.upper, 0);
+  EXPECT_TRUE(touching.crossing);
   b.collider.place({.translation = {2 + 1e-9, 0.25, 0.5}});
   const DistanceBounds nearly = distance(a.collider, b.collider);
   EXPECT_GT(nearly.lower, 0.999e-9);
@@ -162,6 +163,37 @@ TEST(Distance, of_touching_bodies_is_zero_and_of_nearly_touching_ones_is_not) {
   const DistanceBounds on = distance(a.collider, tip.collider);
   EXPECT_TRUE(on.crossing);
   EXPECT_EQ(on.upper, 0);
+}
+
+TEST(Distance, a_body_laid_on_itself_crosses_at_every_budget) {
+  for (const Mesh& mesh : {test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2), test::icosphere(2)}) {
+    PlacedBody a(mesh), b(mesh);
+    for (const std::size_t budget : {std::size_t{0}, std::size_t{1}, std::size_t{50}, DistanceOptions::no_budget}) {
+      const DistanceBounds same = distance(a.collider, b.collider, {.budget = budget});
+      EXPECT_TRUE(same.crossing) << budget;
+      EXPECT_EQ(same.upper, 0) << budget;
+      EXPECT_EQ(same.lower, 0) << budget;
+    }
+    DistanceQuery query;
+    for (int again = 0; again < 3; ++again) EXPECT_TRUE(query(a.collider, b.collider).crossing);
+  }
+}
+
+// In one plane, no corner on another: exact in double, and nothing pierces.
+TEST(Distance, coplanar_facets_that_overlap_cross_and_those_beside_each_other_do_not) {
+  PlacedBody a({{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}}, 1);
+  PlacedBody inside({{{0.5, 0.5, 0}, {1, 0.5, 0}, {0.5, 1, 0}}, {{0, 1, 2}}}, 1);
+  PlacedBody across({{{-1, 1, 0}, {5, 1, 0}, {-1, 1.5, 0}}, {{0, 1, 2}}}, 1);
+  PlacedBody segment({{{-1, 1, 0}, {5, 1, 0}, {5, 1, 0}}, {{0, 1, 2}}}, 1);
+  for (PlacedBody* b : {&inside, &across, &segment}) {
+    const DistanceBounds found = distance(a.collider, b->collider);
+    EXPECT_TRUE(found.crossing);
+    EXPECT_EQ(found.upper, 0);
+    b->collider.place({.translation = {0, 0, 0x1p-60}});
+    EXPECT_FALSE(distance(a.collider, b->collider).crossing) << "a plane above";
+    b->collider.place({.translation = {10, 0, 0}});
+    EXPECT_FALSE(distance(a.collider, b->collider).crossing) << "beside";
+  }
 }
 
 TEST(Distance, warm_start_keeps_the_bits_of_upper_bounds_and_points) {

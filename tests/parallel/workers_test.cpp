@@ -77,5 +77,32 @@ TEST(Workers, use_the_hosts_executor) {
   EXPECT_THROW(Workers(Workers::Executor{}, 2), std::invalid_argument);
 }
 
+TEST(Workers, neither_exceptions_nor_nested_loops_reach_the_host) {
+  int escaped = 0, runs = 0;
+  Workers workers(
+      [&](std::size_t count, ChunkFunction chunk) {
+        ++runs;
+        for (std::size_t i = count; i-- > 0;) {
+          try {
+            chunk(i);
+          } catch (...) {
+            ++escaped;
+          }
+        }
+      },
+      2);
+  int inner = 0;
+  EXPECT_THROW(workers.run(10,
+                           [&](std::size_t i) {
+                             workers.run(3, [&](std::size_t) { ++inner; });
+                             if (i == 7) throw std::out_of_range("7");
+                             if (i == 2) throw std::runtime_error("2");
+                           }),
+               std::runtime_error);
+  EXPECT_EQ(escaped, 0);
+  EXPECT_EQ(runs, 1);
+  EXPECT_EQ(inner, 30);
+}
+
 }  // namespace
 }  // namespace morula

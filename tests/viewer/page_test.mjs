@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page in a real browser, from disk: what it draws, what it says, how it fails. Writes screenshots to look at.
 import { readFileSync, writeFileSync } from 'node:fs';
-import { at, check, claim, equal, finish, morula, packages, skip } from './support.mjs';
+import { at, check, claim, equal, finish, morula, packages, run, skip } from './support.mjs';
 import { chromiumPath, launch, open, settled, slide } from './browser.mjs';
 import { figure } from '../../viewer/src/numbers.js';
 import { study } from './study_example.mjs';
@@ -25,10 +25,12 @@ const small = { width: 930, height: 360 };
 /** Pixels of the picture, without what lies over it. */
 async function picture(page) {
   await settled(page);
-  await page.evaluate(() => document.body.classList.add('bare-picture'));
-  await page.addStyleTag({ content: '.bare-picture #legend, .bare-picture #picked, .bare-picture #fit { visibility: hidden }' });
+  const show = (visibility) => page.evaluate((how) => {
+    for (const id of ['legend', 'picked', 'fit']) document.getElementById(id).style.visibility = how;
+  }, visibility);
+  await show('hidden');
   const png = await page.locator('#stage canvas').screenshot();
-  await page.evaluate(() => document.body.classList.remove('bare-picture'));
+  await show('');
   return png.toString('base64');
 }
 /** {changed: share of pixels that differ visibly, red: share of b's that are the red of bare surface} */
@@ -162,7 +164,7 @@ await claim('the_keyboard_does_all', () =>
     await page.keyboard.press('End');
     equal(await frame(), '12', 'last frame');
     await page.keyboard.press('Space');
-    await page.waitForFunction(() => document.getElementById('frame').value !== '12');
+    while ((await frame()) === '12') await new Promise((done) => setTimeout(done, 20)); // the policy forbids what waitForFunction does
     equal(await page.getAttribute('#play', 'aria-label'), 'Pause', 'play button');
     await page.keyboard.press('Space');
     equal(await page.getAttribute('#play', 'aria-label'), 'Play', 'play button');
@@ -217,8 +219,10 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     const now = (await page.locator('#figure-fig2a .u-over').boundingBox()) ?? box;
     await page.mouse.click(now.x + now.width - 1, now.y + 20);
     equal(await page.locator('#frame').inputValue(), '12', 'frame at the end of the curve');
-    check((await page.locator('#pictures svg').count()) === 1, 'the picture');
-    equal(await page.locator('#pictures script').count(), 0, 'scripts in pictures');
+    equal(await page.locator('#pictures img').count(), 1, 'the picture');
+    check((await page.locator('#pictures img').evaluate((image) => image.decode().then(() => image.naturalWidth))) > 0, 'it is drawn');
+    equal(await page.locator('#report script, #report svg script').count(), 0, 'scripts in the report');
+    equal(await page.title(), 'Evaluation · Morula', 'title');
     await page.locator('#report').evaluate((report) => (report.scrollTop = 0));
     await slide(page, 'frame', 6);
     await page.screenshot({ path: at('study-light.png') });
@@ -227,6 +231,66 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     await settled(page);
     await page.screenshot({ path: at('study-dark.png') });
   }));
+
+/** Everything that a page should not have done; asked of it after it was drawn. */
+const harm = (page) => page.evaluate(() => [
+  ...(window.harmed ? ['a script ran'] : []),
+  ...[...document.querySelectorAll('script')].filter((s) => /javascript|module|^$/.test(s.type) && s.textContent.includes('harmed')).map(() => 'a script element from data'),
+  ...[...document.querySelectorAll('iframe, object, embed, base, form, b.harm, img.harm')].map((e) => `<${e.localName}> from data`),
+]);
+const hostile = `"'><script>window.harmed=1</script><img class=harm src=x onerror=window.harmed=1><b class=harm>&amp; \u202e\u0000 é 日本 \ud800`;
+
+await claim('names_and_results_are_text_whatever_is_in_them', async () => {
+  const body = `"'><b class=harm>`; // no slash: it is a file's name
+  morula('sample bar -o bar.obj --resolution 4');
+  morula('build bar.obj -o bar.morula --method octree --depth 2');
+  const mesh = readFileSync(at('bar.obj'));
+  for (const name of [`${body}.obj`, '日本 é.obj']) writeFileSync(at(name), mesh);
+  const spoilt = structuredClone(study);
+  const spoil = (value, key) => {
+    if (Array.isArray(value)) return value.map((v) => spoil(v));
+    if (value !== null && typeof value === 'object') return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, spoil(v, k)]));
+    if (typeof value !== 'string' || ['source', 'role', 'svg', 'verdict'].includes(key)) return value;
+    return value + hostile;
+  };
+  const results = spoil(spoilt);
+  results.pictures[0].svg = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9" onload="window.harmed=1"><style>@import "https://example.org/a.css"; body{display:none}</style><script>window.harmed=1</script><image href="https://example.org/a.png"/><foreignObject><iframe xmlns="http://www.w3.org/1999/xhtml" src="https://example.org/"/></foreignObject><rect width="9" height="9"/></svg>`;
+  results.pictures.push({ id: 'x', title: hostile, svg: '<svg><not closed' });
+  writeFileSync(at('spoilt.json'), JSON.stringify(results));
+  for (const [mesh_name, page_name] of [[`${body}.obj`, 'hostile.html'], ['日本 é.obj', 'unicode.html']]) {
+    run(['view', mesh_name, 'bar.morula', '-o', page_name, '--no-measure', '--title', hostile.replaceAll('\u0000', '').replaceAll('\ud800', ''), '--study', 'spoilt.json']);
+    const { page, complaints, close } = await open(browser, at(page_name), small);
+    await settled(page);
+    equal((await harm(page)).join(', '), '', page_name);
+    check((await words(page, '#title')).includes('<script>window.harmed=1</script>'), 'the title is shown as it is written');
+    check((await words(page, '#about')).includes(mesh_name.replace('.obj', '')), 'and the name of the body');
+    check((await page.locator('.claim h3').first().innerText()).includes('<img class=harm'), 'and a claim');
+    equal(await page.locator('#pictures img').count(), 1, 'pictures that can be read');
+    equal(complaints.filter((text) => !text.includes('example.org')).join('\n'), '', 'complaints of the browser');
+    await close();
+  }
+});
+
+await claim('the_policy_stops_what_gets_in_all_the_same', async () => {
+  const html = readFileSync(at('still.html'), 'utf8');
+  const policy = /http-equiv="Content-Security-Policy" content="([^"]*)"/.exec(html)[1];
+  check(policy.startsWith("default-src 'none';"), policy);
+  check(!/unsafe|\*|https?:|connect-src/.test(policy), policy);
+  const smuggled = '<script>window.harmed=1</script><img src="x" onerror="window.harmed=1"><style>#title{color:red}</style>';
+  writeFileSync(at('smuggled.html'), html.replace('<div id="main">', `${smuggled}<div id="main">`));
+  const { page, complaints, close } = await open(browser, at('smuggled.html'), small);
+  await settled(page);
+  equal(await page.evaluate(() => window.harmed === undefined), true, 'nothing ran');
+  check(complaints.filter((text) => text.includes('Content Security Policy')).length >= 3, complaints.join('\n'));
+  const refused = await page.evaluate(async () => {
+    const said = [];
+    try { (0, eval)('1'); } catch (error) { said.push(error.name); }
+    try { await fetch('data:,x'); } catch (error) { said.push(error.name); }
+    return said.join(' ');
+  });
+  equal(refused, 'EvalError TypeError', 'no evaluation of text, no connections');
+  await close();
+});
 
 await claim('a_damaged_file_says_so', async () => {
   const html = readFileSync(at('limb.html'), 'utf8');

@@ -17,7 +17,9 @@ export function skip(why) {
 if (statSync(join(packages, 'page.html')).size === 0) skip('this morula was built without its page');
 
 /** Runs "morula ARGUMENTS" in the folder. */
-export const morula = (line) => execFileSync(command, line.split(' '), { cwd: folder, encoding: 'utf8' });
+export const morula = (line) => run(line.split(' '));
+/** The same with arguments that have blanks. */
+export const run = (args) => execFileSync(command, args, { cwd: folder, encoding: 'utf8' });
 export const at = (name) => join(folder, name);
 
 export function check(holds, what) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The numbers of the sphere that the reader pressed.
-import { byId, element } from './dom.js';
+import { byId, drawn, element } from './dom.js';
 import { figure, percent } from './numbers.js';
 
 /** Its radius over the frames, as a small curve with a dot at this frame. */
@@ -12,9 +12,8 @@ function sparkline(scene, node, frame) {
   const x = (i) => 4 + (192 * i) / Math.max(1, radii.length - 1);
   const y = (r) => (span > 0 ? 34 - (28 * (r - low)) / span : 20);
   const points = radii.map((r, i) => `${x(i).toFixed(1)},${y(r).toFixed(1)}`).join(' ');
-  const svg = `<svg viewBox="0 0 200 40" preserveAspectRatio="none" aria-hidden="true"><polyline points="${points}"/></svg>`;
-  const place = element('div', { class: 'spark' });
-  place.innerHTML = svg;
+  const place = element('div', { class: 'spark' },
+    drawn('svg', { viewBox: '0 0 200 40', preserveAspectRatio: 'none', 'aria-hidden': 'true' }, drawn('polyline', { points })));
   place.append(element('i', { style: `left:${x(frame) / 2}%;top:${y(radii[frame]) / 0.4}%` }));
   return place;
 }

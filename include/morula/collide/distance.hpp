@@ -30,8 +30,8 @@ struct DistanceOptions {
 
 struct DistanceBounds {
   QueryStatus status;
-  /// lower <= distance <= upper, in real numbers, of the surfaces with the vertices of Collider::vertex. Both 0 when an
-  /// edge of one meets a facet of the other (exact verdict).
+  /// lower <= distance <= upper, in real numbers, of the surfaces with the vertices of Collider::vertex. Both 0 when a
+  /// facet of one meets a facet of the other (exact verdict).
   double lower = 0, upper = 0;
   /// Surface points, upper or less apart up to rounding (when crossing, one point).
   SurfacePoint a{}, b{};

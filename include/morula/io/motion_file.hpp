@@ -4,6 +4,8 @@
 #pragma once
 
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <optional>
 #include <vector>
 
 namespace morula {
@@ -13,7 +15,8 @@ class Motion {
  public:
   /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers),
   /// one mesh file (a single frame), or a NumPy .npy array of float32 or float64, shape (frames, vertices, 3), C order.
-  /// Throws FileError when nothing matches or the array has another shape or type.
+  /// Throws FileError when nothing matches, a numbered frame is missing in between (frame_files.hpp), or the array has
+  /// another shape or type.
   Motion(const std::filesystem::path& path, const Mesh& mesh);
 
   std::size_t frame_count() const { return frame_count_; }
@@ -34,13 +37,16 @@ class Motion {
 };
 
 /// Writes frames as they come: into a folder (0000.obj, 0001.obj, …) or, when the path ends in .npy, one float64 array.
+/// Keeps one frame in memory.
 class MotionWriter {
  public:
-  /// path: a folder (made if missing) or a .npy file. extension: of the meshes in a folder: ".obj", ".off" or ".ply".
+  /// path: a folder (made if missing; other files in it stay) or a .npy file. extension: of the meshes in a folder:
+  /// ".obj", ".off" or ".ply". Throws FileError when the disk plainly has no room for so many frames.
   MotionWriter(const std::filesystem::path& path, const Mesh& mesh, std::size_t frame_count,
                const std::string& extension = ".obj");
   void write(std::span<const Vec3> positions);
-  /// After the last frame; the .npy appears whole now. Throws FileError if frames are missing.
+  /// After the last frame; the folder or the .npy appears whole now, in the place of an older one. Throws FileError if
+  /// frames are missing.
   void finish();
 
  private:
@@ -49,7 +55,9 @@ class MotionWriter {
   Mesh mesh_;
   std::size_t frame_count_;
   std::size_t written_ = 0;
-  std::vector<double> npy_;
+  std::optional<WholeFile> npy_;  // this, or the folder
+  std::optional<WholeFolder> folder_;
+  std::string chunk_;
 };
 
 }  // namespace morula

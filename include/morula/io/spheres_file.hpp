@@ -3,20 +3,28 @@
 // The spheres of all frames of a motion in one NumPy archive.
 #pragma once
 
+#include <memory>
 #include <morula/io/mesh_file.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <string>
 
 namespace morula {
 
+class StoredZip;
+
 /// Writes a .npz: arrays `spheres` (frames, nodes, 4), float64, x y z r in mesh units, and the tree, int32:
 /// `level_begin` (levels + 1), `parent`, `first_child`, `child_count` (nodes); -1 for the parent of the root and the
 /// first child of a leaf. numpy.load(path) reads it. Uncompressed; the same spheres give the same bytes.
 class SphereFramesWriter {
  public:
-  /// Throws FileError when the folder is missing or the file would be larger than the 4 GiB of a plain archive, and
-  /// std::invalid_argument for a path that does not end in .npz. Keeps what is written in memory.
+  /// Throws FileError when the folder is missing or the file would be larger than the 4 GiB of a plain archive or than
+  /// what is left of the disk, and std::invalid_argument for a path that does not end in .npz. Keeps one frame in
+  /// memory.
   SphereFramesWriter(const std::filesystem::path& path, const SphereTree& tree, std::size_t frame_count);
+  ~SphereFramesWriter();
+  SphereFramesWriter(const SphereFramesWriter&) = delete;
+  SphereFramesWriter& operator=(const SphereFramesWriter&) = delete;
+
   /// spheres: one per node.
   void write(std::span<const Sphere> spheres);
   /// After the last frame; the file appears whole now. Throws FileError if frames are missing.
@@ -27,7 +35,8 @@ class SphereFramesWriter {
   SphereTree tree_;
   std::size_t frame_count_;
   std::size_t written_ = 0;
-  std::string spheres_;  // the array file, as far as it is known
+  std::unique_ptr<StoredZip> archive_;
+  std::string chunk_;
 };
 
 }  // namespace morula

@@ -24,7 +24,7 @@ class SignedDistance {
   explicit SignedDistance(const Mesh& mesh, Workers& workers = serial_workers());
   SignedDistance(const Mesh& mesh, SignMethod method, Workers& workers = serial_workers());
 
-  /// p must be finite; what is not is NaN away.
+  /// p must be finite, and nearer than 2^200 to the origin along each axis; what is not is NaN away.
   double operator()(const Vec3& p) const { return at(p).distance; }
   struct Result {
     double distance;  ///< negative inside; 0 on the surface

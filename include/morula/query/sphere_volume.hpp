@@ -13,7 +13,8 @@ namespace morula {
 /// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the centre lies,
 /// on edges and vertices too, and as long as the ball is not smaller than the spacing of its coordinates. Of an open
 /// mesh it is the integral of the winding number, to about a percent of the ball. Where layers overlap, each counts,
-/// up to the whole ball. Cost: O(k + log F), k facets met.
+/// up to the whole ball. Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F), k facets
+/// met.
 double inside_volume(const SignedDistance& object, const Sphere& ball);
 
 /// Volume of ball minus object: the sphere outside volume [wang2006].

@@ -24,7 +24,8 @@ struct ClosestFacetPoint {
 
 class TriangleBvh {
  public:
-  /// Copies what it needs; the mesh may go. Same tree for any number of workers. Cost: O(F log F).
+  /// Copies what it needs; the mesh may go. Same tree for any number of workers. Throws std::invalid_argument unless
+  /// the mesh has a usable scale (geometry/scale.hpp). Cost: O(F log F).
   explicit TriangleBvh(const Mesh& mesh, Workers& workers = serial_workers());
   ~TriangleBvh();
   TriangleBvh(TriangleBvh&&) noexcept;
@@ -37,7 +38,8 @@ class TriangleBvh {
   const Triangle& triangle(std::uint32_t facet) const;
 
   /// Nearest surface point, or nothing if all of the surface is farther than max_distance (an early out: "only tell me
-  /// if nearer than this"). Among facets at the same distance, the one with the lowest index.
+  /// if nearer than this"), or p is not finite or 2^200 or more from the origin along an axis. Among facets at the same
+  /// distance, the one with the lowest index.
   std::optional<ClosestFacetPoint> closest_point(const Vec3& p,
                                                  double max_distance = std::numeric_limits<double>::infinity()) const;
 

@@ -88,7 +88,7 @@ struct Built {
 /// sphere). A sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same
 /// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
-/// validate(tree) finds faults.
+/// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct Certificate {
@@ -100,7 +100,8 @@ struct Certificate {
 /// The proof, checked: every corner of every node's region lies in that node's sphere, at every level.
 ///
 /// positions: one per mesh vertex, at rest or deformed. spheres: one per node of the tree the cover belongs to.
-/// Evaluated in double; a true answer holds exactly when the spheres' radii carry the pad of rounded_up_radius or more.
+/// Evaluated in double, of numbers of any size: no square vanishes or overflows. A true answer holds exactly when the
+/// spheres' radii carry the pad of rounded_up_radius or more.
 /// Cost: O(levels × corners).
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers = serial_workers());

@@ -54,7 +54,8 @@ class Body {
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
   /// rule list is empty, an option is out of range, modes are not finite, not for this mesh or missing for a level of
   /// the rule `modal`, or coordinates about the centre reach 2^57 (1.4e17): their squares would leave the range of
-  /// float.
+  /// float. The centre itself may be as far as 2^100 (1e30). However small a body is, its spheres contain it; below
+  /// about 2^-60 (1e-18) they are the size of what float cannot tell.
   Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   Body(const Mesh& mesh, Built&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
@@ -73,9 +74,9 @@ class Body {
   /// With the rule `exact`, every level then covers the surface; radii are rounded up, so rounding cannot lose cover.
   /// Positions are narrowed to float about an origin that moves with the body, so being far away costs no precision.
   /// A wrong count or a coordinate (of a vertex that facets use) that is not finite, or 2^57 or more from the origin,
-  /// is reported and changes nothing: the last good spheres stay. No allocation. Same bits for any number of workers.
-  /// A body with levels of the rule `modal` is refused: where its vertices are does not tell its coordinates.
-  /// Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
+  /// or an origin beyond 2^100, is reported and changes nothing: the last good spheres stay. No allocation. Same bits
+  /// for any number of workers. A body with levels of the rule `modal` is refused: where its vertices are does not tell
+  /// its coordinates. Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.

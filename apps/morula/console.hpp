@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What is said to people beside the result, and which files are there in the end.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+
+namespace morula::cli {
+
+/// On stderr, as it is. Nobody may be listening: that is no reason to fail.
+void say_text(const std::string& text) noexcept;
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  say_text(fmt::format(format, std::forward<Args>(args)...));
+}
+
+/// Makes sure that the three standard streams are open: a file that is written must not become one of them. False when
+/// stdout was closed.
+bool open_standard_streams();
+
+/// An output that is complete: said when what follows goes wrong.
+void note_written(const std::filesystem::path& path);
+/// "; a and b are written"; nothing when nothing is.
+std::string written_so_far();
+
+}  // namespace morula::cli

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <morula/geometry/scale.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace morula {
+namespace {
+
+// Fixed notation would say 0.000000 of the one kind and 300 digits of the other.
+std::string short_text(double x) {
+  std::array<char, 32> digits;
+  constexpr int figures = 3;
+  const auto written =
+      std::to_chars(digits.data(), digits.data() + digits.size(), x, std::chars_format::general, figures);
+  return {digits.data(), written.ptr};
+}
+
+}  // namespace
+
+void require_usable_scale(std::span<const Facet> facets, std::span<const Vec3> positions) {
+  double largest = 0;
+  for (const Facet& f : facets)
+    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(positions[v]));
+  if (largest == 0 || (largest >= least_usable_scale && largest <= greatest_usable_scale)) return;
+  throw std::invalid_argument("the mesh's largest coordinate is " + short_text(largest) +
+                              ", and squares of its lengths would " + (largest < 1 ? "vanish" : "overflow") +
+                              ": scale the mesh so that its largest coordinate is between " +
+                              short_text(least_usable_scale) + " and " + short_text(greatest_usable_scale));
+}
+
+void require_usable_scale(const Mesh& mesh) {
+  require_usable_scale(mesh.facets, mesh.positions);
+}
+
+bool has_usable_scale(const Sphere& sphere) {
+  // Comparisons that fail for what is not a number.
+  const auto fits = [](double x) { return std::abs(x) <= greatest_usable_scale; };
+  return fits(sphere.center.x) && fits(sphere.center.y) && fits(sphere.center.z) && fits(sphere.radius);
+}
+
+double scaled_length(const Vec3& v) {
+  const double largest = largest_component(v);
+  if (!(largest > 0) || !is_finite(v)) return length(v);
+  // By a power of two, which changes no digit.
+  const int exponent = std::ilogb(largest);
+  const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
+  return std::ldexp(length(Vec3{scaled(v.x), scaled(v.y), scaled(v.z)}), exponent);
+}
+
+}  // namespace morula

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// intersect() for loops that run in the standard floating-point environment already.
+#pragma once
+
+#include <morula/geometry/triangle.hpp>
+
+namespace morula {
+
+bool triangles_meet(const Triangle& a, const Triangle& b);
+
+}  // namespace morula

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What commands do to the files and streams around them.
+#include <gtest/gtest.h>
+
+#include <morula/io/motion_file.hpp>
+#include <regex>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What every error is: one line, with a code, and nothing touched.
+void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& fragment) {
+  const auto before = bench.listing();
+  const CommandResult result = bench.run(arguments);
+  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
+  EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << arguments << "\n" << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(fragment), std::string::npos) << arguments << "\n" << result.err;
+  EXPECT_EQ(bench.listing(), before) << arguments;
+}
+
+struct SmallBench : Workbench {
+  SmallBench() {
+    require("sample bar -o bar.obj --resolution 4");
+    require("build bar.obj -o bar.morula --method octree --depth 2");
+    require("deform bar.obj -o motion --twist 30 --frames 3");
+    require("update bar.obj bar.morula motion -o spheres");
+  }
+};
+
+TEST(Outputs, none_is_an_input_of_the_same_command) {
+  const SmallBench bench;
+  bench.require("convert bar.obj bar.ply");
+  fs::create_symlink("bar.obj", bench / "link.html");
+  fs::create_hard_link(bench / "bar.obj", bench / "hard.morula");
+  fs::create_symlink("bar.ply", bench / "link.ply");
+  fs::create_symlink("bar.morula", bench / "tree.npz");
+  fs::create_symlink("motion/0001.obj", bench / "frame.csv");
+  fs::create_directory_symlink("motion", bench / "other");
+  const std::string also = "is also what is read";
+  expect_refused(bench, "measure bar.obj bar.morula --csv bar.obj", also);
+  expect_refused(bench, "measure bar.obj bar.morula --csv ./bar.morula", also);
+  expect_refused(bench, "measure bar.obj spheres --motion motion --csv spheres/0001.sph", also);
+  expect_refused(bench, "measure bar.obj spheres --motion motion --csv frame.csv", also);
+  expect_refused(bench, "build bar.obj -o hard.morula", also);
+  expect_refused(bench, "build bar.ply -o link.ply --spheres 10", also);
+  expect_refused(bench, "medial bar.ply -o bar.ply", also);
+  expect_refused(bench, "convert bar.obj bar.obj", also);
+  expect_refused(bench, "convert bar.morula bar.obj/../bar.morula", "");
+  expect_refused(bench, "convert bar.ply link.ply", also);
+  expect_refused(bench, "update bar.obj bar.morula motion -o motion", also);
+  expect_refused(bench, "update bar.obj bar.morula motion -o other", also);
+  expect_refused(bench, "update bar.obj bar.morula 'motion/*.obj' -o motion", also);
+  expect_refused(bench, "update bar.obj bar.morula motion -o tree.npz", also);
+  expect_refused(bench, "update bar.obj spheres/0002.sph motion -o spheres", "would replace spheres/0002.sph");
+  expect_refused(bench, "deform motion/0000.obj -o motion --twist 40 --frames 3", "would replace motion/0000.obj");
+  expect_refused(bench, "collide bar.obj bar.obj -o frame.csv --motion-a motion/0001.obj", also);
+  const CommandResult page = bench.run("view bar.obj bar.morula -o link.html");
+  if (page.err.find("built without its page") == std::string::npos)
+    expect_refused(bench, "view bar.obj bar.morula -o link.html", also);
+  fs::create_symlink("bar.csv", bench / "same.csv");
+  bench.require("measure bar.obj bar.morula --csv same.csv");
+  EXPECT_TRUE(fs::is_symlink(bench / "same.csv"));
+  EXPECT_EQ(bench.read("bar.csv").rfind("frame,tree,level", 0), 0u);
+}
+
+TEST(Outputs, a_table_beside_a_file_called_partial_leaves_it_alone) {
+  const SmallBench bench;
+  bench.write("victim", "precious");
+  bench.write("b.csv.partial", "mine");
+  fs::create_symlink("victim", bench / "a.csv.partial");
+  bench.require("measure bar.obj bar.morula --csv a.csv");
+  bench.require("measure bar.obj bar.morula --csv b.csv");
+  EXPECT_EQ(bench.read("victim"), "precious");
+  EXPECT_EQ(bench.read("b.csv.partial"), "mine");
+  EXPECT_TRUE(fs::is_symlink(bench / "a.csv.partial"));
+}
+
+TEST(Outputs, left_overs_are_in_nobodys_way) {
+  const SmallBench bench;
+  for (int n = 0; n < 1000; ++n) {
+    fs::create_directory(bench / (".out.partial" + std::to_string(n)));
+    bench.write(".morula-" + std::to_string(n) + ".tmp", "");
+  }
+  bench.require("deform bar.obj -o out --twist 30 --frames 3");
+  bench.require("convert bar.obj bar.off");
+}
+
+TEST(Outputs, a_failing_update_leaves_the_older_one_whole) {
+  const SmallBench bench;
+  const Mesh mesh = read_mesh(bench / "bar.obj");
+  bench.require("deform bar.obj -o far --twist 60 --frames 3");
+  Mesh broken = mesh;
+  broken.positions[0].x = 1e30;
+  write_mesh(bench / "far/0002.obj", broken);
+  expect_refused(bench, "update bar.obj bar.morula far -o spheres", "too far away");
+  bench.write("spheres/readme.txt", "mine");
+  const std::string before = bench.read("spheres/0001.sph");
+  fs::remove(bench / "far/0002.obj");
+  bench.require("deform bar.obj -o far --twist 60 --frames 3");
+  bench.require("update bar.obj bar.morula far -o spheres");
+  EXPECT_NE(bench.read("spheres/0001.sph"), before);
+  EXPECT_EQ(bench.read("spheres/readme.txt"), "mine");
+}
+
+TEST(Outputs, what_plainly_does_not_fit_is_refused) {
+  const SmallBench bench;
+  // Some 5 TB.
+  bench.require("sample limb -o limb.ply --resolution 400");
+  expect_refused(bench, "deform limb.ply -o limb.npy --twist 30 --frames 1000000", "its disk has");
+}
+
+TEST(Inputs, a_frame_that_is_missing_is_named) {
+  const SmallBench bench;
+  bench.require("deform bar.obj -o long --twist 30 --frames 5");
+  bench.require("update bar.obj bar.morula long -o balls");
+  fs::remove(bench / "balls/0001.sph");
+  expect_refused(bench, "measure bar.obj balls --motion long", "0001.sph is missing between");
+  fs::remove(bench / "long/0002.obj");
+  expect_refused(bench, "update bar.obj bar.morula long -o out", "0002.obj is missing between 0001.obj and 0003.obj");
+  expect_refused(bench, "update bar.obj bar.morula 'long/*.obj' -o out", "0002.obj is missing");
+}
+
+TEST(Streams, stderr_closed_changes_nothing) {
+  const SmallBench bench;
+  const CommandResult done = bench.shell("\"$MORULA\" convert bar.morula bar.sph 2>&-");
+  EXPECT_EQ(done.exit_code, 0);
+  bench.require("convert bar.morula other.sph");
+  EXPECT_EQ(bench.read("bar.sph"), bench.read("other.sph")) << "what is said of a result went into it";
+  EXPECT_EQ(bench.shell("\"$MORULA\" info missing.obj 2>&-").exit_code, 2);
+  EXPECT_EQ(bench.shell("\"$MORULA\" info missing.obj 2>/dev/full").exit_code, 2);
+  EXPECT_EQ(bench.shell("\"$MORULA\" nonsense 2>&-").exit_code, 2);
+}
+
+TEST(Streams, a_report_that_cannot_be_printed_is_code_1_and_says_what_is_written) {
+  const SmallBench bench;
+  for (const std::string to : {">/dev/full", ">&-", "| true"}) {
+    fs::remove(bench / "out.off");
+    // The exit code of the command, not of what it is piped into; true may be gone before or after.
+    const CommandResult result =
+        bench.shell("( \"$MORULA\" convert bar.obj out.off; echo $? >&3 ) 3>code " + to + "; exit $(cat code)");
+    EXPECT_TRUE(fs::exists(bench / "out.off")) << to;
+    if (to != "| true" || result.exit_code != 0) {
+      EXPECT_EQ(result.exit_code, 1) << to;
+      EXPECT_EQ(result.err.rfind("morula: error: standard output cannot be written", 0), 0u) << result.err;
+      EXPECT_NE(result.err.find("; out.off is written"), std::string::npos) << result.err;
+    }
+    fs::remove(bench / "code");
+  }
+  // More than any buffer holds.
+  bench.require("deform bar.obj -o long.npy --twist 30 --frames 20000");
+  const CommandResult large =
+      bench.shell("\"$MORULA\" deform bar.obj -o long.npy --twist 3 --frames 20000 --json >/dev/full");
+  EXPECT_EQ(large.exit_code, 1) << large.err;
+  EXPECT_NE(large.err.find("long.npy is written"), std::string::npos) << large.err;
+  EXPECT_EQ(bench.shell("\"$MORULA\" info bar.obj >/dev/full").exit_code, 1);
+}
+
+TEST(Streams, names_that_are_no_text_are_no_error) {
+  const SmallBench bench;
+  fs::copy_file(bench / "bar.obj", bench / "b\xffr.obj");
+  EXPECT_EQ(bench.run("info b$(printf '\\377')r.obj --json").exit_code, 0);
+}
+
+TEST(Threads, more_than_there_are_to_be_had_is_a_note) {
+  const SmallBench bench;
+  // Room for the stacks of some threads.
+  const CommandResult result = bench.shell(
+      "ulimit -v 300000; MALLOC_ARENA_MAX=1 \"$MORULA\" build bar.obj -o few.morula --method octree --depth 2 "
+      "--threads 64");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err.rfind("morula: note: --threads 64: only ", 0), 0u) << result.err;
+  EXPECT_EQ(bench.read("few.morula"), bench.read("bar.morula"));
+}
+
+// Every option that a command's help shows with the name of a number.
+TEST(Numbers, are_finite_and_written_as_such_in_every_option) {
+  const SmallBench bench;
+  const std::vector<std::pair<std::string, std::string>> commands{
+      {"sample", "sample bar -o out.obj"},
+      {"build", "build bar.obj -o out.morula --method octree"},
+      {"measure", "measure bar.obj bar.morula --grid fixed --no-protrusion"},
+      {"deform", "deform bar.obj -o out.npy --poke --noise 0.01"},
+      {"update", "update bar.obj bar.morula motion -o out"},
+      {"collide", "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula"},
+      {"view", "view bar.obj bar.morula -o out.html"},
+      {"medial", "medial bar.obj -o out.ply"},
+      {"info", "info bar.obj"},
+      {"convert", "convert bar.obj out.off"},
+      {"demo", "demo --quick -o out"},
+      {"study", "study --quick -o out"},
+  };
+  const std::regex line("\n +(?:-[a-z],)?(--[a-z-]+) (N|S|LENGTH|SHARE|FACTOR|DEGREES|EXPONENT|N\\|TIME)\\b");
+  std::size_t options = 0;
+  for (const auto& [name, command] : commands) {
+    const std::string help = bench.require(name + " --help").out;
+    for (std::sregex_iterator match(help.begin(), help.end(), line), end; match != end; ++match) {
+      const std::string option = (*match)[1].str();
+      ++options;
+      for (const std::string value : {"nan", "inf", "-inf", "1e999", "0x10", "1,5", "''", "'1 2'", "--"}) {
+        if (name == "view" && bench.run(command).err.find("built without its page") != std::string::npos) continue;
+        expect_refused(bench, command + " " + option + "=" + value, value == "--" ? "" : option);
+      }
+    }
+  }
+  EXPECT_GE(options, 30u) << "the help shows numbers in another way: teach it to the test";
+}
+
+TEST(Numbers, are_not_negative_where_that_means_nothing) {
+  const SmallBench bench;
+  const auto refused = [&](const std::string& command, const std::vector<std::string>& options) {
+    for (const std::string& option : options) expect_refused(bench, command + " " + option + "=-1", option);
+  };
+  refused("build bar.obj -o out.morula", {"--seed", "--threads", "--spheres", "--max-protrusion", "--time-limit"});
+  refused("build bar.obj -o out.morula --optimiser balance --method medial", {"--balance-excess"});
+  refused("measure bar.obj bar.morula --grid fixed", {"--resolution", "--voxel-edge", "--threads"});
+  refused("deform bar.obj -o out --twist 3", {"--seed", "--frames", "--poke-radius", "--noise-wavelength"});
+  refused("medial bar.obj -o out.ply", {"--seed", "--samples"});
+  refused("collide bar.obj bar.obj", {"--level", "--margin", "--budget"});
+  refused("study --quick -o out",
+          {"--seed", "--max-facets", "--frames", "--resolution", "--branching", "--depth", "--threads"});
+  refused("update bar.obj bar.morula motion -o out", {"--distance-floor", "--threads"});
+  for (const std::string command : {"build bar.obj -o out.morula", "sample bar -o out.obj"})
+    for (const std::string option : {"--branching=-1", "--resolution=-1", "--depth=-1", "--depth=9", "--branching=1"})
+      if (bench.run(command.substr(0, 6) + " --help").out.find(option.substr(0, option.find('='))) != std::string::npos)
+        expect_refused(bench, command + " " + option, "");
+  // 010 is ten, not eight, and a sign is a sign.
+  bench.require("sample bar -o ten.obj --resolution 10");
+  bench.require("sample bar -o padded.obj --resolution 010");
+  bench.require("sample bar -o signed.obj --resolution +10");
+  EXPECT_EQ(bench.read("padded.obj"), bench.read("ten.obj"));
+  EXPECT_EQ(bench.read("signed.obj"), bench.read("ten.obj"));
+}
+
+TEST(Numbers, placements_may_be_as_long_or_short_as_they_like) {
+  const SmallBench bench;
+  const std::string command = "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --exact -o out.csv ";
+  bench.require(command + "--turn-b 0,0,1,90 --place-b 0.1,0.2,0.3");
+  const std::string expected = bench.read("out.csv");
+  for (const std::string turn : {"0,0,1e300,90", "0,0,1e-300,90", "0,0,1,450", "0,0,7,3690"}) {
+    bench.require(command + "--turn-b " + turn + " --place-b 0.1,0.2,0.3");
+    EXPECT_EQ(bench.read("out.csv"), expected) << turn;
+  }
+  expect_refused(bench, command + "--turn-b 0,0,0,90", "no direction");
+  expect_refused(bench, command + "--turn-b 0,0,1,nan", "three numbers");
+  expect_refused(bench, command + "--budget 1e14ms", "--budget");
+}
+
+}  // namespace
+}  // namespace morula::test
