@@ -31,7 +31,9 @@ Each case is a mesh of some family, a tree by some generator, rules and some fra
 are the cover of every level in every frame, the contacts of two bodies wherever a query is interrupted, trees by validate(),
 and that files give back what they were given. One line for each failure, with the command that repeats it.
 
-Exit code: 0 all held, 1 something failed, 2 bad use.
+Ctrl-C ends it after the case at hand, with the figures so far.
+
+Exit code: 0 all held, 1 something failed or it was stopped, 2 bad use.
 example: scripts/properties --cases 2000 --seed 7 --keep build/properties
 )";
 
@@ -80,6 +82,12 @@ Settings read(int count, char** arguments) {
 // The case that is running, for the signals that end a program.
 char running[160];
 
+// A run that is asked to end finishes its case and tells what it has judged.
+volatile std::sig_atomic_t stop_requested = 0;
+extern "C" void stop(int) {
+  stop_requested = 1;
+}
+
 extern "C" void ended(int signal) {
   const ssize_t written = write(STDOUT_FILENO, running, std::strlen(running));
   static_cast<void>(written);
@@ -91,7 +99,8 @@ extern "C" void ended(int signal) {
 
 int main(int count, char** arguments) {
   const Settings settings = read(count, arguments);
-  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS, SIGTERM}) std::signal(signal, ended);
+  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS}) std::signal(signal, ended);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
   const bool progress = !settings.quiet && isatty(STDERR_FILENO) != 0;
   morula::properties::Record record(settings.keep);
   morula::properties::Specimens specimens;
@@ -102,7 +111,7 @@ int main(int count, char** arguments) {
   const auto start = Clock::now();
   double slowest = 0, shown = 0;
   std::uint64_t slowest_case = 0;
-  for (std::uint64_t i = 0; i < settings.cases; ++i) {
+  for (std::uint64_t i = 0; i < settings.cases && stop_requested == 0; ++i) {
     const std::uint64_t number = settings.first + i;
     std::snprintf(running, sizeof running, "ended in: scripts/properties --seed %llu --only %llu\n",
                   static_cast<unsigned long long>(settings.seed), static_cast<unsigned long long>(number));
@@ -118,7 +127,12 @@ int main(int count, char** arguments) {
   if (progress) std::fprintf(stderr, "\r%60s\r", "");
   std::printf("%s", record.summary(since(start)).c_str());
   std::printf("  slowest case: %llu, %.2f s\n", static_cast<unsigned long long>(slowest_case), slowest);
-  if (record.failed_cases() == 0) return 0;
+  const bool stopped = record.counts.cases < settings.cases;
+  if (stopped)
+    std::printf("stopped; the others: --first %llu --cases %llu\n",
+                static_cast<unsigned long long>(settings.first + record.counts.cases),
+                static_cast<unsigned long long>(settings.cases - record.counts.cases));
+  if (record.failed_cases() == 0) return stopped ? 1 : 0;
   std::printf("%zu of %zu cases failed\n", record.failed_cases(), record.counts.cases);
   return 1;
 }

@@ -235,7 +235,13 @@ Pose random_pose(const Mesh& rest, Dice& dice) {
 
 Pose partial_pose(const Mesh& rest, const Positions& before, Dice& dice, std::vector<VertexRange>& moved) {
   const std::vector<bool> used = used_vertices(rest);
-  const Pose whole = random_pose(rest, dice);
+  // Something else there, or a little of the same.
+  Pose whole{"noise", before};
+  if (dice.chance(0.5))
+    whole = random_pose(rest, dice);
+  else
+    jitter(whole.positions, used, dice, dice.logarithmic(1e-9, 0.5));
+  keep_unused(rest, used, whole.positions);
   const auto count = static_cast<std::uint32_t>(rest.vertex_count());
   Pose pose{whole.name + " in part", before};
   moved.clear();
