@@ -89,7 +89,7 @@ TEST(ExactPredicates, see_the_last_bit_beside_the_largest_number) {
   EXPECT_EQ(orient2d({-huge, -huge, 0}, {huge, huge, 0}, {1e-300, 1e-300, 0}, projections[2]), 0);
 }
 
-// Where doubles by themselves give wrong signs, off by more than half of what the filters allow for [kettner2008]:
+// Where doubles by themselves give wrong signs, off by more than half of what the filters allow for:
 // points beside the line or plane x = y, by as little as one half and its neighbours differ. Also so small that
 // products vanish. What is right hangs on x and y alone.
 TEST(ExactPredicates, are_right_where_doubles_are_wrong) {
