@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
+#include <vector>
 
 namespace morula {
 namespace {
@@ -86,6 +87,36 @@ TEST(ExactPredicates, see_the_last_bit_beside_the_largest_number) {
   EXPECT_EQ(orient2d({-huge, 0, 0}, {huge, 0, 0}, {huge, tiny, 0}, projections[2]), 1);
   EXPECT_EQ(orient2d({-huge, -huge, 0}, {huge, huge, 0}, {tiny, 0, 0}, projections[2]), -1);
   EXPECT_EQ(orient2d({-huge, -huge, 0}, {huge, huge, 0}, {1e-300, 1e-300, 0}, projections[2]), 0);
+}
+
+// Where doubles by themselves give wrong signs, off by more than half of what the filters allow for:
+// points beside the line or plane x = y, by as little as one half and its neighbours differ. Also so small that
+// products vanish. What is right hangs on x and y alone.
+TEST(ExactPredicates, are_right_where_doubles_are_wrong) {
+  const std::vector<Vec3> on_plane{{12, 12, 1}, {24, 24, 5}, {7.3, 7.3, 30}, {-3.1, -3.1, 11}, {17.7, 17.7, -9}};
+  const Vec3 beside{1, 0, 0.5};
+  for (const double s : {1.0, 0x1p-345, 0x1p-347, 0x1p-349, 0x1p-515, 0x1p-517, 0x1p-519})
+    for (const Vec3& b : on_plane)
+      for (const Vec3& c : on_plane) {
+        if (b == c) continue;
+        const int turn = orient2d(beside, b, c, projections[2]);
+        for (int i = 0; i < 24; ++i)
+          for (int j = 0; j < 24; ++j) {
+            const Vec3 a = Vec3{0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53, 0.5} * s;
+            const int side = i > j ? 1 : i < j ? -1 : 0;
+            ASSERT_EQ(orient2d(a, b * s, c * s, projections[2]), side * turn) << s;
+            ASSERT_EQ(orient2d(b * s, c * s, a, projections[2]), side * turn) << s;
+            ASSERT_EQ(orient2d(c * s, a, b * s, projections[2]), side * turn) << s;
+            if (s < 0x1p-400 || (i + j) % 3 != 0) continue;
+            for (const Vec3& d : on_plane) {
+              if (d == b || d == c) continue;
+              const int up = orient3d(beside, b, c, d);
+              ASSERT_EQ(orient3d(a, b * s, c * s, d * s), side * up) << s;
+              ASSERT_EQ(orient3d(b * s, c * s, d * s, a), -side * up) << s;
+              ASSERT_EQ(orient3d(d * s, a, b * s, c * s), -side * up) << s;
+            }
+          }
+      }
 }
 
 // Coordinates of all magnitudes at once: no oracle holds them, but swapping two points has to turn the sign.
