@@ -19,9 +19,25 @@ function(morula_configure target)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
   if(MORULA_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${MORULA_SANITIZE} -fno-omit-frame-pointer)
+    morula_sanitizer_options(options)
+    target_compile_options(${target} PRIVATE ${options})
     target_link_options(${target} PUBLIC -fsanitize=${MORULA_SANITIZE})
   endif()
+  if(MORULA_FUZZ)
+    # What a fuzzer steers by; the programs that are none link without it.
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
+endfunction()
+
+# morula_sanitizer_options(VARIABLE): how sources are compiled for MORULA_SANITIZE.
+function(morula_sanitizer_options variable)
+  # A finding ends the program: one that is only printed makes no test fail.
+  set(options -fsanitize=${MORULA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  if(MORULA_SANITIZE MATCHES "undefined")
+    # Undefined, but no part of `undefined`: a number that is NaN or too large, cast to an integer.
+    list(APPEND options -fsanitize=float-cast-overflow -fno-sanitize-recover=float-cast-overflow)
+  endif()
+  set(${variable} ${options} PARENT_SCOPE)
 endfunction()
 
 # morula_find_bullet(): the target morula_bullet, soft bodies included, where Bullet is found. For a benchmark and an

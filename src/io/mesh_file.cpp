@@ -29,7 +29,11 @@ Mesh read_mesh(const std::filesystem::path& path) {
   if (!is_readable_mesh_extension(extension))
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no known mesh format; name a file with one of " + readable_mesh_extensions());
-  const std::string bytes = read_whole(path);
+  return mesh_of_bytes(path, read_whole(path));
+}
+
+Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes) {
+  const std::string extension = lower_extension(path);
   Mesh mesh;
   if (extension == ".obj") mesh = read_obj(path, bytes);
   if (extension == ".off") mesh = read_off(path, bytes);

@@ -11,6 +11,9 @@
 
 namespace morula {
 
+/// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
+Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes);
+
 /// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages.
 Mesh read_obj(const std::filesystem::path& path, std::string_view text);
 Mesh read_off(const std::filesystem::path& path, std::string_view text);

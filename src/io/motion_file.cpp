@@ -8,9 +8,9 @@
 #include <morula/io/motion_file.hpp>
 #include <set>
 
+#include "io/array_motion.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh_formats.hpp"
-#include "io/npy.hpp"
 #include "io/whole_file.hpp"
 
 namespace morula {
@@ -66,11 +66,7 @@ Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vert
   frame_count_ = files_.size();
   if (!is_npy_) return;
 
-  const NpyArray array = read_npy_header(path, {3, 3, "(frames, vertices, 3)"});
-  if (array.shape[0] == 0) throw FileError(path.string() + ": the array has no frames");
-  if (array.shape[1] != vertex_count_)
-    throw FileError(path.string() + ": the array has " + std::to_string(array.shape[1]) +
-                    " vertices a frame, but the mesh has " + std::to_string(vertex_count_));
+  const NpyArray array = motion_array(path, vertex_count_);
   npy_is_double_ = array.is_double;
   npy_data_offset_ = array.data_offset;
   frame_count_ = array.shape[0];
@@ -99,14 +95,28 @@ std::vector<Vec3> Motion::frame(std::size_t i) const {
     return std::move(mesh.positions);
   }
 
-  const NpyArray array{.is_double = npy_is_double_, .data_offset = npy_data_offset_};
-  const std::size_t numbers = 3 * vertex_count_;
-  const std::vector<double> values = read_npy_values(files_[0], array, i * numbers, numbers);
-  std::vector<Vec3> positions(vertex_count_);
-  for (std::size_t v = 0; v < vertex_count_; ++v) {
+  return motion_frame(files_[0], {.is_double = npy_is_double_, .data_offset = npy_data_offset_}, vertex_count_, i);
+}
+
+NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
+  NpyArray array = read_npy_header(source, {3, 3, "(frames, vertices, 3)"});
+  const std::string name = source.name().string();
+  if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
+  if (array.shape[1] != vertex_count)
+    throw FileError(name + ": the array has " + std::to_string(array.shape[1]) +
+                    " vertices a frame, but the mesh has " + std::to_string(vertex_count));
+  return array;
+}
+
+std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
+                               std::size_t frame) {
+  const std::size_t numbers = 3 * vertex_count;
+  const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
+  std::vector<Vec3> positions(vertex_count);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
     positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
     if (!is_finite(positions[v]))
-      throw FileError(files_[0].string() + ": frame " + std::to_string(i) + ": vertex " + std::to_string(v) +
+      throw FileError(source.name().string() + ": frame " + std::to_string(frame) + ": vertex " + std::to_string(v) +
                       " has a coordinate that is not finite; repair it where the array was made");
   }
   return positions;

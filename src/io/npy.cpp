@@ -128,13 +128,13 @@ std::string array_bytes(std::string_view descr, std::span<const Value> values, s
 
 }  // namespace
 
-NpyArray read_npy_header(const std::filesystem::path& path, const NpyShape& needed) {
-  const std::string file = path.string();
-  const std::uintmax_t size = size_of_file(path);
+NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
+  const std::string file = source.name().string();
+  const std::uintmax_t size = source.size();
   constexpr std::size_t longest_start =
       12 + 65536;  // what version 1 allows; longer ones are of tables with many columns
-  const std::string start = read_part(path, 0, std::min<std::uintmax_t>(size, longest_start));
-  ByteReader in(path, start, std::endian::little);
+  const std::string start = source.read(0, std::min<std::uintmax_t>(size, longest_start));
+  ByteReader in(source.name(), start, std::endian::little);
   if (start.substr(0, magic.size()) != magic) in.fail("not a NumPy file; write one with numpy.save");
   in.skip(magic.size(), "the .npy header");
   const int version = in.read<std::uint8_t>("the .npy header");
@@ -169,10 +169,10 @@ NpyArray read_npy_header(const std::filesystem::path& path, const NpyShape& need
   return array;
 }
 
-std::vector<double> read_npy_values(const std::filesystem::path& path, const NpyArray& array, std::uint64_t first,
+std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& array, std::uint64_t first,
                                     std::size_t count) {
   const std::size_t scalar = array.scalar_size();
-  const std::string bytes = read_part(path, array.data_offset + first * scalar, count * scalar);
+  const std::string bytes = source.read(array.data_offset + first * scalar, count * scalar);
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     const char* const at = bytes.data() + i * scalar;

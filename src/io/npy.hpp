@@ -4,11 +4,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/byte_source.hpp"
 
 namespace morula {
 
@@ -29,10 +30,10 @@ struct NpyShape {
 };
 
 /// Reads the header, versions 1 to 3, and checks that the file has exactly the size it promises. Throws FileError.
-NpyArray read_npy_header(const std::filesystem::path& path, const NpyShape& needed);
+NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed);
 
 /// `count` numbers, the first of them after `first` others. Throws FileError when the file has changed meanwhile.
-std::vector<double> read_npy_values(const std::filesystem::path& path, const NpyArray& array, std::uint64_t first,
+std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& array, std::uint64_t first,
                                     std::size_t count);
 
 /// Everything that comes before the numbers in a file of version 1. descr: "<f8" or "<i4".

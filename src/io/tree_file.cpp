@@ -102,7 +102,11 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
   const std::string extension = lower_extension(path);
   if (extension != ".morula" && extension != ".sph" && extension != ".json") fail_unknown(path, extension);
   if (!is_finite(options.sph_origin)) throw std::invalid_argument("sph_origin has a coordinate that is not finite");
-  const std::string bytes = read_whole(path);
+  return tree_of_bytes(path, read_whole(path), options);
+}
+
+TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options) {
+  const std::string extension = lower_extension(path);
   if (extension == ".morula") return read_native(path, bytes);
   TreeFile file;
   file.tree = extension == ".sph" ? read_sph(path, bytes, options.sph_origin) : read_json_tree(path, bytes);
@@ -112,7 +116,10 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
 Built read_built(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options,
                  Workers& workers) {
   require_usable(mesh);
-  TreeFile file = read_tree(path, options);
+  return built_of_file(path, read_tree(path, options), mesh, workers);
+}
+
+Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers) {
   if (!file.cover) return cover(mesh, file.tree, workers);
 
   if (file.report.mesh_hash != mesh_hash(mesh) || file.cover->vertex_count != mesh.vertex_count() ||

@@ -10,6 +10,10 @@
 
 namespace morula {
 
+/// What read_tree and read_built make of a file with these bytes; the path says the format by its extension.
+TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options);
+Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers);
+
 /// Readers check everything that they use; the trees that they return have passed validate(). path is for messages.
 SphereTree read_sph(const std::filesystem::path& path, std::string_view text, const Vec3& origin);
 SphereTree read_json_tree(const std::filesystem::path& path, std::string_view text);

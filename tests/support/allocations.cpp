@@ -8,20 +8,27 @@
 namespace morula::test {
 
 std::atomic<std::size_t> allocations{0};
+std::atomic<std::size_t> allocated_bytes{0};
 
 }  // namespace morula::test
 
 namespace {
 
+using morula::test::allocated_bytes;
 using morula::test::allocations;
 
-void* counted(std::size_t size) {
+void count(std::size_t size) {
   ++allocations;
+  allocated_bytes += size;
+}
+
+void* counted(std::size_t size) {
+  count(size);
   if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
   throw std::bad_alloc();
 }
 void* counted(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
+  count(size);
   const auto a = static_cast<std::size_t>(alignment);
   if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
   throw std::bad_alloc();
@@ -42,11 +49,11 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
   return counted(size, alignment);
 }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocations;
+  count(size);
   return std::malloc(size == 0 ? 1 : size);
 }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocations;
+  count(size);
   return std::malloc(size == 0 ? 1 : size);
 }
 void operator delete(void* p) noexcept {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Counts every allocation of a program: whoever names the counter links an operator new that counts.
+// Counts every allocation of a program: whoever names a counter links an operator new that counts.
 #pragma once
 
 #include <atomic>
@@ -9,5 +9,7 @@
 namespace morula::test {
 
 extern std::atomic<std::size_t> allocations;
+/// The bytes asked for by all of them together, freed or not.
+extern std::atomic<std::size_t> allocated_bytes;
 
 }  // namespace morula::test

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The morula command: parses, runs one command, turns failures into one line and an exit code.
+#include "command_line.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,7 +56,7 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}; see {}", error.what(), help);
 }
 
-int run(int argc, char** argv) {
+int run(int argc, char** argv, bool parse_only) {
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
   app.require_subcommand(1);
@@ -95,7 +96,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
     return fail(exit_bad_use, parse_message(app, error));
   }
-  return run();
+  return parse_only ? exit_done : run();
 }
 
 /// The work is done, but what is to be said of it cannot be said.
@@ -105,9 +106,11 @@ int fail_to_print(int error) {
                           error != 0 ? std::generic_category().message(error) : "it is closed", written_so_far()));
 }
 
-int guarded(int argc, char** argv, bool has_stdout) {
+}  // namespace
+
+int command_line(int argc, char** argv, bool has_stdout, bool parse_only) {
   try {
-    const int exit_code = run(argc, argv);
+    const int exit_code = run(argc, argv, parse_only);
     errno = 0;
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail_to_print(errno);
     return has_stdout ? exit_code : fail_to_print(0);
@@ -129,11 +132,4 @@ int guarded(int argc, char** argv, bool has_stdout) {
   }
 }
 
-}  // namespace
 }  // namespace morula::cli
-
-int main(int argc, char** argv) {
-  const bool has_stdout = morula::cli::open_standard_streams();
-  morula::cli::watch_signals();
-  return morula::cli::guarded(argc, argv, has_stdout);
-}

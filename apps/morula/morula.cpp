@@ -1,0 +1,11 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "command_line.hpp"
+#include "console.hpp"
+#include "interrupt.hpp"
+
+int main(int argc, char** argv) {
+  const bool has_stdout = morula::cli::open_standard_streams();
+  morula::cli::watch_signals();
+  return morula::cli::command_line(argc, argv, has_stdout);
+}

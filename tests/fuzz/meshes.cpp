@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Mesh files: the first byte says which format, the others are the file. A mesh that is read is usable, and what is
+// written of it reads back as the same bits.
+#include <array>
+#include <bit>
+#include <cstring>
+#include <morula/io/mesh_file.hpp>
+
+#include "fuzz.hpp"
+#include "io/mesh_formats.hpp"
+
+namespace morula::fuzz {
+namespace {
+
+bool same_bits(const Mesh& a, const Mesh& b) {
+  return a.facets == b.facets && a.vertex_count() == b.vertex_count() &&
+         std::memcmp(a.positions.data(), b.positions.data(), a.vertex_count() * sizeof(Vec3)) == 0;
+}
+
+void require_round_trip(const Mesh& mesh) {
+  for (const char* const name : {"again.obj", "again.off", "again.ply"}) {
+    const std::string bytes = mesh_bytes(name + 5, mesh.positions, mesh.facets);
+    require(same_bits(mesh_of_bytes(name, bytes), mesh), "a mesh that was written reads back as another one");
+  }
+}
+
+void try_mesh(const char* name, std::string_view bytes) {
+  Mesh mesh;
+  const MemoryMeter memory;
+  try {
+    mesh = mesh_of_bytes(name, bytes);
+  } catch (const FileError& error) {
+    memory.require_modest(bytes.size());
+    require_good_message(error.what(), name);
+    return;
+  }
+  memory.require_modest(bytes.size());
+  require_usable(mesh);
+  for (const Vec3& p : mesh.positions) require(is_finite(p), "a mesh was read that is not finite");
+  require_round_trip(mesh);
+}
+
+}  // namespace
+}  // namespace morula::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr std::array names{"mesh.obj", "mesh.off", "mesh.ply", "mesh.stl"};
+  morula::fuzz::Bytes in(data, size);
+  const char* const name = names[in.below(names.size())];
+  morula::fuzz::try_mesh(name, in.rest());
+  return 0;
+}
