@@ -85,6 +85,7 @@ int deform_command(const Options& o, const CLI::App& command) {
     require_output_place(o.output);
     require_not_input(o.output, {o.mesh});
   } else {
+    require_folder_place(o.output);
     require_frames_not_input(o.output, o.frames, ending, {o.mesh});
     require_no_strangers(o.output, o.frames, ending, {".obj", ".off", ".ply", ".stl"});
   }
@@ -94,7 +95,6 @@ int deform_command(const Options& o, const CLI::App& command) {
   deform(mesh, deformations, *std::max_element(parameters.begin(), parameters.end()));
 
   {
-    require_folder_place(o.output);
     MotionWriter writer(o.output, mesh, o.frames, ending);
     Progress progress("deforming");
     for (std::size_t i = 0; i < o.frames; ++i) {

@@ -49,6 +49,10 @@ class Child {
     posix_spawn_file_actions_destroy(&files);
   }
   void send(int signal) const { EXPECT_EQ(kill(id_, signal), 0); }
+  bool is_running() const {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(id_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+  }
   /// The exit code; −1 when a signal ended it.
   int wait() {
     int status = 0;
@@ -112,7 +116,10 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const auto [signal, code] = signals[i % signals.size()];
     Child child(bench, commands[i], err);
-    while (hidden_in(bench) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (hidden_in(bench) == 0) {
+      ASSERT_TRUE(child.is_running()) << commands[i].front() << " -o " << commands[i][3];
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(20 * i));
     child.send(signal);
     EXPECT_EQ(child.wait(), code) << commands[i].front() << " -o " << commands[i][3];

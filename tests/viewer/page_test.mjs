@@ -238,7 +238,7 @@ const harm = (page) => page.evaluate(() => [
   ...[...document.querySelectorAll('script')].filter((s) => /javascript|module|^$/.test(s.type) && s.textContent.includes('harmed')).map(() => 'a script element from data'),
   ...[...document.querySelectorAll('iframe, object, embed, base, form, b.harm, img.harm')].map((e) => `<${e.localName}> from data`),
 ]);
-const hostile = `"'><script>window.harmed=1</script><img class=harm src=x onerror=window.harmed=1><b class=harm>&amp; \u202e\u0000 é 日本 \ud800`;
+const hostile = `"'><script>window.harmed=1</script><img class=harm src=x onerror=window.harmed=1><b class=harm>&amp; \u202e\u0000 é 日本`;
 
 await claim('names_and_results_are_text_whatever_is_in_them', async () => {
   const body = `"'><b class=harm>`; // no slash: it is a file's name
@@ -258,7 +258,7 @@ await claim('names_and_results_are_text_whatever_is_in_them', async () => {
   results.pictures.push({ id: 'x', title: hostile, svg: '<svg><not closed' });
   writeFileSync(at('spoilt.json'), JSON.stringify(results));
   for (const [mesh_name, page_name] of [[`${body}.obj`, 'hostile.html'], ['日本 é.obj', 'unicode.html']]) {
-    run(['view', mesh_name, 'bar.morula', '-o', page_name, '--no-measure', '--title', hostile.replaceAll('\u0000', '').replaceAll('\ud800', ''), '--study', 'spoilt.json']);
+    run(['view', mesh_name, 'bar.morula', '-o', page_name, '--no-measure', '--title', hostile.replaceAll('\u0000', ''), '--study', 'spoilt.json']);
     const { page, complaints, close } = await open(browser, at(page_name), small);
     await settled(page);
     equal((await harm(page)).join(', '), '', page_name);
@@ -282,13 +282,14 @@ await claim('the_policy_stops_what_gets_in_all_the_same', async () => {
   await settled(page);
   equal(await page.evaluate(() => window.harmed === undefined), true, 'nothing ran');
   check(complaints.filter((text) => text.includes('Content Security Policy')).length >= 3, complaints.join('\n'));
-  const refused = await page.evaluate(async () => {
-    const said = [];
-    try { (0, eval)('1'); } catch (error) { said.push(error.name); }
-    try { await fetch('data:,x'); } catch (error) { said.push(error.name); }
-    return said.join(' ');
+  // Text as code is tried from a timer: what the test itself evaluates is exempt.
+  const got_out = await page.evaluate(async () => {
+    setTimeout('window.harmed = 1', 0);
+    await new Promise((done) => setTimeout(done, 100));
+    return fetch('data:,x').then(() => 'connected', (error) => error.name);
   });
-  equal(refused, 'EvalError TypeError', 'no evaluation of text, no connections');
+  equal(got_out, 'TypeError', 'no connections');
+  equal(await page.evaluate(() => window.harmed === undefined), true, 'no evaluation of text');
   await close();
 });
 
