@@ -45,6 +45,35 @@ TEST(PowerDiagramAllowance, candidates_hold_the_owner_where_bounds_are_tight) {
   }
 }
 
+TEST(PowerDiagramAllowance, of_equals_the_lowest_index_owns_and_grows) {
+  Random random(4);
+  for (int round = 0; round < 100; ++round) {
+    const Sphere ball{random_vector(random), random.uniform(0, 1)};
+    const std::vector<Sphere> copies(40, ball);
+    const PowerDiagram diagram(copies);
+    const std::vector<Vec3> points{random_vector(random), random_vector(random)};
+    EXPECT_EQ(diagram.owner(points[0]), 0u);
+    EXPECT_EQ(diagram.least_growth(points).sphere, 0u);
+  }
+}
+
+// A facet in the bisector of two spheres, but for rounding: cutting it would only make slivers.
+TEST(PowerDiagramAllowance, a_facet_in_a_bisector_stays_whole) {
+  Random random(5);
+  std::vector<std::uint32_t> scratch;
+  CutFacet cut;
+  for (int round = 0; round < 2000; ++round) {
+    const Vec3 normal = normalized(random_vector(random)), middle = random_vector(random);
+    const double apart = random.uniform(0.1, 1);
+    const std::vector<Sphere> spheres{{middle - apart * normal, 1}, {middle + apart * normal, 1}};
+    FacetGeometry facet{{}, {0, 1, 2}};
+    for (Vec3& p : facet.corners) p = middle + cross(normal, random_vector(random));
+    cut.clear();
+    PowerDiagram(spheres).cut(facet, scratch, cut);
+    ASSERT_EQ(cut.size(), 1u) << round;
+  }
+}
+
 // Copies of one facet, strewn over many leaves: all are as near, so a bound that is too sharp by the last bit hides the
 // first of them. From near by, where the nearest point is rounded out of the box, and from straight above and far away.
 TEST(TriangleBvhAllowance, prunes_no_copy_of_the_nearest_facet) {
