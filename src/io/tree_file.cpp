@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <morula/geometry/scale.hpp>
 #include <morula/io/tree_file.hpp>
+#include <stdexcept>
 
 #include "io/tree_formats.hpp"
 #include "io/whole_file.hpp"
@@ -120,8 +122,14 @@ Built read_built(const std::filesystem::path& path, const Mesh& mesh, const Read
 }
 
 Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers) {
-  if (!file.cover) return cover(mesh, file.tree, workers);
-
+  if (!file.cover) {
+    require_usable_scale(mesh);
+    try {
+      return cover(mesh, file.tree, workers);
+    } catch (const std::invalid_argument& fault) {  // the mesh is usable, so it is of the tree
+      throw FileError(path.string() + ": " + fault.what());
+    }
+  }
   if (file.report.mesh_hash != mesh_hash(mesh) || file.cover->vertex_count != mesh.vertex_count() ||
       file.cover->facet_count != mesh.facet_count())
     throw FileError(path.string() +

@@ -258,6 +258,13 @@ TEST(HostileTrees, native_file_whose_spheres_do_not_cover) {
   expect_file_error(path, 0, "node 5 does not wrap its region", [&] { read_built(path, mesh); });
 }
 
+TEST(HostileTrees, spheres_beyond_all_range_are_refused_by_name) {
+  const ScratchFolder folder;
+  const fs::path path = folder.file("a.sph", "1 8\n0 0 0 1e300 1\n");
+  EXPECT_NO_THROW(read_tree(path));
+  expect_file_error(path, 0, "beyond 1e30", [&] { read_built(path, small_mesh()); });
+}
+
 // A patch that shows one corner twice leaves a part of its facet to nobody, and every corner is still covered.
 TEST(HostileTrees, native_file_whose_patches_leave_surface_to_nobody) {
   const ScratchFolder folder;
