@@ -8,8 +8,8 @@
 #include <string>
 
 #include "geometry/hash.hpp"
-#include "update/facet_hull.hpp"
 #include "parallel/float_environment.hpp"
+#include "update/facet_hull.hpp"
 #include "update/local_points.hpp"
 #include "update/ownership.hpp"
 #include "update/ownership_check.hpp"

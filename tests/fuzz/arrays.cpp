@@ -62,7 +62,8 @@ void read_folder(std::string_view bytes) {
   const auto plain = [](std::string name) {
     // A message repeats the name, as it is.
     std::replace_if(
-        name.begin(), name.end(), [](char c) { return c == '/' || static_cast<unsigned char>(c) < ' '; }, '_');    if (name.size() > 100) name.resize(100);
+        name.begin(), name.end(), [](char c) { return c == '/' || static_cast<unsigned char>(c) < ' '; }, '_');
+    if (name.size() > 100) name.resize(100);
     return name.empty() || name == "." || name == ".." ? "x" + name : name;
   };
   const std::string pattern = plain(std::string(part('\x1f')));

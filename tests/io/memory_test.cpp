@@ -128,7 +128,7 @@ TEST_F(Memory, of_array_readers_does_not_follow_the_shape) {
   };
   for (const std::string& n : large_counts)
     for (const std::string& shape : {"(" + n + ", 3, 3)", "(1, " + n + ", 3)", "(1, 3, " + n + ")",
-                                    "(" + n + ", " + n + ", 3)", "(" + n + ", 2)"}) {
+                                     "(" + n + ", " + n + ", 3)", "(" + n + ", 2)"}) {
       const std::string header = array(shape, std::string(), std::string());
       const std::size_t dictionary = header.size() - 6;
       for (const std::string& bytes :
