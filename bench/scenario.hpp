@@ -5,7 +5,7 @@
 
 #include <chrono>
 #include <cstddef>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
 #include <span>

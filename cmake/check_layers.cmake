@@ -11,18 +11,27 @@ cmake_minimum_required(VERSION 3.24)
 # ground
 set(height_parallel 0)
 set(height_geometry 1)
+set(height_simd 2)
 # shape
-set(height_query 2)
-set(height_medial 3)
-set(height_deform 2)
+set(height_query 3)
+set(height_medial 4)
+set(height_deform 3)
 # tree
-set(height_tree 4)
-set(height_build 5)
-set(height_update 6)  # a body that refits builds
+set(height_tree 5)
+set(height_generators 6)
+set(height_update 7)  # a body that rebuilds its tree builds
 # uses
-set(height_accuracy 7)
-set(height_collide 7)
-set(height_io 7)
+set(height_accuracy 8)
+set(height_collide 8)
+set(height_io 8)
+
+# Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
+set(wings_generators fit driver divide reduce)
+set(wings_update points rules kdop rebuild)
+set(wings_collide pairs facets front shapes)
+set(wings_io array mesh tree motion)
+# Files beside the wings that the wings may include.
+set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
@@ -40,8 +49,44 @@ macro(fault file include reason)
   list(APPEND faults "${file} includes ${include}: ${reason}")
 endmacro()
 
+# wing_of(PATH VARIABLE): the place of a path's wing in the list of its folder's wings; -1 for what lies beside them, -2 for what is
+# common to them, -3 for a wing that the list does not know.
+function(wing_of path variable)
+  set(place -2)
+  string(REGEX REPLACE "^src/" "" path "${path}")
+  if(path MATCHES "^([a-z_]+)/([a-z_]+)/")
+    list(FIND wings_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}" place)
+    if(place EQUAL -1)
+      set(place -3)
+    endif()
+  elseif(path MATCHES "^([a-z_]+)/([a-z_]+)[.]")
+    list(FIND common_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}" common)
+    if(common EQUAL -1)
+      set(place -1)
+    endif()
+  endif()
+  set(${variable} ${place} PARENT_SCOPE)
+endfunction()
+
+# check_wings(FILE INCLUDE): both of one folder. Public headers are in no wing; private ones have a place.
+macro(check_wings file include)
+  string(REGEX REPLACE "^[<\"](.*)[>\"]$" "\\1" wing_path "${include}")
+  if(NOT wing_path MATCHES "^morula/" AND "${file}" MATCHES "^src/")
+    wing_of("${file}" wing_of_file)
+    wing_of("${wing_path}" wing_of_target)
+    if(wing_of_file EQUAL -3 OR wing_of_target EQUAL -3)
+      fault("${file}" "${include}" "a wing without a place: give it one in cmake/check_layers.cmake")
+    elseif(wing_of_file GREATER_EQUAL 0 AND
+           (wing_of_target EQUAL -1 OR wing_of_target GREATER wing_of_file))
+      fault("${file}" "${include}" "wings include themselves, those before them, and what is common")
+    elseif(wing_of_file EQUAL -2 AND NOT wing_of_target EQUAL -2)
+      fault("${file}" "${include}" "what is common to the wings includes none of them")
+    endif()
+  endif()
+endmacro()
+
 file(GLOB_RECURSE library_files RELATIVE "${ROOT}"
-  "${ROOT}/include/morula/*.hpp" "${ROOT}/src/*.hpp" "${ROOT}/src/*.cpp")
+  "${ROOT}/include/morula/*.hpp" "${ROOT}/src/*.hpp" "${ROOT}/src/*.cpp" "${ROOT}/src/*.inl")
 foreach(file IN LISTS library_files)
   # The header of everything.
   if(file STREQUAL "include/morula/morula.hpp")
@@ -78,6 +123,8 @@ foreach(file IN LISTS library_files)
       fault("${file}" "${include}" "there is no folder ${target} in the library")
     elseif(NOT target STREQUAL folder AND NOT height_${target} LESS height_${folder})
       fault("${file}" "${include}" "${target} is not below ${folder}")
+    elseif(target STREQUAL folder AND DEFINED wings_${folder})
+      check_wings("${file}" "${include}")
     endif()
   endforeach()
 endforeach()

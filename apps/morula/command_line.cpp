@@ -14,10 +14,10 @@
 #include <system_error>
 #include <vector>
 
-#include "command.hpp"
-#include "console.hpp"
-#include "interrupt.hpp"
-#include "options.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/interrupt.hpp"
+#include "shared/options.hpp"
 
 namespace morula::cli {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include "command_line.hpp"
-#include "console.hpp"
-#include "interrupt.hpp"
+#include "shared/console.hpp"
+#include "shared/interrupt.hpp"
 
 int main(int argc, char** argv) {
   const bool has_stdout = morula::cli::open_standard_streams();

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <morula/accuracy/measure.hpp>
-#include <morula/build/build.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
@@ -14,6 +13,7 @@
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>

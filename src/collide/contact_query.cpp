@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/front_walk.hpp"
+#include "collide/front/front_walk.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
 

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/contact_geometry.hpp"
-#include "collide/descent.hpp"
-#include "collide/front_walk.hpp"
+#include "collide/facets/contact_geometry.hpp"
+#include "collide/front/front_walk.hpp"
+#include "collide/pairs/descent.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
 

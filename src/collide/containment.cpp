@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/placed_spheres.hpp"
+#include "collide/pairs/placed_spheres.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
 

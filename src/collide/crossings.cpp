@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "collide/descent.hpp"
-#include "collide/node_facets.hpp"
-#include "collide/pair_set.hpp"
+#include "collide/facets/node_facets.hpp"
+#include "collide/pairs/descent.hpp"
+#include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
 #include "geometry/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "collide/nearest_pair.hpp"
-#include "collide/placed_spheres.hpp"
-#include "collide/slab.hpp"
-#include "collide/world_facets.hpp"
+#include "collide/facets/world_facets.hpp"
+#include "collide/pairs/placed_spheres.hpp"
+#include "geometry/nearest_pair.hpp"
+#include "geometry/slab.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {

@@ -3,8 +3,8 @@
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/overlap.hpp>
 
+#include "collide/pairs/tree_pair.hpp"
 #include "collide/require.hpp"
-#include "collide/tree_pair.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {

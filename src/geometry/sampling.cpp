@@ -12,13 +12,13 @@
 
 namespace morula {
 
-std::vector<SurfaceSample> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+std::vector<SurfacePoint> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
   const StandardFloats standard;
   require_usable_scale(mesh);
   std::vector<double> area_up_to(mesh.facet_count());
   double total = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) area_up_to[f] = total += area(mesh.corners(f));
-  std::vector<SurfaceSample> samples;
+  std::vector<SurfacePoint> samples;
   if (!(total > 0)) return samples;
   samples.reserve(count);
   Random random(seed);

@@ -18,7 +18,7 @@ ClosestFacetPoint closest_point(const Mesh& mesh, const Vec3& p) {
     const TrianglePoint found = morula::closest_point(mesh.corners(f), p);
     if (found.squared_distance < best.squared_distance) nearest = f, best = found;
   }
-  return {nearest, best.point, best.barycentric, best.squared_distance};
+  return {{nearest, best.barycentric, best.point}, best.squared_distance};
 }
 
 std::vector<std::uint32_t> facets_touching(const Mesh& mesh, const Sphere& ball) {

@@ -114,7 +114,7 @@ std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, doubl
     }
   }
   if (best_facet == none) return std::nullopt;
-  return ClosestFacetPoint{best_facet, best.point, best.barycentric, best.squared_distance};
+  return ClosestFacetPoint{{best_facet, best.barycentric, best.point}, best.squared_distance};
 }
 
 void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const {

@@ -11,7 +11,7 @@
 #include <morula/parallel/workers.hpp>
 #include <vector>
 
-#include "query/lanes.hpp"
+#include "simd/lanes.hpp"
 
 namespace morula::wide {
 

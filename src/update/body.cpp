@@ -12,9 +12,9 @@
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
 #include "update/body_state.hpp"
-#include "update/facet_hull.hpp"
-#include "update/ownership.hpp"
-#include "update/ownership_check.hpp"
+#include "update/points/facet_hull.hpp"
+#include "update/points/ownership.hpp"
+#include "update/points/ownership_check.hpp"
 
 namespace morula {
 namespace {

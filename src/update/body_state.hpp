@@ -6,10 +6,10 @@
 #include <morula/update/body.hpp>
 #include <optional>
 
-#include "update/exact.hpp"
-#include "update/local_points.hpp"
-#include "update/modal.hpp"
-#include "update/paper_rules.hpp"
+#include "update/points/local_points.hpp"
+#include "update/rules/exact.hpp"
+#include "update/rules/modal.hpp"
+#include "update/rules/paper_rules.hpp"
 
 namespace morula {
 

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "geometry/float4.hpp"
 #include "parallel/float_environment.hpp"
-#include "update/surface_samples.hpp"
+#include "simd/float4.hpp"
+#include "update/points/surface_samples.hpp"
 
 namespace morula {
 namespace {

@@ -254,7 +254,7 @@ TEST(Coverage, agrees_with_sampling_on_random_bodies) {
       constexpr std::size_t sample_count = 4000;
       std::size_t bare = 0;
       double sampled_gap = 0;
-      for (const SurfaceSample& s : sample_surface(named.mesh, sample_count, seed)) {
+      for (const SurfacePoint& s : sample_surface(named.mesh, sample_count, seed)) {
         const double gap = gap_at(spheres, s.point);
         bare += gap > 0;
         sampled_gap = std::max(sampled_gap, gap);

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "claims.hpp"
-#include "update/kernels.hpp"
-#include "update/processors.hpp"
+#include "simd/processors.hpp"
+#include "update/points/kernels.hpp"
 
 namespace morula::bits {
 namespace {

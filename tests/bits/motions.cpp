@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <morula/build/build.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/accuracy/measure.hpp>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
@@ -86,7 +86,7 @@ void add_queries(Claims& claims, std::string_view name, Workers& workers) {
   claims.push_back({"volumes of balls inside" + of, volumes.value()});
 
   std::vector<Vec3> points, normals;
-  for (const SurfaceSample& s : sample_surface(mesh, 400, 7)) {
+  for (const SurfacePoint& s : sample_surface(mesh, 400, 7)) {
     const Triangle t = mesh.corners(s.facet);
     points.push_back(s.point), normals.push_back(normalized(cross(t[1] - t[0], t[2] - t[0])));
   }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/io/tree_file.hpp>
 
 #include "workbench.hpp"

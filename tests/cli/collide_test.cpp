@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <morula/build/build.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>

@@ -12,11 +12,11 @@
 #include <set>
 #include <utility>
 
-#include "collide/pair_frame.hpp"
-#include "collide/pair_kernels.hpp"
-#include "collide/tree_pair.hpp"
+#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/pair_kernels.hpp"
+#include "collide/pairs/tree_pair.hpp"
 #include "specimens.hpp"
-#include "update/rounding.hpp"
+#include "update/points/rounding.hpp"
 
 namespace morula {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/contact_surface.hpp"
+#include "collide/facets/contact_surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/build/build.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>

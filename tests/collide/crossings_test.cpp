@@ -5,15 +5,15 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <morula/build/build.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <set>
 #include <support/meshes.hpp>
 
-#include "collide/box_kernels.hpp"
+#include "collide/facets/box_kernels.hpp"
 
 namespace morula {
 namespace {

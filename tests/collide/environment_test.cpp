@@ -7,7 +7,6 @@
 #include <bit>
 #include <cfenv>
 #include <morula/accuracy/measure.hpp>
-#include <morula/build/build.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
@@ -15,6 +14,7 @@
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/update/refit.hpp>

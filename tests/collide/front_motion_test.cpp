@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have travelled.
-#include "collide/front_motion.hpp"
+#include "collide/front/front_motion.hpp"
 
 #include <gtest/gtest.h>
 

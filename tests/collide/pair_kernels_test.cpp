@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The pair test against double arithmetic, and every kind of processor against plain loops.
-#include "collide/pair_kernels.hpp"
+#include "collide/pairs/pair_kernels.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <morula/geometry/random.hpp>
 #include <vector>
 
-#include "collide/pair_frame.hpp"
+#include "collide/pairs/pair_frame.hpp"
 #include "specimens.hpp"
 
 namespace morula {

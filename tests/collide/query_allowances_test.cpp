@@ -12,10 +12,10 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 
-#include "collide/nearest_pair.hpp"
-#include "collide/placed_spheres.hpp"
-#include "collide/slab.hpp"
-#include "collide/world_facets.hpp"
+#include "collide/facets/world_facets.hpp"
+#include "collide/pairs/placed_spheres.hpp"
+#include "geometry/nearest_pair.hpp"
+#include "geometry/slab.hpp"
 #include "placed_bodies.hpp"
 
 namespace morula {

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <memory>
-#include <morula/build/build.hpp>
 #include <morula/collide/contacts.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <string>
 #include <vector>

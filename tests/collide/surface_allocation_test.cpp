@@ -3,12 +3,12 @@
 // Questions like those before them allocate nothing: every one is counted.
 #include <gtest/gtest.h>
 
-#include <morula/build/build.hpp>
 #include <morula/collide/crossings.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/allocations.hpp>
 
-#include "collide/contact_surface.hpp"
+#include "collide/facets/contact_surface.hpp"
 
 namespace morula {
 namespace {

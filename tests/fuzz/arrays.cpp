@@ -13,9 +13,9 @@
 #include <morula/io/spheres_file.hpp>
 
 #include "fuzz.hpp"
-#include "io/array_motion.hpp"
 #include "io/byte_reader.hpp"
-#include "io/mesh_formats.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/motion/array_motion.hpp"
 #include "specimens.hpp"
 
 namespace morula::fuzz {

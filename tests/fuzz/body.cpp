@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <morula/build/build.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/generators/build.hpp>
 #include <set>
 #include <stdexcept>
 

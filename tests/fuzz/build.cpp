@@ -4,7 +4,7 @@
 // validation, is finite and covers.
 #include <algorithm>
 #include <cmath>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <stdexcept>
 
 #include "fuzz.hpp"

@@ -8,15 +8,15 @@
 #include <array>
 #include <cctype>
 #include <map>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <string>
 #include <vector>
 
 #include "command_line.hpp"
 #include "fuzz.hpp"
-#include "io/mesh_formats.hpp"
-#include "io/npy.hpp"
-#include "io/tree_formats.hpp"
+#include "io/array/npy.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/tree/formats.hpp"
 #include "specimens.hpp"
 
 namespace morula::fuzz {

@@ -8,7 +8,7 @@
 #include <morula/io/mesh_file.hpp>
 
 #include "fuzz.hpp"
-#include "io/mesh_formats.hpp"
+#include "io/mesh/formats.hpp"
 
 namespace morula::fuzz {
 namespace {

@@ -5,15 +5,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <string>
 
+#include "io/array/npy.hpp"
 #include "io/byte_reader.hpp"
-#include "io/mesh_formats.hpp"
-#include "io/npy.hpp"
-#include "io/tree_formats.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/tree/formats.hpp"
 #include "small_bodies.hpp"
 #include "specimens.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "fuzz.hpp"
 #include "io/byte_reader.hpp"
-#include "io/tree_formats.hpp"
+#include "io/tree/formats.hpp"
 #include "specimens.hpp"
 
 namespace morula::fuzz {

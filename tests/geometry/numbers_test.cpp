@@ -91,7 +91,7 @@ TEST(SampleSurface, is_proportional_to_area_and_lies_on_the_facets) {
   const auto samples = sample_surface(mesh, count, 5);
   ASSERT_EQ(samples.size(), count);
   std::vector<double> hits(mesh.facet_count());
-  for (const SurfaceSample& s : samples) {
+  for (const SurfacePoint& s : samples) {
     EXPECT_LT(distance(s.point, at_barycentric(mesh.corners(s.facet), s.barycentric)), 1e-15);
     hits[s.facet] += 1;
   }

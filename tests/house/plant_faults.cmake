@@ -39,22 +39,28 @@ run(check_layers passes "4 includes point down")
 run(check_licence passes "9 files carry their licence lines")
 run(check_references passes "2 papers cited")
 
-file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}# include <morula/build/build.hpp>  // up\n")
+file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}# include <morula/generators/build.hpp>  // up\n")
 file(WRITE "${FOLDER}/src/update/sideways.cpp" "${licence}#include <morula/accuracy/measure.hpp>\n")
 file(WRITE "${FOLDER}/include/morula/geometry/private.hpp" "${licence}#include \"geometry/hash.hpp\"\n")
 file(WRITE "${FOLDER}/src/geometry/everything.cpp" "${licence}#include <morula/morula.hpp>\n")
+file(WRITE "${FOLDER}/src/update/points/upward.inl" "${licence}#include \"update/rules/exact.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/points/outward.hpp" "${licence}#include \"update/body_state.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/attic/old.hpp" "${licence}#include \"update/points/narrow.hpp\"\n")
 file(WRITE "${FOLDER}/src/novelty/new.cpp" "${licence}")
 file(WRITE "${FOLDER}/apps/morula/private.cpp" "${licence}#include <tree/region.hpp>\n")
 file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${licence}#include \"../../src/tree/region.hpp\"\n")
 run(check_layers fails
-  "include/morula/tree/cover.hpp includes <morula/build/build.hpp>: build is not below tree"
+  "include/morula/tree/cover.hpp includes <morula/generators/build.hpp>: generators is not below tree"
   "src/update/sideways.cpp includes <morula/accuracy/measure.hpp>: accuracy is not below update"
   "include/morula/geometry/private.hpp includes \"geometry/hash.hpp\": a public header may include public"
   "src/geometry/everything.cpp includes <morula/morula.hpp>: the library includes what it uses"
+  "src/update/points/upward.inl includes \"update/rules/exact.hpp\": wings include themselves"
+  "src/update/points/outward.hpp includes \"update/body_state.hpp\": wings include themselves"
+  "src/update/attic/old.hpp includes \"update/points/narrow.hpp\": a wing without a place"
   "src/novelty/new.cpp: the folder novelty has no height"
   "apps/morula/private.cpp includes <tree/region.hpp>: a private header"
   "tests/consumer/path.cpp includes \"../../src/tree/region.hpp\": a private header"
-  "7 includes break the layers")
+  "10 includes break the layers")
 
 file(WRITE "${FOLDER}/src/tree/bare.cpp" "int bare;\n")
 file(WRITE "${FOLDER}/scripts/late" "#!/bin/sh\n\n# SPDX-License-Identifier: Apache-2.0\n")

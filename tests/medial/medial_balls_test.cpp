@@ -23,7 +23,7 @@ struct Samples {
 
 Samples samples_of(const Mesh& mesh, std::size_t count) {
   Samples samples;
-  for (const SurfaceSample& sample : sample_surface(mesh, count)) {
+  for (const SurfacePoint& sample : sample_surface(mesh, count)) {
     samples.points.push_back(sample.point);
     samples.normals.push_back(normalized(area_vector(mesh.corners(sample.facet))));
   }

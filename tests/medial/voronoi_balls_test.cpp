@@ -18,7 +18,7 @@ namespace {
 
 std::vector<Vec3> surface_points(const Mesh& mesh, std::size_t count) {
   std::vector<Vec3> points;
-  for (const SurfaceSample& sample : sample_surface(mesh, count)) points.push_back(sample.point);
+  for (const SurfacePoint& sample : sample_surface(mesh, count)) points.push_back(sample.point);
   return points;
 }
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <morula/build/build.hpp>
 #include <morula/collide/contact_query.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/update/body.hpp>
 #include <support/meshes.hpp>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <memory>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/update/rules.hpp>
 #include <string>
 #include <vector>

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <support/meshes.hpp>
 
 #include "bodies_at_scale.hpp"

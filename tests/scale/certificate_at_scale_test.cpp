@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 
 #include "bodies_at_scale.hpp"
 

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/build/build.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
+#include <morula/generators/build.hpp>
 #include <support/meshes.hpp>
 
 #include "bodies_at_scale.hpp"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 #include <morula/accuracy/measure.hpp>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 
 #include "bodies_at_scale.hpp"
 

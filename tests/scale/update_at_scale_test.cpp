@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -23,7 +23,7 @@ SphereTree careless_tree(const Mesh& mesh, std::size_t count, std::uint64_t seed
   tree.branching = 64;
   tree.append_level({}, std::vector<Sphere>{{bounding_box(mesh).center(), 0.3 * diagonal}});
   std::vector<Sphere> spheres;
-  for (const SurfaceSample& s : sample_surface(mesh, count, seed))
+  for (const SurfacePoint& s : sample_surface(mesh, count, seed))
     spheres.push_back({s.point, random.uniform(0.01, 0.15) * diagonal});
   tree.append_level(std::vector<std::uint32_t>{static_cast<std::uint32_t>(spheres.size())}, spheres);
   return tree;
@@ -33,7 +33,7 @@ SphereTree careless_tree(const Mesh& mesh, std::size_t count, std::uint64_t seed
 void expect_samples_inside(const Mesh& mesh, const Built& built, const std::string& name) {
   for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
     const std::vector<Sphere> spheres = level_set_spheres(built.tree, level);
-    for (const SurfaceSample& s : sample_surface(mesh, 2000, 9)) {
+    for (const SurfacePoint& s : sample_surface(mesh, 2000, 9)) {
       const bool inside = std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& b) {
         return distance(b.center, s.point) <= b.radius * (1 + 1e-12);
       });

@@ -3,7 +3,7 @@
 // The rules that promise cover, on bodies whose cuts align: judged in extended precision from the public cover.
 #include <gtest/gtest.h>
 
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <support/aligned.hpp>
 

@@ -11,8 +11,8 @@
 #include <morula/update/body.hpp>
 
 #include "bodies.hpp"
-#include "update/corner_walk.hpp"
-#include "update/rounding.hpp"
+#include "update/points/rounding.hpp"
+#include "update/rules/corner_walk.hpp"
 
 namespace morula {
 namespace {

@@ -3,8 +3,8 @@
 // Builders, covers and updates together: what a user runs.
 #include <gtest/gtest.h>
 
-#include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 #include <support/meshes.hpp>

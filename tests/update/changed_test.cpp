@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/tree/renumber.hpp>

@@ -1,19 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What may be left out of a hull, judged in integers; and ownership of aligned bodies, judged by separating lines.
-#include "update/facet_hull.hpp"
+#include "update/points/facet_hull.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/aligned.hpp>
 
 #include "bodies.hpp"
-#include "update/ownership_check.hpp"
+#include "update/points/ownership_check.hpp"
 
 namespace morula {
 namespace {

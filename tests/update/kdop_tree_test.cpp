@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
-#include "update/slab_extents.hpp"
+#include "update/kdop/slab_extents.hpp"
 
 namespace morula {
 namespace {

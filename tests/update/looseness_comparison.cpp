@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <morula/accuracy/looseness.hpp>
-#include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/update/looseness_estimate.hpp>
 
 #include "bodies.hpp"

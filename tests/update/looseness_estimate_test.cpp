@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <morula/accuracy/looseness.hpp>
-#include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <numbers>

@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "bodies.hpp"
-#include "update/mode_rows.hpp"
+#include "update/rules/mode_rows.hpp"
 
 namespace morula {
 namespace {

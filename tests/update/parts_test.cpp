@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numeric>
@@ -16,12 +16,12 @@
 #include <set>
 
 #include "bodies.hpp"
-#include "update/anchors.hpp"
-#include "update/facet_hull.hpp"
-#include "update/kernels.hpp"
-#include "update/narrow.hpp"
-#include "update/ownership.hpp"
-#include "update/rounding.hpp"
+#include "update/points/facet_hull.hpp"
+#include "update/points/kernels.hpp"
+#include "update/points/narrow.hpp"
+#include "update/points/ownership.hpp"
+#include "update/points/rounding.hpp"
+#include "update/rules/anchors.hpp"
 
 namespace morula {
 namespace {

@@ -6,8 +6,8 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 

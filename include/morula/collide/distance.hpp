@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 #include <morula/collide/query_status.hpp>
-#include <morula/collide/surface_point.hpp>
+#include <morula/geometry/surface_point.hpp>
 
 namespace morula {
 

@@ -9,7 +9,7 @@
 
 #include <limits>
 #include <morula/collide/query_status.hpp>
-#include <morula/collide/surface_point.hpp>
+#include <morula/geometry/surface_point.hpp>
 #include <vector>
 
 namespace morula {

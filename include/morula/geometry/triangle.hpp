@@ -18,14 +18,17 @@ inline double area(const Triangle& t) {
   return 0.5 * length(area_vector(t));
 }
 
+/// Barycentric coordinates on a facet. A coordinate is exactly zero on the facet's opposite edge, and stays so in cuts.
+using Barycentric = std::array<double, 3>;
+
 /// Point b0 p0 + b1 p1 + b2 p2.
-inline Vec3 at_barycentric(const Triangle& t, const std::array<double, 3>& b) {
+inline Vec3 at_barycentric(const Triangle& t, const Barycentric& b) {
   return t[0] * b[0] + t[1] * b[1] + t[2] * b[2];
 }
 
 struct TrianglePoint {
   Vec3 point;
-  std::array<double, 3> barycentric;  ///< exactly zero where the point lies on an edge or a vertex
+  Barycentric barycentric;  ///< exactly zero where the point lies on an edge or a vertex
   double squared_distance;
 };
 /// The point of the closed triangle nearest to p. Triangles of no area are segments or points. [ericson2005, 5.1.5]

@@ -15,9 +15,6 @@
 
 namespace morula {
 
-/// Barycentric coordinates on a facet. A coordinate is exactly zero on the facet's opposite edge, and stays so in cuts.
-using Barycentric = std::array<double, 3>;
-
 /// Convex polygons inside one facet, with their owners. Cleared and refilled by each cut; reuse it to avoid allocation.
 struct CutFacet {
   std::vector<Barycentric> corners;

@@ -8,6 +8,7 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
+#include <morula/geometry/surface_point.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/parallel/workers.hpp>
 #include <optional>
@@ -15,10 +16,8 @@
 
 namespace morula {
 
-struct ClosestFacetPoint {
-  std::uint32_t facet;
-  Vec3 point;
-  std::array<double, 3> barycentric;  ///< exactly zero where the point lies on an edge or a vertex
+/// Its barycentric coordinates are exactly zero where the point lies on an edge or a vertex.
+struct ClosestFacetPoint : SurfacePoint {
   double squared_distance;
 };
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <morula/build/build.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <string>

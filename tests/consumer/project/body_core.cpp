@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The core alone: a body made by formula follows a bend, and the proof of its cover is checked.
 #include <cstdio>
-#include <morula/build/build.hpp>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 #include <morula/version.hpp>

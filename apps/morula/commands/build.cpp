@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula build: a mesh to a tree that covers it.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <morula/generators/build.hpp>
+#include <morula/io/ball_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <optional>
+
+#include "commands/build_report.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/interrupt.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string output;
+  std::string method{name(BuildOptions{}.method)};
+  int branching = BuildOptions{}.branching;
+  int depth = BuildOptions{}.depth;
+  std::optional<std::int64_t> spheres;
+  std::optional<double> max_protrusion;
+  std::uint64_t seed = BuildOptions{}.seed;
+  std::string quality{name(BuildOptions{}.quality)};
+  std::string reducers;
+  std::string optimiser{name(BuildOptions{}.optimiser)};
+  double balance_excess = BuildOptions{}.balance_excess;
+  std::optional<double> time_limit;
+  unsigned threads = 0;
+  bool json = false;
+  bool report = false;
+  bool depth_given = false;
+
+  /// A flat set is asked for instead of a depth.
+  bool flat() const { return spheres || max_protrusion; }
+};
+
+/// Contradictions and outputs that cannot be: before anything is read.
+void require_sense(const Options& o) {
+  if (o.flat() && o.depth_given) {
+    throw UsageError(
+        fmt::format("{} and --depth contradict each other: leave out one; the tree becomes as deep as needed",
+                    o.spheres ? "--spheres" : "--max-protrusion"));
+  }
+  if (o.spheres && *o.spheres < 1) throw UsageError(fmt::format("--spheres {}: give at least 1", *o.spheres));
+  if (o.max_protrusion && !(*o.max_protrusion > 0)) {
+    throw UsageError(fmt::format("--max-protrusion {}: give a length above 0, in mesh units", *o.max_protrusion));
+  }
+  if (o.time_limit && !(*o.time_limit > 0)) {
+    throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
+  }
+  if (extension(o.output) != ".ply") return require_tree_output(o.output);
+  if (!o.flat()) {
+    throw UsageError(fmt::format(
+        "{}: .ply holds one set of balls, not a tree: add --spheres N or --max-protrusion LENGTH, or write a .morula",
+        o.output));
+  }
+  require_output_place(o.output);
+}
+
+BuildOptions build_options(const Options& o) {
+  return {.method = parse_method(o.method),
+          .branching = o.branching,
+          .depth = o.depth,
+          .spheres = static_cast<std::size_t>(o.spheres.value_or(0)),
+          .max_protrusion = o.max_protrusion.value_or(0),
+          .seed = o.seed,
+          .reducers = parse_reducers(o.reducers),
+          .optimiser = parse_optimiser(o.optimiser),
+          .balance_excess = o.balance_excess,
+          .quality = parse_quality(o.quality),
+          .time_limit_seconds = o.time_limit.value_or(0),
+          .stop = {},
+          .progress = {}};
+}
+
+struct Seconds {
+  double read, build, check, report, write;
+};
+
+Json json_report(const Options& o, const Mesh& mesh, const Built& built, const Certificate& certificate,
+                 const std::vector<LevelFigures>& figures, const Seconds& seconds, const Workers& workers) {
+  Json json{{"mesh", o.mesh},
+            {"vertices", mesh.vertex_count()},
+            {"facets", mesh.facet_count()},
+            {"mesh_hash", hash_text(built.report.mesh_hash)},
+            {"tree", o.output},
+            {"method", built.report.method},
+            {"branching", built.report.branching},
+            {"depth", built.report.depth},
+            {"seed", built.report.seed},
+            {"tree_hash", hash_text(tree_hash(built.tree))},
+            {"spheres", built.tree.leaf_count()}};
+  if (o.spheres) json["spheres_asked"] = *o.spheres;
+  if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
+  if (built.report.protrusion_bound) json["protrusion_bound"] = *built.report.protrusion_bound;
+  json.update(
+      {{"levels", build_levels_json(built, figures)},
+       {"early_leaves", built.report.early_leaves},
+       {"leftover_patches", built.report.leftover_patches},
+       {"notes", built.report.notes},
+       {"complete", built.report.complete},
+       {"covered", certificate.covered},
+       {"worst_excess", certificate.worst_excess},
+       {"threads", workers.thread_count()},
+       {"seconds",
+        {{"read", seconds.read}, {"build", seconds.build}, {"check", seconds.check}, {"write", seconds.write}}}});
+  if (o.report) json["seconds"]["report"] = seconds.report;
+  return json;
+}
+
+void print_report(const Options& o, const Mesh& mesh, const Built& built, const std::vector<LevelFigures>& figures,
+                  const Seconds& s, const Workers& workers) {
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
+  if (o.flat()) {
+    fmt::print("flat set      {}, sticking out by at most {}\n", counted(built.tree.leaf_count(), "sphere"),
+               figure(built.report.protrusion_bound.value_or(0)));
+  } else {
+    fmt::print("early leaves  {}\n", built.report.early_leaves);
+  }
+  fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
+             counted(built.cover.patch_count(), "patch", "patches"));
+  fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
+             seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),
+             counted(workers.thread_count(), "thread"));
+  for (const std::string& note : built.report.notes) fmt::print("note          {}\n", note);
+  fmt::print("written       {}\n", o.output);
+}
+
+/// Throws BuildStopped on Ctrl-C, before anything is written.
+int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
+  BuildOptions options = build_options(o);
+  Workers workers = make_workers(o.threads);
+
+  Stopwatch watch;
+  Seconds seconds{};
+  const Mesh mesh = read_mesh(o.mesh);
+  seconds.read = watch.lap();
+  options.stop = interrupt.token();
+  const Built built = [&] {
+    Progress progress(fmt::format("building {}", o.method));
+    options.progress = [&](const BuildProgress& now) {
+      const std::string last = o.flat() ? "" : fmt::format(" of {}", o.depth);
+      progress.update(now.share,
+                      fmt::format("building {}, level {}{}{}", o.method, now.level, last, time_left(now.seconds_left)));
+    };
+    return build(mesh, options, workers);
+  }();
+  seconds.build = watch.lap();
+  const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
+  const std::vector<std::string> faults = validate(mesh, built);
+  seconds.check = watch.lap();
+  if (!faults.empty()) {
+    say("morula: error: the tree of {} is broken: {}; nothing was written, please report it\n", o.mesh, faults.front());
+    return exit_check_failed;
+  }
+  std::vector<LevelFigures> figures;
+  if (o.report) figures = measure_levels(mesh, built.tree, interrupt.token(), workers);
+  seconds.report = watch.lap();
+  if (interrupt.requested()) throw BuildStopped();
+  if (extension(o.output) == ".ply") {
+    write_balls(o.output, level_set_spheres(built.tree, built.tree.level_count() - 1));
+  } else {
+    write_tree(o.output, built);
+  }
+  note_written(o.output);
+  seconds.write = watch.lap();
+
+  if (o.json) {
+    print_json(json_report(o, mesh, built, certificate, figures, seconds, workers));
+  } else {
+    print_report(o, mesh, built, figures, seconds, workers);
+  }
+  return built.report.complete ? exit_done : exit_check_failed;
+}
+
+int build_command(const Options& o) {
+  require_sense(o);
+  require_not_input(o.output, {o.mesh});
+  const Interrupt interrupt;
+  try {
+    return build_unless_stopped(o, interrupt);
+  } catch (const BuildStopped&) {
+    say("morula: interrupted; nothing was written\n");
+    return interrupt.exit_code();
+  }
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("build", "Build a sphere tree that covers a mesh at every level");
+  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
+  command
+      ->add_option("-o,--output", o->output,
+                   "Tree file: .morula (with its cover), .sph or .json; for a flat set also .ply")
+      ->type_name("TREE")
+      ->required();
+  command->add_option("--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
+      ->type_name("N")
+      ->transform(signed_number())
+      ->capture_default_str();
+  command->add_option("--depth", o->depth, "Levels below the root, 0 to 8")
+      ->type_name("N")
+      ->transform(signed_number())
+      ->capture_default_str();
+  command
+      ->add_option("--spheres", o->spheres,
+                   "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
+      ->type_name("N")
+      ->transform(signed_number());
+  command
+      ->add_option("--max-protrusion", o->max_protrusion,
+                   "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
+      ->type_name("LENGTH")
+      ->transform(real_number());
+  command->add_option("--seed", o->seed, "Of every random choice; equal seeds give equal trees")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  command->add_option("--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--reducers", o->reducers,
+          fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
+                      fmt::join(reduction_names(), ",")))
+      ->type_name("LIST");
+  command->add_option("--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--balance-excess", o->balance_excess,
+                   "For the optimiser balance: share by which the worst sphere may stick out further")
+      ->type_name("SHARE")
+      ->transform(real_number(0))
+      ->capture_default_str();
+  command
+      ->add_option("--time-limit", o->time_limit,
+                   "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
+      ->type_name("S")
+      ->transform(real_number());
+  command->add_flag("--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer("Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");
+  command->callback([o, command, &run] {
+    o->depth_given = command->count("--depth") > 0;
+    run = [o] { return build_command(*o); };
+  });
+}
+
+}  // namespace morula::cli

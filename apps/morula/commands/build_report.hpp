@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What `morula build` says of the tree it made, level by level.
+#pragma once
+
+#include <morula/accuracy/protrusion.hpp>
+#include <morula/generators/build.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "shared/report.hpp"
+
+namespace morula::cli {
+
+struct LevelFigures {
+  std::size_t spheres = 0;  // of the level set
+  std::optional<double> looseness;
+  std::optional<Protrusion> protrusion;
+};
+/// What --report adds: one entry per level; figures are missing where the mesh has no inside. Throws BuildStopped.
+std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const std::stop_token& stop,
+                                         Workers& workers);
+
+/// figures: empty, or of every level.
+std::string build_table(const Built& built, const std::vector<LevelFigures>& figures);
+Json build_levels_json(const Built& built, const std::vector<LevelFigures>& figures);
+
+}  // namespace morula::cli

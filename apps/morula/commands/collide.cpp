@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula collide: where two bodies touch, frame by frame.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/crossings.hpp>
+#include <morula/io/whole_output.hpp>
+
+#include "commands/collide_bodies.hpp"
+#include "commands/collide_report.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/files.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  SideFiles a{.letter = 'a'}, b{.letter = 'b'};
+  std::string rule = "exact";
+  std::string sph_origin = "none";
+  bool exact = false;
+  bool carry = false;
+  std::string budget;
+  std::string priority = "overlap";
+  std::optional<std::uint32_t> level;
+  double margin = 0;
+  std::string output;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// "5000" pair tests, or a time such as "200us" or "1.5ms".
+Budget parse_budget(const std::string& text) {
+  if (text.empty()) return {};
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+  if (error == std::errc() && value >= 0 && value < 1e15) {
+    const auto nanoseconds = [](double n) { return std::chrono::nanoseconds(static_cast<std::int64_t>(n)); };
+    if (unit.empty() && value == std::floor(value)) return static_cast<std::int64_t>(value);
+    if (unit == "ns") return nanoseconds(value);
+    if (unit == "us") return nanoseconds(1e3 * value);
+    // Some centuries still fit into 64 bits of nanoseconds.
+    if (unit == "ms" && value < 1e12) return nanoseconds(1e6 * value);
+    if (unit == "s" && value < 1e9) return nanoseconds(1e9 * value);
+  }
+  throw UsageError(
+      fmt::format("--budget '{}' is neither a number of pair tests such as 5000 nor a time such as 200us", text));
+}
+
+CollideOptions query_options(const Options& o) {
+  check_name("priority", o.priority, {"overlap", "level"});
+  CollideOptions options{.level = o.level, .margin = o.margin, .budget = parse_budget(o.budget), .surfaces = true};
+  options.priority = o.priority == "level" ? Priority::level : Priority::overlap;
+  return options;
+}
+
+/// The option that the library refuses, in the words of the command line.
+ContactQuery make_query(const Options& o) {
+  if (!(o.margin >= 0) || !std::isfinite(o.margin)) {
+    throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
+  }
+  return ContactQuery(query_options(o));
+}
+
+void require_good(const ContactStatus& status) {
+  if (!status) throw UsageError(message(status));
+}
+
+CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
+                            Crossings& crossed, Workers& workers) {
+  a.move_to(frame, workers);
+  b.move_to(frame, workers);
+  CollidedFrame result{.name_a = a.frame_name(frame), .name_b = b.frame_name(frame)};
+  // The first call of all makes memory: not what a frame costs.
+  if (frame == 0) require_good(query.start(workers));
+  Stopwatch watch;
+  const ContactStatus status = o.carry && frame > 0 ? query.carry(workers) : query.start(workers);
+  result.microseconds = 1e6 * watch.lap();
+  require_good(status);
+  const Contacts& found = query.contacts();
+  result.contacts = found.contacts;
+  result.surfaces = found.surfaces;
+  result.finished = found.finished;
+  result.pair_tests = found.pair_tests;
+  result.achieved_level = found.achieved_level.front();
+  if (o.exact) {
+    crossings(a.collider(), b.collider(), crossed);
+    result.exact_microseconds = 1e6 * watch.lap();
+    result.crossings.assign(crossed.pairs().begin(), crossed.pairs().end());
+  }
+  return result;
+}
+
+int collide_command(const Options& o) {
+  const std::vector<Rule> rules = parse_rules(o.rule);
+  if (std::count(rules.begin(), rules.end(), Rule::modal) > 0) {
+    throw UsageError("--rule modal needs the coordinates of a modal model: not offered here");
+  }
+  ContactQuery query = make_query(o);
+  const std::string format = extension(o.output);
+  if (!o.output.empty()) {
+    if (format != ".csv") throw UsageError(fmt::format("-o {}: contacts are written as .csv", o.output));
+    require_output_place(o.output);
+    require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
+  }
+  Workers workers = make_workers(o.threads);
+  Side a(o.a, rules, o.sph_origin, workers), b(o.b, rules, o.sph_origin, workers);
+  if (o.level) {
+    const std::size_t levels =
+        std::max(a.collider().body().rest_tree().level_count(), b.collider().body().rest_tree().level_count());
+    if (*o.level >= levels)
+      throw UsageError(fmt::format("--level {}: the trees have levels 0 to {}", *o.level, levels - 1));
+  }
+  query.add(a.collider(), b.collider());
+
+  Crossings crossed;
+  std::vector<CollidedFrame> frames;
+  const std::size_t count = std::max(a.frame_count(), b.frame_count());
+  {
+    Progress progress("colliding");
+    for (std::size_t frame = 0; frame < count; ++frame) {
+      progress.update(static_cast<double>(frame) / static_cast<double>(count));
+      frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
+    }
+  }
+  if (!o.output.empty()) {
+    write_whole(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
+    note_written(o.output);
+  }
+  const CollideRun run{.mesh_a = a.name(),
+                       .mesh_b = b.name(),
+                       .rule = o.rule,
+                       .budget = o.budget,
+                       .output = o.output,
+                       .exact = o.exact,
+                       .built_a = a.tree_was_built(),
+                       .built_b = b.tree_was_built(),
+                       .threads = workers.thread_count()};
+  if (o.json) {
+    print_json(collide_json(run, frames));
+  } else {
+    fmt::print("{}", collide_text(run, frames));
+  }
+  return exit_done;
+}
+
+void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) {
+  const std::string x(1, side.letter);
+  command
+      .add_option("--tree-" + x, side.tree, fmt::format("Tree of {}; default: built now, in quality fast", mesh_name))
+      ->type_name("FILE");
+  command
+      .add_option("--motion-" + x, side.motion,
+                  fmt::format("Positions of {}: folder of meshes, glob or .npy; it stays in its last frame", mesh_name))
+      ->type_name("PATH");
+  command.add_option("--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
+      ->type_name("X,Y,Z")
+      ->take_last();
+  command
+      .add_option("--turn-" + x, side.turn, fmt::format("Turn {} first, about an axis through the origin", mesh_name))
+      ->type_name("X,Y,Z,DEGREES")
+      ->take_last();
+}
+
+}  // namespace
+
+void add_collide(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("collide", "Contacts of two bodies, frame by frame, within a budget");
+  command->add_option("A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("B", o->b.mesh, "The other mesh at rest")->required()->type_name("");
+  add_side(*command, o->a, "A");
+  add_side(*command, o->b, "B");
+  command->add_flag("--exact", o->exact, "Also the pairs of facets that really intersect");
+  command->add_option("--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
+      ->type_name("N|TIME");
+  command->add_option("--priority", o->priority, "What a budget goes to first: overlap (default) or level")
+      ->type_name("NAME");
+  command->add_option("--level", o->level, "Contacts of this level of both trees; default: of the leaves")
+      ->type_name("N")
+      ->transform(whole_number(0, max_depth));
+  command->add_option("--margin", o->margin, "Spheres this far apart count too; default: 0")
+      ->type_name("LENGTH")
+      ->transform(real_number());
+  command->add_flag("--carry", o->carry, "Start each frame from where the one before ended");
+  command->add_option("--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
+  add_sph_origin(*command, o->sph_origin);
+  command->add_option("-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
+      ->type_name("FILE");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "Example:\n"
+      "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
+      "200us\n"
+      "  morula collide liver.obj tool.obj --exact -o pairs.csv");
+  command->callback([o, &run] { run = [o] { return collide_command(*o); }; });
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What `morula collide` says: a table, JSON, or a CSV file of everything.
+#pragma once
+
+#include <morula/collide/contacts.hpp>
+#include <morula/collide/crossings.hpp>
+#include <string>
+#include <vector>
+
+#include "shared/report.hpp"
+
+namespace morula::cli {
+
+struct CollidedFrame {
+  std::string name_a, name_b;
+  std::vector<Contact> contacts{};
+  std::vector<ContactSurface> surfaces{};  // one per contact
+  std::vector<Crossing> crossings{};       // with --exact
+  bool finished = false;
+  std::size_t pair_tests = 0;
+  std::uint32_t achieved_level = 0;
+  double microseconds = 0, exact_microseconds = 0;
+
+  /// Of the surfaces; 0 without contacts.
+  double deepest() const;
+};
+
+struct CollideRun {
+  std::string mesh_a, mesh_b, rule, budget, output;
+  bool exact = false;
+  bool built_a = false, built_b = false;
+  unsigned threads = 1;
+};
+
+std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames);
+Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frames);
+std::string contacts_csv(const std::vector<CollidedFrame>& frames);
+std::string crossings_csv(const std::vector<CollidedFrame>& frames);
+
+}  // namespace morula::cli

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula info: what a mesh or a tree file is, in words, and whether it keeps its promises.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <morula/geometry/inspect.hpp>
+#include <morula/io/tree_file.hpp>
+
+#include "shared/command.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/options.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string mesh;
+  std::string sph_origin = "none";
+  bool check = false;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// What the report means for somebody who wants spheres: what can be answered, what is odd, what is harmless.
+std::vector<std::string> consequences(const MeshReport& r) {
+  std::vector<std::string> notes;
+  if (r.has_volume()) {
+    notes.push_back("closed and oriented: every figure can be measured");
+    if (r.volume < 0) notes.push_back("inside out (negative volume): measured the right way round all the same");
+  } else if (r.closed) {
+    notes.push_back(why_no_inside(r) + ": looseness counts crossings, protrusion cannot be answered");
+  } else {
+    notes.push_back(fmt::format("open: {}; looseness and protrusion cannot be answered; trees still cover",
+                                counted(r.boundary_edges, "boundary edge")));
+  }
+  const auto note = [&](std::size_t count, const char* one, const char* many, const char* meaning) {
+    if (count > 0) notes.push_back(fmt::format("{}: {}", counted(count, one, many), meaning));
+  };
+  note(r.nonmanifold_edges, "edge of more than two facets", "edges of more than two facets", "covered like any other");
+  note(r.nonmanifold_vertices, "vertex that joins several fans", "vertices that join several fans",
+       "covered like any other");
+  note(r.degenerate_facets, "facet without area", "facets without area", "covered, though nothing is gained by it");
+  note(r.duplicate_facets, "repeated facet", "repeated facets", "covered twice; harmless, but wasted");
+  note(r.duplicate_vertices, "repeated position", "repeated positions",
+       r.closed ? "harmless" : "facets may be meant to share them; merging them may close the mesh");
+  note(r.unused_vertices, "vertex of no facet", "vertices of no facet",
+       "kept, since motions count them; never covered");
+  return notes;
+}
+
+int mesh_info(const Options& o) {
+  if (!o.mesh.empty()) throw UsageError("--mesh belongs to a tree file, and this is a mesh: leave it out");
+  const Mesh mesh = read_mesh(o.file);
+  const MeshReport r = inspect(mesh);
+  const std::vector<std::string> notes = consequences(r);
+  if (o.json) {
+    const auto vector = [](const Vec3& v) { return Json{v.x, v.y, v.z}; };
+    print_json({{"file", o.file},
+                {"kind", "mesh"},
+                {"vertices", r.vertex_count},
+                {"facets", r.facet_count},
+                {"mesh_hash", hash_text(mesh_hash(mesh))},
+                {"components", r.component_count},
+                {"closed", r.closed},
+                {"oriented", r.oriented},
+                {"manifold", r.manifold},
+                {"boundary_edges", r.boundary_edges},
+                {"nonmanifold_edges", r.nonmanifold_edges},
+                {"misoriented_edges", r.misoriented_edges},
+                {"nonmanifold_vertices", r.nonmanifold_vertices},
+                {"degenerate_facets", r.degenerate_facets},
+                {"duplicate_facets", r.duplicate_facets},
+                {"duplicate_vertices", r.duplicate_vertices},
+                {"unused_vertices", r.unused_vertices},
+                {"box", {{"lower", vector(r.box.lower)}, {"upper", vector(r.box.upper)}}},
+                {"area", r.area},
+                {"volume", r.has_volume() ? Json(r.volume) : Json(nullptr)},
+                {"notes", notes}});
+  } else {
+    const Vec3 size = r.box.extent();
+    fmt::print("{}, {}\n\n", mesh_line(o.file, mesh), counted(r.component_count, "component"));
+    fmt::print("box       {} x {} x {}, diagonal {}\n", figure(size.x), figure(size.y), figure(size.z),
+               figure(r.box.diagonal()));
+    fmt::print("area      {}\n", figure(r.area));
+    fmt::print("volume    {}\n", r.has_volume() ? figure(r.volume) : "n/a");
+    fmt::print("closed    {}\noriented  {}\nmanifold  {}\n\n", r.closed ? "yes" : "no", r.oriented ? "yes" : "no",
+               r.manifold ? "yes" : "no");
+    for (const std::string& note : notes) fmt::print("- {}\n", note);
+  }
+  return o.check && !r.has_volume() ? exit_check_failed : exit_done;
+}
+
+/// Faults of the tree; with its mesh, of its cover as well.
+std::vector<std::string> check_tree(const Options& o, const TreeFile& file, const std::optional<Mesh>& mesh) {
+  std::vector<std::string> faults = validate(file.tree);
+  if (!faults.empty() || !file.cover || !mesh) return faults;
+  if (file.report.mesh_hash != mesh_hash(*mesh)) read_built(o.file, *mesh);  // says so
+  return validate(*mesh, Built{file.tree, *file.cover, file.report});
+}
+
+void print_tree(const Options& o, const TreeFile& file) {
+  const SphereTree& tree = file.tree;
+  fmt::print("{}: tree of {}, {}, branching {}\n\n{}\n", o.file, counted(tree.node_count(), "sphere"),
+             counted(tree.level_count(), "level"), tree.branching, level_table(tree));
+  if (!file.cover) {
+    fmt::print("cover      none in this format: morula update and morula convert make one\n");
+    return;
+  }
+  fmt::print("method     {}, branching {}, depth {}, seed {}\n", file.report.method, file.report.branching,
+             file.report.depth, file.report.seed);
+  fmt::print("mesh       {}, {}, hash {}\n", counted(file.cover->vertex_count, "vertex", "vertices"),
+             counted(file.cover->facet_count, "facet"), hash_text(file.report.mesh_hash));
+  fmt::print("cover      {}, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
+             counted(file.cover->cut_points.size(), "cut point"));
+  if (!file.report.growth.empty()) fmt::print("\n{}", growth_text(file.report));
+  for (const std::string& note : file.report.notes) fmt::print("note       {}\n", note);
+}
+
+Json tree_json(const Options& o, const TreeFile& file) {
+  Json json{{"file", o.file},
+            {"kind", "tree"},
+            {"nodes", file.tree.node_count()},
+            {"leaves", file.tree.leaf_count()},
+            {"branching", file.tree.branching},
+            {"tree_hash", hash_text(tree_hash(file.tree))},
+            {"levels", level_json(file.tree)},
+            {"cover", nullptr}};
+  if (file.cover) {
+    json["cover"] = {{"vertices", file.cover->vertex_count},
+                     {"facets", file.cover->facet_count},
+                     {"patches", file.cover->patch_count()},
+                     {"cut_points", file.cover->cut_points.size()},
+                     {"corners", file.cover->corners.size()}};
+    json["method"] = file.report.method;
+    json["depth"] = file.report.depth;
+    json["seed"] = file.report.seed;
+    json["mesh_hash"] = hash_text(file.report.mesh_hash);
+    json["growth"] = growth_json(file.report);
+    json["notes"] = file.report.notes;
+  }
+  return json;
+}
+
+int tree_info(const Options& o) {
+  std::optional<Mesh> mesh;
+  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
+  const TreeFile file = read_tree(o.file, reading);
+  const std::vector<std::string> faults = o.check ? check_tree(o, file, mesh) : std::vector<std::string>{};
+  // A bare tree proves nothing: what a cover would cost says how far it is from covering.
+  std::optional<Built> repaired;
+  if (o.check && faults.empty() && mesh && !file.cover) {
+    Workers workers = make_workers(o.threads);
+    repaired = cover(*mesh, file.tree, workers);
+  }
+  if (o.json) {
+    Json json = tree_json(o, file);
+    if (o.check) json["faults"] = faults;
+    if (repaired) json["growth_to_cover"] = growth_json(repaired->report);
+    print_json(json);
+  } else {
+    print_tree(o, file);
+    if (repaired) fmt::print("\n{}", growth_text(repaired->report));
+    if (o.check && faults.empty()) {
+      fmt::print("check      {}\n", !file.cover ? "the arrays are sound"
+                                    : mesh
+                                        ? "the tree is sound, the patches tile the mesh, every sphere wraps its region"
+                                        : "the arrays are sound; add --mesh MESH to check the cover");
+    }
+    for (const std::string& fault : faults) fmt::print("fault      {}\n", fault);
+  }
+  return faults.empty() ? exit_done : exit_check_failed;
+}
+
+int info_command(const Options& o) {
+  switch (file_kind(o.file)) {
+    case FileKind::mesh:
+      return mesh_info(o);
+    case FileKind::tree:
+      return tree_info(o);
+    default:
+      throw UsageError(
+          fmt::format("{}: neither a mesh ({}) nor a tree (.morula .sph .json)", o.file, readable_mesh_extensions()));
+  }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "Say what a mesh or a tree file is, and what it is good for");
+  command->add_option("FILE", o->file, "Mesh or tree file")->required()->type_name("");
+  command->add_flag(
+      "--check", o->check,
+      "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");
+  command->add_option("--mesh", o->mesh, "The mesh of a tree")->type_name("MESH");
+  add_sph_origin(*command, o->sph_origin);
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "Example:\n"
+      "  morula info liver.obj\n"
+      "  morula info liver.morula --check --mesh liver.obj");
+  command->callback([o, &run] { run = [o] { return info_command(*o); }; });
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula measure: how loose the levels of a tree are, and whether they cover, for one mesh or frame by frame.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <morula/accuracy/measure.hpp>
+#include <morula/io/motion_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
+
+#include "commands/measure_table.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string trees;
+  std::string motion;
+  std::string grid = "level";
+  int resolution = VoxelGrid{}.resolution;
+  double voxel_edge = 0;
+  bool no_protrusion = false;
+  std::string sph_origin = "none";
+  std::string csv;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+MeasureOptions measure_options(const Options& o, const Mesh& rest) {
+  check_name("grid", o.grid, {"level", "fixed"});
+  if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
+  MeasureOptions options;
+  options.with_protrusion = !o.no_protrusion;
+  options.grid.resolution = o.resolution;
+  if (o.grid == "fixed") {
+    options.grid.kind = VoxelGrid::Kind::fixed;
+    options.grid.voxel_edge = o.voxel_edge > 0 ? o.voxel_edge : bounding_box(rest).diagonal() / o.resolution;
+  }
+  return options;
+}
+
+std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options,
+                                          Workers& workers) {
+  const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
+  const bool several = file_kind(o.trees) == FileKind::folder;
+  const std::vector<std::filesystem::path> trees =
+      several ? trees_in(o.trees) : std::vector<std::filesystem::path>{o.trees};
+  std::optional<Motion> motion;
+  if (!o.motion.empty()) motion.emplace(o.motion, rest);
+  if (!motion && several) {
+    throw UsageError(fmt::format("{} holds {}: give their positions with --motion, or name one of them", o.trees,
+                                 counted(trees.size(), "tree")));
+  }
+  if (motion && motion->frame_count() != trees.size()) {
+    throw UsageError(fmt::format("{} in {} but {} in {}: one tree per frame is needed",
+                                 counted(motion->frame_count(), "frame"), o.motion, counted(trees.size(), "tree"),
+                                 o.trees));
+  }
+  Progress progress("measuring");
+  std::vector<MeasuredFrame> frames;
+  Mesh mesh = rest;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(trees.size()));
+    if (motion) mesh.positions = motion->frame(i);
+    const TreeFile file = read_tree(trees[i], reading);
+    if (!motion && file.cover && file.report.mesh_hash != mesh_hash(mesh)) {
+      say("morula: note: {} was built for another mesh than {}; measured as it is\n", o.trees, o.mesh);
+    }
+    frames.push_back(
+        {motion ? motion->frame_name(i) : o.mesh, trees[i].string(), measure(mesh, file.tree, options, workers)});
+  }
+  return frames;
+}
+
+void print_text(const Options& o, const Mesh& rest, const std::vector<MeasuredFrame>& frames) {
+  const std::vector<LevelMeasure> worst = worst_of(frames);
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(frames, worst, !o.no_protrusion));
+  fmt::print("{}\n", cover_sentence(worst));
+  const MeshReport report = inspect(rest);
+  const bool no_looseness =
+      std::any_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return !level.looseness.looseness; });
+  if (no_looseness) {
+    fmt::print("n/a: {}, so inside and outside are not defined; bare area and gap do not need them.\n",
+               why_no_inside(report));
+  } else if (!o.no_protrusion && !report.has_volume()) {
+    fmt::print("n/a: {}, so protrusion cannot be answered.\n", why_no_inside(report));
+  }
+  fmt::print(
+      "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
+      "{} in mesh units (diagonal {}).\n",
+      o.no_protrusion ? "gap is" : "gap and protrusion (worst, mean) are", figure(report.box.diagonal()));
+}
+
+std::string csv_text(const std::vector<MeasuredFrame>& frames) {
+  std::string text =
+      "frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,gap_upper,covered,protrusion_worst,"
+      "protrusion_mean,voxel_edge\n";
+  const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
+  for (const MeasuredFrame& frame : frames) {
+    for (const LevelMeasure& l : frame.levels) {
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(frame.name), csv_cell(frame.tree),
+                          l.level, l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
+                          exact_digits(l.coverage.bare_area), exact_digits(l.coverage.gap),
+                          exact_digits(l.coverage.gap_upper), l.coverage.covered ? "yes" : "no",
+                          l.protrusion ? exact_digits(l.protrusion->worst) : "",
+                          l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
+    }
+  }
+  return text;
+}
+
+/// Nor may it be a file of the folders that are read.
+void require_csv_not_input(const Options& o) {
+  std::vector<std::filesystem::path> inputs{o.mesh, o.trees, o.motion};
+  for (const std::string& folder : {o.trees, o.motion}) {
+    if (file_kind(folder) != FileKind::folder) continue;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      // What is none of the frames may lie beside them.
+      if (file_kind(entry.path()) != FileKind::unknown) inputs.push_back(entry.path());
+    }
+  }
+  require_not_input(o.csv, inputs);
+}
+
+int measure_command(const Options& o) {
+  if (!o.csv.empty()) {
+    require_output_place(o.csv);
+    require_csv_not_input(o);
+  }
+  Workers workers = make_workers(o.threads);
+  const Mesh rest = read_mesh(o.mesh);
+  const MeasureOptions options = measure_options(o, rest);
+  const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
+  if (!o.csv.empty()) {
+    write_whole(o.csv, csv_text(frames));
+    note_written(o.csv);
+  }
+  if (!o.json) {
+    print_text(o, rest, frames);
+    return exit_done;
+  }
+  Json grid{{"kind", o.grid}};
+  if (o.grid == "fixed") {
+    grid["voxel_edge"] = options.grid.voxel_edge;
+  } else {
+    grid["resolution"] = options.grid.resolution;
+  }
+  print_json({{"mesh", o.mesh}, {"grid", grid}, {"frames", frames_json(frames)}});
+  return exit_done;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("measure", "Measure looseness, cover and protrusion of every level");
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("TREE", o->trees, "Tree file, or with --motion a folder of them, one per frame")
+      ->required()
+      ->type_name("");
+  command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob or .npy")
+      ->type_name("MOTION");
+  command
+      ->add_option("--grid", o->grid,
+                   "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
+                   "all frames and levels)")
+      ->type_name("KIND")
+      ->capture_default_str();
+  command
+      ->add_option("--resolution", o->resolution,
+                   "Voxels along the longest side of the level's box (level) or the rest diagonal (fixed)")
+      ->type_name("N")
+      ->transform(whole_number(8, 4096))
+      ->capture_default_str();
+  command
+      ->add_option("--voxel-edge", o->voxel_edge, "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
+      ->type_name("LENGTH")
+      ->transform(number_above_zero());
+  command->add_flag("--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
+  add_sph_origin(*command, o->sph_origin);
+  command->add_option("--csv", o->csv, "Write every figure of every frame and level, with all digits")
+      ->type_name("FILE");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "A tree without a cover is measured as it is: the answer says whether it covers, and the exit code is 0.\n"
+      "Example:\n"
+      "  morula measure liver.obj liver.morula\n"
+      "  morula measure liver.obj spheres/ --motion motion/ --grid fixed --csv liver.csv");
+  command->callback([o, &run] { run = [o] { return measure_command(*o); }; });
+}
+
+}  // namespace morula::cli

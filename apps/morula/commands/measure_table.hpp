@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What was measured of the frames of a motion, as a table and as JSON.
+#pragma once
+
+#include <morula/accuracy/measure.hpp>
+#include <string>
+#include <vector>
+
+#include "shared/report.hpp"
+
+namespace morula::cli {
+
+struct MeasuredFrame {
+  std::string name;  ///< of the positions
+  std::string tree;
+  std::vector<LevelMeasure> levels;
+};
+
+/// The worst of each figure over the frames, per level. Frames may have trees of different depth.
+std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames);
+/// A row per frame and level; of several frames also the worst.
+std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::vector<LevelMeasure>& worst,
+                          bool with_protrusion);
+/// Whether surface is bare, at which levels and how much, in one line.
+std::string cover_sentence(const std::vector<LevelMeasure>& worst);
+Json frames_json(const std::vector<MeasuredFrame>& frames);
+
+}  // namespace morula::cli

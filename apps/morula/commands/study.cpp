@@ -1,0 +1,302 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula study: the evaluation of the paper again, and beside it what the paper did not measure.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <scenes/scenes.hpp>
+
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/interrupt.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "study/files.hpp"
+#include "study/page.hpp"
+#include "study/run.hpp"
+
+namespace morula::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string output = "morula-study";
+  std::vector<std::string> meshes;
+  bool corpus = false;
+  std::size_t max_facets = 20000;
+  std::vector<std::string> methods;
+  std::vector<std::string> rules;
+  bool mixes = false;
+  std::string trees;
+  std::string sph_origin = "bbox-center";
+  std::size_t frames = 0;
+  int resolution = 0;
+  int branching = 8;
+  int depth = 0;
+  std::uint64_t seed = 1;
+  std::string unit = "volume";
+  bool quick = false;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// The corpus meshes with an inside, up to a size, and those that were asked for.
+void add_bodies(const Options& o, StudyPlan& plan) {
+  for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), read_mesh(path)});
+  if (o.corpus) {
+    const std::vector<fs::path> paths = scenes::corpus_meshes();
+    if (paths.empty()) throw UsageError("--corpus: there are no corpus meshes; fetch them with scripts/corpus");
+    for (const fs::path& path : paths) {
+      try {
+        NamedMesh body{path.stem().string(), read_mesh(path)};
+        if (body.mesh.facet_count() <= o.max_facets && inspect(body.mesh).has_volume())
+          plan.bodies.push_back(std::move(body));
+      } catch (const FileError&) {  // the corpus has broken files too
+      }
+    }
+  }
+  if (plan.bodies.empty() && o.trees.empty()) plan.bodies.push_back({"limb", sample_body("limb", o.quick ? 12 : 48)});
+  std::vector<std::string> names;
+  for (NamedMesh& body : plan.bodies) {
+    const auto same = std::count(names.begin(), names.end(), body.name);
+    names.push_back(body.name);
+    if (same > 0) body.name += fmt::format("-{}", same + 1);
+  }
+}
+
+/// The body of a tree file named MESH-METHOD.sph: one of --mesh, or of the corpus.
+std::size_t body_of(StudyPlan& plan, const std::string& mesh, const fs::path& tree) {
+  for (std::size_t i = 0; i < plan.bodies.size(); ++i)
+    if (plan.bodies[i].name == mesh) return i;
+  for (const fs::path& path : scenes::corpus_meshes()) {
+    if (path.stem() != mesh) continue;
+    plan.bodies.push_back({mesh, read_mesh(path)});
+    return plan.bodies.size() - 1;
+  }
+  throw UsageError(
+      fmt::format("{}: there is no mesh {} for it; give it with --mesh, or fetch the corpus with "
+                  "scripts/corpus",
+                  tree.string(), mesh));
+}
+
+void add_tree_files(const Options& o, StudyPlan& plan) {
+  if (!fs::is_directory(o.trees)) throw UsageError(fmt::format("--trees {}: is no folder", o.trees));
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(o.trees))
+    if (entry.is_regular_file() && entry.path().extension() == ".sph") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  const bool chosen = !plan.bodies.empty();
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const std::size_t dash = stem.rfind('-');
+    if (dash == std::string::npos || dash == 0 || dash + 1 == stem.size()) {
+      throw UsageError(fmt::format("{}: trees are to be named MESH-METHOD.sph", file.string()));
+    }
+    const std::string mesh = stem.substr(0, dash);
+    const std::string method = stem.substr(dash + 1);
+    if (!o.methods.empty() && std::find(o.methods.begin(), o.methods.end(), method) == o.methods.end()) continue;
+    const bool known =
+        std::any_of(plan.bodies.begin(), plan.bodies.end(), [&](const NamedMesh& body) { return body.name == mesh; });
+    if (chosen && !known) continue;  // --mesh says which
+    plan.sources.push_back({body_of(plan, mesh, file), method, std::nullopt, file});
+  }
+  if (plan.sources.empty()) {
+    throw UsageError(
+        fmt::format("--trees {}: no tree in it is of these meshes and methods; they are to be named "
+                    "MESH-METHOD.sph",
+                    o.trees));
+  }
+  for (std::size_t body = 0; body < plan.bodies.size(); ++body) {
+    if (std::any_of(plan.sources.begin(), plan.sources.end(), [&](const StudySource& s) { return s.body == body; }))
+      continue;
+    throw UsageError(fmt::format("--trees {}: holds no tree of {}; name it {}-METHOD.sph", o.trees,
+                                 plan.bodies[body].name, plan.bodies[body].name));
+  }
+  std::stable_sort(plan.sources.begin(), plan.sources.end(),
+                   [](const StudySource& a, const StudySource& b) { return a.body < b.body; });
+}
+
+void require_once(const char* option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError(fmt::format("{} names {} twice", option, names[i]));
+}
+
+/// Those that follow positions: all that were asked for, else the ones that differ most.
+std::vector<StudyRule> press_rules(const StudyPlan& plan, bool all) {
+  std::vector<StudyRule> rules;
+  for (const StudyRule& rule : plan.rules) {
+    if (rule.kind != StudyRule::Kind::update) continue;
+    if (all || rule.name == "traditional" || rule.name == "approach2" || rule.name == "exact") rules.push_back(rule);
+  }
+  return rules;
+}
+
+StudyPlan make_plan(const Options& o) {
+  StudyPlan plan;
+  std::vector<std::string> methods = o.methods;
+  if (methods.empty()) {
+    methods = paper_methods();
+    if (!o.quick) methods.emplace_back("morula");
+  }
+  require_once("--methods", methods);
+  if (o.trees.empty()) {
+    for (const std::string& method : methods) parse_method(method);
+  }
+  const std::vector<std::string> rules =
+      o.rules.empty()
+          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "refitted", "fresh"}
+          : o.rules;
+  require_once("--rules", rules);
+  for (const std::string& rule : rules) plan.rules.push_back(study_rule(rule));
+  check_name("unit", o.unit, {"volume", "box"});
+  plan.unit = o.unit == "box" ? ErrorUnit::box : ErrorUnit::volume;
+  plan.samples = o.frames > 0 ? o.frames : o.quick ? 5 : 13;
+  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
+  plan.fresh_poses = o.quick ? 1 : 2;
+  plan.branching = o.branching;
+  plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
+  plan.seed = o.seed;
+  plan.sph_origin = o.sph_origin;
+  plan.cost_repeats = o.quick ? 3 : 9;
+  if (o.quick) plan.needle_sides = 16;
+  plan.motions = paper_motions();
+  if (o.mixes) plan.mixes = rule_mixes(plan.depth);
+  plan.press_rules = press_rules(plan, !o.rules.empty());
+  add_bodies(o, plan);
+  if (!o.trees.empty()) {
+    add_tree_files(o, plan);
+    plan.needle_sides = 0;
+  } else {
+    for (std::size_t body = 0; body < plan.bodies.size(); ++body)
+      for (const std::string& method : methods) plan.sources.push_back({body, method, parse_method(method), {}});
+    if (o.methods.empty() && !o.quick)
+      for (std::size_t body = 0; body < plan.bodies.size(); ++body)
+        plan.press_sources.push_back({body, "octree", Method::octree, {}});
+  }
+  return plan;
+}
+
+int study_command(const Options& o) {
+  const StudyPlan plan = make_plan(o);
+  Workers workers = make_workers(o.threads);
+  const Interrupt interrupt;
+  const fs::path folder = o.output;
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    throw UsageError(fmt::format("{}: is a file; name a folder", o.output));
+  }
+  if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
+  const StudyCache cache(folder / "cells");
+  Stopwatch watch;
+  try {
+    const Study study = [&] {
+      Progress progress("study");
+      return make_study(plan, cache, workers, interrupt.token(),
+                        [&](double share, std::string label) { progress.update(share, std::move(label)); });
+    }();
+    // Into a folder in use: finished cells stay where they are, and results change together.
+    WholeFolder results(folder, WholeFolder::Mode::merge);
+    write_study(study, results.path());
+    const bool with_page = has_page();
+    if (with_page) {
+      Progress progress("study");
+      const PageContent page =
+          study_page(plan, study.result, study.json, workers,
+                     [&](double share, std::string label) { progress.update(share, std::move(label)); });
+      write_whole(results.path() / "index.html", make_page(page));
+    }
+    if (interrupt.requested()) throw StudyStopped();
+    results.commit();
+    note_written(folder);
+    if (o.json) {
+      print_json(study.json);
+    } else {
+      fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}", claims_text(study.claims),
+                 o.output, seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
+                 contents_text(study));
+      if (with_page) {
+        fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
+      } else {
+        fmt::print("- no index.html: this morula was built without its page\n");
+      }
+    }
+    const std::vector<std::string> faults = study_faults(study.result);
+    for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
+    return faults.empty() ? exit_done : exit_check_failed;
+  } catch (const StudyStopped&) {
+    say("morula: interrupted; finished cells are kept in {}: the same command goes on from there\n",
+        (folder / "cells").string());
+    return interrupt.exit_code();
+  }
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("study", "Repeat the evaluation of the paper, and say which claims hold");
+  command->add_option("-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_option("--mesh", o->meshes, "Bodies in the place of the limb: " + readable_mesh_extensions())
+      ->type_name("FILE")
+      ->delimiter(',');
+  command->add_flag("--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
+  command->add_option("--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  command
+      ->add_option("--methods", o->methods,
+                   fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
+                               fmt::join(paper_methods(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',');
+  command
+      ->add_option("--rules", o->rules,
+                   fmt::format("Of {}; default: all but wrapped", fmt::join(study_rule_names(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',');
+  command->add_flag("--mixes", o->mixes, "Also rank mixes of rules per level");
+  command->add_option("--trees", o->trees, "Trees built elsewhere, named MESH-METHOD.sph")->type_name("FOLDER");
+  add_sph_origin(*command, o->sph_origin);
+  command->add_option("--frames", o->frames, "Samples of each motion, rest and the full amount among them; default: 13")
+      ->type_name("N")
+      ->transform(whole_number(3, 1000));
+  command->add_option("--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
+      ->type_name("N")
+      ->transform(whole_number(8, 4096));
+  command->add_option("--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
+      ->type_name("N")
+      ->transform(whole_number(2, 64))
+      ->capture_default_str();
+  command->add_option("--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
+      ->type_name("N")
+      ->transform(whole_number(1, 6));
+  command->add_option("--seed", o->seed, "Of every random choice")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  command->add_flag("--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "An interrupted study goes on where it stopped when the same command is given again.\n"
+      "Example:\n  morula study -o study/\n  morula study -o bunny/ --mesh bunny.obj --methods medial,grid --mixes");
+  command->callback([o, &run] { run = [o] { return study_command(*o); }; });
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula update: the spheres of every frame of a motion.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <morula/accuracy/measure.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/update/body.hpp>
+#include <optional>
+
+#include "commands/frames.hpp"
+#include "commands/measure_table.hpp"
+#include "commands/sphere_output.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/exact_check.hpp"
+#include "shared/figures.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string tree;
+  FrameFiles files;
+  std::string output;
+  std::optional<std::string> rule;
+  RuleDetailNames details;
+  std::string sph_origin = "none";
+  std::string format;
+  bool conservative = false;
+  bool check = true;
+  bool measure = false;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// What the frames showed.
+struct Outcome {
+  std::vector<double> microseconds;
+  UpdateStatus last;
+  bool checked = false;
+  std::size_t frames_not_covered = 0;
+  double worst_excess = 0;
+  std::string worst_frame;
+  std::vector<MeasuredFrame> measured;  // with --measure
+};
+
+std::string why_refused(const UpdateStatus& status) {
+  switch (status.code) {
+    case UpdateStatus::Code::wrong_vertex_count:
+      return "its vertex count is not the mesh's";
+    case UpdateStatus::Code::non_finite_position:
+      return fmt::format("vertex {} is not finite, or too far away for single precision", status.first_bad_vertex);
+    case UpdateStatus::Code::bad_coordinate:
+      return fmt::format("coordinate {} is not finite, or moves the body too far for single precision",
+                         status.first_bad_coordinate);
+    case UpdateStatus::Code::bad_range:
+    case UpdateStatus::Code::needs_coordinates:
+    case UpdateStatus::Code::no_modes:
+    case UpdateStatus::Code::wrong_coordinate_count:
+    case UpdateStatus::Code::ok:
+      break;
+  }
+  return "unknown reason";
+}
+
+/// One lattice for all frames and levels, so that their figures compare.
+MeasureOptions measure_options(const Mesh& rest) {
+  MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
+  options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;
+  return options;
+}
+
+void check_frame(Outcome& outcome, const Body& body, const std::vector<Vec3>& positions, const std::string& frame,
+                 Workers& workers) {
+  const Certificate certificate = certify_promised_levels(body, positions, workers);
+  if (!certificate.covered) ++outcome.frames_not_covered;
+  if (outcome.worst_frame.empty() || certificate.worst_excess > outcome.worst_excess) {
+    outcome.worst_excess = certificate.worst_excess;
+    outcome.worst_frame = frame;
+  }
+}
+
+Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& body, SphereOutput& output,
+                      Workers& workers) {
+  Outcome outcome;
+  outcome.checked = o.check && any_promises_cover(body);
+  Mesh mesh = rest;
+  Progress progress(o.measure ? "updating and measuring" : "updating");
+  for (std::size_t i = 0; i < frames.count(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
+    const std::vector<Vec3>& positions = frames.load(i, body, workers);
+    Stopwatch watch;
+    outcome.last = frames.update(body, workers);
+    outcome.microseconds.push_back(1e6 * watch.lap());
+    if (!outcome.last) {
+      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), why_refused(outcome.last)));
+    }
+    if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
+    if (o.measure) {
+      mesh.positions = positions;
+      outcome.measured.push_back(
+          {frames.name(i), o.tree, measure(mesh, body.current_tree(), measure_options(rest), workers)});
+    }
+    output.write(body);
+  }
+  return outcome;
+}
+
+Json outcome_json(const Options& o, const Built& built, const Body& body, const Outcome& outcome, unsigned threads) {
+  const double typical = median(outcome.microseconds);
+  const BindReport& bind = body.bind_report();
+  Json json{{"mesh", o.mesh},
+            {"tree", o.tree},
+            {"motion", o.files.are_modal() ? o.files.coordinates : o.files.motion},
+            {"output", o.output},
+            {"rule", describe_rules(body.options().rules, body.rest_tree().level_count())},
+            {"frames", outcome.microseconds.size()},
+            {"nodes", body.rest_tree().node_count()},
+            {"vertices", body.vertex_count()},
+            {"threads", threads},
+            {"microseconds_median", typical},
+            {"microseconds_worst", *std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())},
+            {"nanoseconds_per_vertex", 1e3 * typical / static_cast<double>(body.vertex_count())},
+            {"points_tested", outcome.last.points_tested},
+            {"void_spheres", bind.void_spheres},
+            {"unlinked_spheres", bind.unlinked_spheres},
+            {"degenerate_anchors", bind.degenerate_anchors},
+            {"certificate", nullptr}};
+  if (outcome.checked) {
+    json["certificate"] = {{"covered", outcome.frames_not_covered == 0},
+                           {"frames_not_covered", outcome.frames_not_covered},
+                           {"worst_excess", outcome.worst_excess},
+                           {"worst_frame", outcome.worst_frame}};
+  }
+  if (o.files.are_modal()) {
+    json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
+  }
+  if (o.measure) json["measured"] = frames_json(outcome.measured);
+  if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
+  return json;
+}
+
+void print_measured(const std::vector<MeasuredFrame>& frames) {
+  const std::vector<LevelMeasure> worst = worst_of(frames);
+  fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
+}
+
+void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome,
+                const SphereOutput& output, unsigned threads) {
+  const std::vector<Rule>& rules = body.options().rules;
+  const std::size_t levels = body.rest_tree().level_count();
+  const double typical = median(outcome.microseconds);
+  if (!built.report.growth.empty()) fmt::print("{}\n", growth_text(built.report));
+  fmt::print("rule         {}\n", describe_rules(rules, levels));
+  fmt::print("frames       {} of {} and {}\n", outcome.microseconds.size(),
+             counted(body.vertex_count(), "vertex", "vertices"), counted(body.rest_tree().node_count(), "sphere"));
+  fmt::print("time         {} µs per frame (median; worst {}), {} ns per vertex, {}\n", figure(typical),
+             figure(*std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())),
+             figure(1e3 * typical / static_cast<double>(body.vertex_count())), counted(threads, "thread"));
+  const BindReport& bind = body.bind_report();
+  if (bind.void_spheres > 0) {
+    fmt::print("note         {} enclose no vertex and follow a facet instead\n", counted(bind.void_spheres, "sphere"));
+  }
+  if (bind.unlinked_spheres > 0) {
+    fmt::print("note         {} touch no facet and are linked to the nearest one\n",
+               counted(bind.unlinked_spheres, "leaf", "leaves"));
+  }
+  if (outcome.checked && outcome.frames_not_covered == 0) {
+    fmt::print("certificate  holds in every frame: closest to failing is {}, {} inside\n", outcome.worst_frame,
+               figure(-outcome.worst_excess));
+  } else if (any_promises_cover(body)) {
+    fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
+  }
+  const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
+  if (!std::all_of(rules.begin(), rules.end(), covers)) {
+    fmt::print("note         rules other than exact, wrapped and modal may leave surface bare: {} says how much\n",
+               o.measure ? "the table" : "--measure");
+  }
+  fmt::print("written      {}\n", output.name());
+  if (o.measure) print_measured(outcome.measured);
+}
+
+UpdateOptions update_options(const Options& o) {
+  // Who gives a modal model wants it used; with positions `exact` is best.
+  const Rule usual = o.files.are_modal() ? Rule::modal : Rule::exact;
+  UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
+                        .conservative = o.conservative,
+                        .details = parse_rule_details(o.details)};
+  if (!o.files.are_modal() && std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0) {
+    throw UsageError("--rule modal needs a modal model: give --modes and --coords instead of MOTION");
+  }
+  return options;
+}
+
+int update_command(const Options& o) {
+  require_frames(o.files);
+  UpdateOptions options = update_options(o);
+  const std::string format = sphere_format(o.format, o.output);
+  Workers workers = make_workers(o.threads);
+  const Mesh mesh = read_mesh(o.mesh);
+  Frames frames(o.files, mesh);
+  options.modes = frames.take_modes();
+  require_sphere_output(o.output, format, frames.count(),
+                        {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates});
+  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  if (options.rules.size() > built.tree.level_count()) {
+    throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
+                                 options.rules.size() - 1, o.tree, built.tree.level_count() - 1));
+  }
+  Body body(mesh, built, std::move(options), workers);
+
+  SphereOutput output(o.output, format, built.tree, frames.count());
+  const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
+  output.commit();
+  note_written(o.output);
+  if (o.json) {
+    print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
+  } else {
+    print_text(o, built, body, outcome, output, workers.thread_count());
+  }
+  if (outcome.frames_not_covered == 0) return exit_done;
+  say("morula: error: the certificate fails in {}, worst in frame {} by {}: please report it\n",
+      counted(outcome.frames_not_covered, "frame"), outcome.worst_frame, figure(outcome.worst_excess));
+  return exit_check_failed;
+}
+
+}  // namespace
+
+void add_update(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("update", "Move the spheres of a tree along with a motion of its mesh");
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("MOTION", o->files.motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
+      ->type_name("");
+  command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
+      ->type_name("PATH")
+      ->required();
+  command->add_option("--modes", o->files.modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
+      ->type_name("FILE");
+  command->add_option("--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
+      ->type_name("FILE");
+  command
+      ->add_option("--rule", o->rule,
+                   fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",
+                               fmt::join(rule_names(), ", ")))
+      ->type_name("RULE");
+  command->add_flag("--conservative", o->conservative,
+                    "Make any rule cover: radii grow to what each node has to contain, where that is more");
+  add_rule_details(*command, o->details);
+  add_sph_origin(*command, o->sph_origin);
+  command->add_option("--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
+      ->type_name("NAME");
+  command->add_flag("--check,!--no-check", o->check,
+                    "Check the certificate of levels that promise cover in every frame (default: on)");
+  command->add_flag("--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "Example:\n"
+      "  morula update liver.obj liver.morula motion/ -o spheres/ --rule exact\n"
+      "  morula update liver.obj liver.morula --modes modes.npy --coords coords.npy -o spheres.npz --measure");
+  command->callback([o, &run] { run = [o] { return update_command(*o); }; });
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula view: one HTML file that shows a body and its spheres in motion.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <morula/io/motion_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
+
+#include "page/scene.hpp"
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string tree;
+  std::string motion;
+  std::string output;
+  std::vector<std::string> rules;
+  std::string study;
+  std::string title;
+  std::string sph_origin = "none";
+  bool measure = true;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+std::string file_name(const std::filesystem::path& path) {
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+PageMotion read_motion(const Options& o, const Mesh& mesh) {
+  PageMotion motion{.body = std::filesystem::path(o.mesh).stem().string(),
+                    .name = o.motion.empty() ? "rest" : file_name(o.motion),
+                    .facets = mesh.facets,
+                    .frame_names = {},
+                    .frames = {}};
+  if (o.motion.empty()) {
+    motion.frame_names = {file_name(o.mesh)};
+    motion.frames = {mesh.positions};
+    return motion;
+  }
+  const Motion frames(o.motion, mesh);
+  Progress progress("reading");
+  for (std::size_t i = 0; i < frames.frame_count(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(frames.frame_count()));
+    motion.frame_names.push_back(file_name(frames.frame_name(i)));
+    motion.frames.push_back(frames.frame(i));
+  }
+  return motion;
+}
+
+Json read_study(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UsageError(fmt::format("{}: cannot be read; --study takes the study.json of a study", path));
+  Json study = Json::parse(file, nullptr, false);
+  const bool whole = study.is_object() && study.contains("claims") && study.contains("figures");
+  if (!whole) throw UsageError(fmt::format("{}: is not the JSON of a study (claims, figures)", path));
+  return study;
+}
+
+void print_result(const Options& o, const PageContent& content, const Built& built, std::size_t bytes) {
+  const PageMotion& motion = content.motions.front();
+  std::vector<std::string> rules;
+  for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
+  if (o.json) {
+    Json json{{"mesh", o.mesh},
+              {"tree", o.tree},
+              {"motion", o.motion.empty() ? Json(nullptr) : Json(o.motion)},
+              {"output", o.output},
+              {"rules", rules},
+              {"frames", motion.frames.size()},
+              {"vertices", motion.frames.front().size()},
+              {"facets", motion.facets.size()},
+              {"spheres", built.tree.node_count()},
+              {"bytes", bytes}};
+    if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
+    print_json(json);
+    return;
+  }
+  if (!built.report.growth.empty()) fmt::print("{}\n", growth_text(built.report));
+  fmt::print("shown    {}, {}, {}\n", counted(motion.facets.size(), "facet"),
+             counted(built.tree.node_count(), "sphere"), counted(motion.frames.size(), "frame"));
+  fmt::print("rule     {}\n", fmt::join(rules, "; "));
+  fmt::print("written  {}, {} MB: open it in a browser\n", o.output, figure(1e-6 * static_cast<double>(bytes)));
+}
+
+int view_command(const Options& o) {
+  require_page();
+  const std::string ending = extension(o.output);
+  if (ending != ".html" && ending != ".htm") throw UsageError(fmt::format("{}: pages are written as .html", o.output));
+  require_output_place(o.output);
+  require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
+  std::vector<std::vector<Rule>> rules;
+  for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
+  for (const std::vector<Rule>& list : rules) {
+    if (std::count(list.begin(), list.end(), Rule::modal) > 0) {
+      throw UsageError("--rule modal needs a modal model, which morula view does not take");
+    }
+  }
+  Workers workers = make_workers(o.threads);
+
+  PageContent content;
+  content.study = read_study(o.study);
+  const Mesh mesh = read_mesh(o.mesh);
+  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].size() > built.tree.level_count()) {
+      throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],
+                                   rules[i].size() - 1, o.tree, built.tree.level_count() - 1));
+    }
+  }
+  content.motions.push_back(read_motion(o, mesh));
+  for (const std::vector<Rule>& list : rules) {
+    Progress progress(o.measure ? "updating and measuring" : "updating");
+    content.scenes.push_back(follow_motion(content.motions.front(), mesh, built, file_name(o.tree), list, o.measure,
+                                           workers, [&](double share) { progress.update(share); }));
+  }
+  content.title = o.title.empty() ? content.motions.front().body : o.title;
+
+  const std::string page = make_page(content);
+  write_whole(o.output, page);
+  note_written(o.output);
+  print_result(o, content, built, page.size());
+  return exit_done;
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Run& run) {
+  auto o = std::make_shared<Options>();
+  o->rules = {"exact"};
+  CLI::App* command = app.add_subcommand("view", "Write a page that shows a body and its spheres in motion");
+  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
+      ->required()
+      ->type_name("");
+  command->add_option("MOTION", o->motion, "Positions: folder of meshes, glob or .npy; without it the body at rest")
+      ->type_name("");
+  command->add_option("-o,--output", o->output, "Page: one .html file that needs no network")
+      ->type_name("PAGE")
+      ->required();
+  command
+      ->add_option("--rule", o->rules,
+                   fmt::format("{}; or by level, such as 0:exact,2:approach2; again for more to choose from in the "
+                               "page; default: exact",
+                               fmt::join(rule_names(), ", ")))
+      ->type_name("RULE")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--measure,!--no-measure", o->measure,
+                    "Measure looseness, bare area and gap of every frame and level (default: on)");
+  command->add_option("--study", o->study, "Results to show beside the body: the study.json of a study")
+      ->type_name("FILE");
+  command->add_option("--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");
+  add_sph_origin(*command, o->sph_origin);
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  command->footer(
+      "Example:\n"
+      "  morula view liver.obj liver.morula motion/ -o liver.html\n"
+      "  morula view liver.obj liver.morula motion/ -o liver.html --rule exact --rule approach2");
+  command->callback([o, &run] { run = [o] { return view_command(*o); }; });
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/files.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <morula/io/frame_files.hpp>
+#include <morula/io/whole_output.hpp>
+#include <system_error>
+
+#include "shared/command.hpp"
+
+namespace morula::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::set<std::string> tree_extensions{".morula", ".sph", ".json"};
+const std::set<std::string> written_mesh_extensions{".obj", ".off", ".ply"};
+
+}  // namespace
+
+std::string extension(const fs::path& path) {
+  std::string text = path.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return text;
+}
+
+FileKind file_kind(const fs::path& path) {
+  if (fs::is_directory(path)) return FileKind::folder;
+  const std::string ending = extension(path);
+  if (tree_extensions.count(ending) != 0) return FileKind::tree;
+  if (ending == ".npy") return FileKind::motion;
+  if (written_mesh_extensions.count(ending) != 0 || ending == ".stl") return FileKind::mesh;
+  return FileKind::unknown;
+}
+
+void require_output_place(const fs::path& path) {
+  if (fs::is_directory(path)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
+  const fs::path folder = path.parent_path();
+  if (!folder.empty() && !fs::is_directory(folder)) {
+    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
+  }
+}
+
+void require_folder_place(const fs::path& path) {
+  if (fs::exists(path)) {
+    if (!fs::is_directory(path)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
+    return;
+  }
+  const fs::path folder = (path.has_filename() ? path : path.parent_path()).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder)) {
+    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
+  }
+}
+
+void require_tree_output(const fs::path& path) {
+  if (tree_extensions.count(extension(path)) == 0) {
+    throw UsageError(fmt::format("{}: trees are written as .morula (with their cover), .sph or .json", path.string()));
+  }
+  require_output_place(path);
+}
+
+void require_mesh_output(const fs::path& path) {
+  if (written_mesh_extensions.count(extension(path)) == 0) {
+    throw UsageError(fmt::format("{}: meshes are written as .obj, .off or .ply", path.string()));
+  }
+  require_output_place(path);
+}
+
+std::vector<fs::path> trees_in(const fs::path& folder) {
+  std::vector<fs::path> trees = frame_files(folder, "*", tree_extensions);
+  if (trees.empty()) throw UsageError(fmt::format("{}: no tree files (.sph, .json, .morula) in it", folder.string()));
+  for (const fs::path& tree : trees) {
+    if (extension(tree) != extension(trees.front())) {
+      throw UsageError(
+          fmt::format("{}: holds both {} and {}: which are the frames? Put them into a folder of their own",
+                      folder.string(), trees.front().filename().string(), tree.filename().string()));
+    }
+  }
+  return trees;
+}
+
+std::string frame_file_name(std::size_t frame, std::string_view extension) {
+  return fmt::format("{:04}{}", frame, extension);
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+void require_no_strangers(const fs::path& folder, std::size_t frame_count, std::string_view written_extension,
+                          const std::set<std::string>& extensions) {
+  if (!fs::is_directory(folder)) return;
+  std::set<std::string> written;
+  for (std::size_t i = 0; i < frame_count; ++i) written.insert(frame_file_name(i, written_extension));
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file() || extensions.count(extension(name)) == 0 || written.count(name) != 0) continue;
+    throw UsageError(
+        fmt::format("{}: holds {}, which would be read as one of the frames: delete it or name another folder",
+                    folder.string(), name));
+  }
+}
+
+void require_not_input(const fs::path& output, const std::vector<fs::path>& inputs) {
+  for (const fs::path& input : inputs) {
+    if (input.empty() || !is_same_file(output, input)) continue;
+    throw UsageError(
+        fmt::format("{}: is also what is read ({}): name another output", output.string(), input.string()));
+  }
+  struct stat own {};
+  if (stat(output.c_str(), &own) != 0) return;
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    struct stat standard {};
+    if (fstat(stream, &standard) != 0 || standard.st_dev != own.st_dev || standard.st_ino != own.st_ino) continue;
+    throw UsageError(fmt::format("{}: is where this command's {} goes already: name another output", output.string(),
+                                 stream == STDIN_FILENO ? "input comes from and nothing" : "text"));
+  }
+}
+
+void require_not_input_folder(const fs::path& output, const std::vector<fs::path>& inputs) {
+  require_not_input(output, inputs);
+  for (const fs::path& input : inputs) {
+    // A pattern such as out/frame*.obj reads its folder.
+    if (input.empty() || fs::exists(input) || input.filename().string().find_first_of("*?") == std::string::npos)
+      continue;
+    require_not_input(output, {input.has_parent_path() ? input.parent_path() : fs::path(".")});
+  }
+}
+
+void require_frames_not_input(const fs::path& folder, std::size_t frame_count, std::string_view written_extension,
+                              const std::vector<fs::path>& inputs) {
+  require_not_input_folder(folder, inputs);
+  for (const fs::path& input : inputs) {
+    const std::string name = input.filename().string();
+    std::size_t frame = 0;
+    const auto parsed = std::from_chars(name.data(), name.data() + name.size(), frame);
+    if (parsed.ec != std::errc() || frame >= frame_count || name != frame_file_name(frame, written_extension)) continue;
+    const fs::path place = input.has_parent_path() ? input.parent_path() : fs::path(".");
+    if (!is_same_file(place, folder)) continue;
+    throw UsageError(
+        fmt::format("{}: would replace {}, which is read: name another folder", folder.string(), input.string()));
+  }
+}
+
+}  // namespace morula::cli

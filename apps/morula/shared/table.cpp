@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/table.hpp"
+
+#include <algorithm>
+
+namespace morula::cli {
+namespace {
+
+/// Characters, not bytes: continuation bytes of UTF-8 are 10xxxxxx.
+std::size_t width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+}
+
+}  // namespace
+
+Table::Table(std::vector<std::string> header, std::size_t left_columns) : left_columns_(left_columns) {
+  rows_.push_back(std::move(header));
+}
+
+void Table::add(std::vector<std::string> cells) {
+  cells.resize(rows_.front().size());
+  rows_.push_back(std::move(cells));
+}
+
+void Table::add_rule() {
+  rows_.emplace_back();
+}
+
+std::string Table::text() const {
+  const std::size_t columns = rows_.front().size();
+  std::vector<std::size_t> widths(columns, 0);
+  for (const auto& row : rows_) {
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+  }
+  std::string text;
+  for (const auto& row : rows_) {
+    std::string line;
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (c > 0) line += "  ";
+      if (row.empty()) {
+        line.append(widths[c], '-');
+        continue;
+      }
+      const std::size_t padding = widths[c] - width(row[c]);
+      if (c >= left_columns_) line.append(padding, ' ');
+      line += row[c];
+      if (c < left_columns_) line.append(padding, ' ');
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+}  // namespace morula::cli

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Scenario crossings: all pairs of facets that intersect, of a mesh and a copy of it turned by a right angle, while
+// both bend; beside FCL, Bullet and Embree.
+#include <algorithm>
+#include <iterator>
+#include <morula/collide/crossings.hpp>
+#include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
+#include <morula/tree/renumber.hpp>
+#include <morula/update/body.hpp>
+
+#include "peers.hpp"
+#include "resources.hpp"
+
+namespace morula::bench {
+namespace {
+
+struct Bending {
+  Mesh mesh;
+  Built built;
+  Body body;
+  Collider collider;
+  std::vector<Frame> frames;
+
+  Bending(const Mesh& unordered, const Settings& settings)
+      : Bending(unordered, build(unordered, tree_options(settings), *settings.workers), settings) {}
+
+ private:
+  Bending(const Mesh& unordered, const Built& as_built, const Settings& settings)
+      : Bending(renumbered(unordered, leaf_order(as_built)), as_built, leaf_order(as_built), settings) {}
+  Bending(Mesh ordered, const Built& as_built, const std::vector<std::uint32_t>& order, const Settings& settings)
+      : mesh(std::move(ordered)),
+        built(renumbered(as_built, mesh, order)),
+        body(mesh, built, {}, *settings.workers),
+        collider(mesh, body) {}
+};
+
+/// A quarter turn about z, and so far along z that the upper third of one is in the lower third of the other.
+Mesh turned(Mesh mesh) {
+  const Box box = bounding_box(mesh);
+  const Vec3 c = box.center();
+  for (Vec3& p : mesh.positions) p = {c.x - (p.y - c.y), c.y + (p.x - c.x), p.z + 0.67 * box.extent().z};
+  return mesh;
+}
+
+/// A bend out and back, `ahead` frames further than others.
+std::vector<Frame> bends(const Mesh& mesh, std::size_t ahead) {
+  std::vector<Frame> frames = bend_and_back(mesh);
+  std::rotate(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(ahead), frames.end());
+  return frames;
+}
+
+using Pairs = std::vector<std::uint64_t>;
+
+Pairs pairs_of(const Crossings& found) {
+  Pairs pairs;
+  for (const Crossing& c : found.pairs()) pairs.push_back(std::uint64_t{c.facet_a} << 32 | c.facet_b);
+  return pairs;
+}
+
+struct Rival {
+  const CrossingPeerKind* kind;
+  std::unique_ptr<CrossingPeer> peer;
+  Result result;
+  std::size_t missed = 0, invented = 0;
+
+  void compare(const Pairs& ours, Pairs theirs) {
+    std::sort(theirs.begin(), theirs.end());
+    theirs.erase(std::unique(theirs.begin(), theirs.end()), theirs.end());
+    Pairs difference;
+    std::set_difference(ours.begin(), ours.end(), theirs.begin(), theirs.end(), std::back_inserter(difference));
+    missed += difference.size();
+    difference.clear();
+    std::set_difference(theirs.begin(), theirs.end(), ours.begin(), ours.end(), std::back_inserter(difference));
+    invented += difference.size();
+  }
+};
+
+}  // namespace
+
+std::vector<Result> run_crossings(const Input& input, const Settings& settings) {
+  Bending a(input.mesh, settings), b(turned(input.mesh), settings);
+  a.frames = bends(a.mesh, 0), b.frames = bends(b.mesh, 6);
+  const auto move = [&](std::size_t f) {
+    const bool moved = a.body.update(a.frames[f], *settings.workers) && b.body.update(b.frames[f], *settings.workers);
+    a.collider.set_positions(a.frames[f]);
+    b.collider.set_positions(b.frames[f]);
+    return moved;
+  };
+
+  std::vector<Rival> rivals;
+  for (const CrossingPeerKind& kind : crossing_peer_kinds()) {
+    Rival rival{&kind, kind.make(a.mesh, b.mesh), {.scenario = "crossings", .item = kind.name, .mesh = input.name}};
+    if (!rival.peer) rival.result.note = std::string("peer not built: install ") + kind.package;
+    rivals.push_back(std::move(rival));
+  }
+
+  Result own{.scenario = "crossings", .item = "crossings", .mesh = input.name};
+  // Brute force on as many frames as a few seconds allow.
+  const double facets = static_cast<double>(input.mesh.facet_count());
+  const std::size_t checks = facets < 2000 ? 25 : facets < 10000 ? 3 : 0;
+  Crossings found;
+  double pairs = 0, tested = 0, read = 0, leaf_pairs = 0;
+  bool equal = true, moved = true;
+  std::vector<Pairs> expected;
+  for (std::size_t f = 0; f < a.frames.size(); ++f) {
+    moved = moved && move(f);
+    crossings(a.collider, b.collider, found);
+    expected.push_back(pairs_of(found));
+    if (f < checks) {
+      const std::vector<Crossing> all = brute_force::crossings(a.collider, b.collider);
+      equal = equal && std::equal(all.begin(), all.end(), found.pairs().begin(), found.pairs().end());
+    }
+    pairs += static_cast<double>(found.pairs().size());
+    tested += static_cast<double>(found.pairs_tested());
+    read += static_cast<double>(found.facets_read());
+    leaf_pairs += static_cast<double>(found.leaf_pairs());
+  }
+  own.expect(moved, "an update was refused");
+  own.expect(equal, "not the pairs of brute force");
+
+  bool same = true;
+  Pairs theirs;
+  timed(settings, [&] {
+    for (std::size_t f = 0; f < a.frames.size(); ++f) {
+      move(f);
+      own.seconds.push_back(processor_seconds_of([&] { crossings(a.collider, b.collider, found); }));
+      same = same && pairs_of(found) == expected[f];
+      for (Rival& rival : rivals) {
+        if (!rival.peer) continue;
+        rival.peer->take(a.frames[f], b.frames[f]);
+        theirs.clear();
+        rival.result.seconds.push_back(processor_seconds_of([&] { rival.peer->find(theirs); }));
+        rival.compare(expected[f], theirs);
+      }
+    }
+  });
+  own.expect(same, "other pairs in a repeated frame");
+
+  const double frames = static_cast<double>(a.frames.size());
+  own.figures = {{"pairs", pairs / frames},
+                 {"tested", tested / frames},
+                 {"facets read", read / frames},
+                 {"leaf pairs", leaf_pairs / frames},
+                 {"brute force on frames", static_cast<double>(std::min(checks, a.frames.size()))}};
+  std::vector<Result> results;
+  for (Rival& rival : rivals) {
+    if (!rival.peer) continue;
+    own.expect(!rival.kind->our_test || rival.invented == 0,
+               std::string("missed pairs that were found by way of ") + rival.kind->name);
+    rival.result.figures = {{"times ours", median(rival.result.seconds) / median(own.seconds)},
+                            {"pairs missed", static_cast<double>(rival.missed)},
+                            {"pairs invented", static_cast<double>(rival.invented)}};
+  }
+  results.push_back(std::move(own));
+  for (Rival& rival : rivals) results.push_back(std::move(rival.result));
+  return results;
+}
+
+}  // namespace morula::bench

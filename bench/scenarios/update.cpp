@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Scenario update: every rule over a bend and back, beside the least that any rule can do, which is to read the
+// vertices.
+#include <cstring>
+#include <memory>
+#include <morula/generators/build.hpp>
+#include <morula/update/body.hpp>
+
+#include "frames.hpp"
+#include "resources.hpp"
+
+namespace morula::bench {
+namespace {
+
+/// Reads every coordinate and can be vectorised, which a sum of floats cannot.
+std::uint32_t xor_of_coordinates(const Frame& frame) {
+  const std::byte* bytes = reinterpret_cast<const std::byte*>(frame.data());
+  std::uint32_t all = 0;
+  for (std::size_t i = 0; i < 3 * frame.size(); ++i) {
+    std::uint32_t bits;
+    std::memcpy(&bits, bytes + 4 * i, 4);
+    all ^= bits;
+  }
+  return all;
+}
+
+Result floor_of_update(const Input& input, const std::vector<Frame>& frames, const Settings& settings) {
+  Result result{.scenario = "update", .item = "read every vertex", .mesh = input.name};
+  std::vector<std::uint32_t> first;
+  for (const Frame& frame : frames) first.push_back(xor_of_coordinates(frame));
+  bool same = true;
+  result.seconds = timed_frames(settings, frames.size(), [&](std::size_t f) {
+    std::uint32_t bits = 0;
+    const double seconds = seconds_of([&] { bits = xor_of_coordinates(frames[f]); });
+    same = same && bits == first[f];
+    return seconds;
+  });
+  result.expect(same, "the vertices changed between repeats");
+  result.figures = {{"ns/vertex", nanoseconds_per_vertex(result.seconds, input.mesh)}};
+  return result;
+}
+
+Result update_by(Rule rule, const Input& input, const Built& built, const std::vector<Frame>& frames, double floor,
+                 const Settings& settings) {
+  Result result{.scenario = "update", .item = std::string(name(rule)), .mesh = input.name};
+  Body body(input.mesh, built, {.rules = {rule}}, *settings.workers);
+
+  // What the timed frames have to reproduce, found on one thread.
+  std::vector<std::uint64_t> hashes;
+  std::vector<Sphere> spheres;
+  UpdateStatus status;
+  bool covered = true;
+  for (const Frame& frame : frames) {
+    status = body.update(frame);
+    result.expect(static_cast<bool>(status), "an update was refused");
+    hashes.push_back(body.hash());
+    body.copy_spheres(spheres);
+    covered = covered && certify(body.cover(), frame, spheres, *settings.workers).covered;
+  }
+  // The other rules promise nothing; how much they leave bare is for `measure` to say.
+  if (rule == Rule::exact) result.expect(covered, "surface outside the spheres");
+  result.expect(hashes.front() == hashes.back(), "back at rest the spheres are not those of rest");
+
+  bool same = true;
+  result.seconds = timed_frames(settings, frames.size(), [&](std::size_t f) {
+    const double seconds = seconds_of([&] { body.update(frames[f], *settings.workers); });
+    same = same && body.hash() == hashes[f];
+    return seconds;
+  });
+  result.expect(same, "other spheres than on one thread, or than before");
+
+  const double per_vertex = nanoseconds_per_vertex(result.seconds, input.mesh);
+  result.figures = {{"ns/vertex", per_vertex},
+                    {"times the floor", per_vertex / floor},
+                    {"spheres", static_cast<double>(status.nodes_updated)},
+                    {"points tested", static_cast<double>(status.points_tested)},
+                    {"cut points", static_cast<double>(status.cut_points_moved)},
+                    {"covers all frames", covered ? 1.0 : 0.0}};
+  return result;
+}
+
+/// Bodies of one model, each in another frame of the motion: a body is a chunk, so workers share bodies, not vertices.
+Result twenty_bodies(const Input& input, const Built& built, const std::vector<Frame>& frames,
+                     const Settings& settings) {
+  constexpr std::size_t count = 20;
+  Result result{.scenario = "update", .item = "20 bodies, exact", .mesh = input.name};
+  const auto shared = std::make_shared<const Built>(built);
+  const Body first(input.mesh, shared);
+  const auto before = allocated_bytes();
+  std::vector<Body> bodies(count, first);
+  const auto after = allocated_bytes();
+  const auto frame_of = [&](std::size_t body) -> const Frame& { return frames[body % frames.size()]; };
+  const auto update_all = [&](Workers& workers) {
+    parallel_for(workers, count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) bodies[i].update(frame_of(i));
+    });
+  };
+  std::vector<std::uint64_t> alone;
+  UpdateStatus status;
+  for (std::size_t i = 0; i < count; ++i) {
+    Body body = first;
+    status = body.update(frame_of(i));
+    alone.push_back(body.hash());
+  }
+  std::vector<double> one_thread;
+  result.seconds = timed(settings, [&] {  // in turn, so that both meet the machine in the same mood
+    one_thread.push_back(seconds_of([&] { update_all(serial_workers()); }));
+    update_all(*settings.workers);
+  });
+  for (std::size_t k = 0; k < one_thread.size(); ++k) result.seconds[k] -= one_thread[k];
+  for (std::size_t i = 0; i < count; ++i)
+    result.expect(bodies[i].hash() == alone[i], "a body among others has other spheres than alone");
+
+  const double vertices = static_cast<double>(count * input.mesh.vertex_count());
+  result.figures = {{"threads", static_cast<double>(settings.workers->thread_count())},
+                    {"ns/vertex", 1e9 * median(result.seconds) / vertices},
+                    {"times one thread", median(one_thread) / median(result.seconds)}};
+  if (before && after) {
+    const double bytes = static_cast<double>(*after - *before) / count;
+    const double allowed = 600.0 * static_cast<double>(built.tree.node_count()) +
+                           24.0 * static_cast<double>(input.mesh.vertex_count()) +
+                           40.0 * static_cast<double>(status.cut_points_moved);
+    result.figures.push_back({"bytes of a body", bytes});
+    result.figures.push_back({"of 600 a node + 24 a vertex + 40 a cut point", bytes / allowed});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Result> run_update(const Input& input, const Settings& settings) {
+  const Built built = build(input.mesh, tree_options(settings), *settings.workers);
+  const std::vector<Frame> frames = bend_and_back(input.mesh);
+  std::vector<Result> results{floor_of_update(input, frames, settings)};
+  const double floor = results.front().figures.front().value;
+  for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
+  results.push_back(twenty_bodies(input, built, frames, settings));
+  return results;
+}
+
+}  // namespace morula::bench

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/facets/contact_extras.hpp"
+
+#include <stdexcept>
+
+namespace morula {
+
+void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
+                        Contacts& result) {
+  result.surfaces.clear();
+  result.crossings.clear();
+  result.crossings_begin.clear();
+  if (!options.containment) result.containment.clear();
+  if (options.surfaces) add_surfaces(pairs, meter, result);
+  if (options.exact) add_crossings(pairs, result);
+  if (options.containment) add_containment(pairs, result);
+}
+
+// Finished contacts are first in the list. Under a budget of time they alone are looked at: the node of another one may
+// own any number of facets.
+void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result) {
+  if (result.contacts.empty()) return;
+  if (meter != nullptr) meter->release_rest();
+  if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
+  const bool by_time = meter != nullptr && meter->by_time();
+  for (std::size_t i = 0; i < (by_time ? result.finished_count : result.contacts.size()); ++i) {
+    if (by_time && meter->out_of_time()) return;
+    const Contact& c = result.contacts[i];
+    const ColliderPair& pair = pairs[c.bodies];
+    result.surfaces.push_back(
+        contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.bodies]));
+  }
+}
+
+void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts& result) {
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+    result.crossings_begin.push_back(result.crossings.size());
+    nodes_.clear();
+    for (std::size_t k = 0; k < result.finished_count; ++k)
+      if (const Contact& c = result.contacts[k]; c.bodies == i) nodes_.push_back({c.node_a, c.node_b});
+    if (nodes_.empty()) continue;
+    morula::crossings(*pairs[i].a, *pairs[i].b, nodes_, crossings_);
+    const auto found = crossings_.pairs();
+    result.crossings.insert(result.crossings.end(), found.begin(), found.end());
+  }
+  result.crossings_begin.push_back(result.crossings.size());
+}
+
+void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contacts& result) {
+  const auto test_of = [](const Collider& body) -> std::optional<InsideTest> {
+    try {
+      return InsideTest(body);
+    } catch (const std::invalid_argument&) {
+      return std::nullopt;  // open: it has no inside
+    }
+  };
+  if (inside_.size() != pairs.size()) {
+    inside_.clear();
+    for (const ColliderPair& pair : pairs)
+      inside_.push_back(
+          {test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->mesh()), component_vertices(pair.b->mesh())});
+  }
+  result.containment.resize(pairs.size());
+  const auto test = [](std::optional<InsideTest>& outer, const Collider& inner,
+                       std::span<const std::uint32_t> components, Containment& found) {
+    if (outer) {
+      outer->components_inside(inner, components, found);
+      return;
+    }
+    found.status = {};
+    found.inside.assign(components.size(), 0);
+    found.inside_count = 0;
+    found.certified = true;
+  };
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    test(inside_[i].b, *pairs[i].a, inside_[i].components_a, result.containment[i].a_in_b);
+    test(inside_[i].a, *pairs[i].b, inside_[i].components_b, result.containment[i].b_in_a);
+  }
+}
+
+}  // namespace morula

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
+// and of the point; A the same in the body's frame. Coordinates in float are off by less than 2^-24 M + 2^-53 A, so a
+// gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. closest_point() may return a point
+// of the facet's plane outside the facet: its barycentric coordinates are off by less than 2^13 e L² / edge², e = 2^-53
+// and L <= 2^13 extent the distance of the point, where the facet is regular; that shortens a distance by less than
+// 2^-25 of it. Its own rounding is below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the
+// least distance by 2^-18 M + 2^-48 A. Nothing is left out for points farther away than 2^12 extents.
+#include "collide/facets/contact_surface.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "collide/facets/corner_reader.hpp"
+
+namespace morula {
+namespace {
+
+struct Nearest {
+  TrianglePoint point{{}, {}, std::numeric_limits<double>::infinity()};
+  std::uint32_t facet = 0xffffffffu;
+
+  void look_at(const CornerReader& corners, std::uint32_t candidate, const Vec3& p) {
+    const TrianglePoint found = closest_point(corners(candidate), p);
+    const bool nearer = found.squared_distance < point.squared_distance ||
+                        (found.squared_distance == point.squared_distance && candidate < facet);
+    if (nearer) point = found, facet = candidate;
+  }
+};
+
+Vec3 in_frame_of(const Collider& collider, const Vec3& point) {
+  return collider.placement().turn_back(point - collider.placement().translation);
+}
+SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
+  return {nearest.facet, nearest.point.barycentric, collider.placement()(nearest.point.point)};
+}
+
+void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& p, std::vector<float>& gaps,
+            Nearest& nearest) {
+  const CornerReader corners(*surfaces.collider());
+  const Vec3f local(p - leaf.center);
+  const float away = largest_component(local);
+  if (!(away <= 0x1p12f * leaf.extent && leaf.extent <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
+    for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(corners, surfaces.facet(leaf, i), p);
+    return;
+  }
+  const FacetColumns columns = surfaces.columns(leaf);
+  if (gaps.size() < columns.count) gaps.resize(columns.count);
+  const float least = facet_kernels().squared_gaps(columns, local, gaps.data());
+  const double pad =
+      0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
+      0x1p-48 * (largest_component(leaf.center) + static_cast<double>(leaf.extent) + largest_component(p));
+  // Gaps, squared, up to which facets have to be looked at.
+  const auto reach = [&] {
+    const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
+    return farthest * farthest;
+  };
+  double enough = reach();
+  if (leaf.all_regular && static_cast<double>(least) > enough) return;
+  std::size_t first = 0;
+  while (gaps[first] != least) ++first;
+  if (first >= leaf.size) first = leaf.size - 1;  // what fills up repeats the last facet
+  nearest.look_at(corners, surfaces.facet(leaf, first), p);
+  enough = reach();
+  for (std::size_t i = 0; i < leaf.size; ++i) {
+    if (i == first || (static_cast<double>(gaps[i]) > enough && !surfaces.is_irregular(leaf, i))) continue;
+    nearest.look_at(corners, surfaces.facet(leaf, i), p);
+    enough = reach();
+  }
+}
+
+// Placed points lie off by the pads of leaf_pairs.cpp, for the same reasons.
+double placement_pad(const Collider& collider, const Vec3& center, double radius) {
+  const double reach = largest_component(center) + radius + largest_component(collider.placement().translation);
+  return radius * 0x1p-28 + reach * 0x1p-48;
+}
+double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
+  const Sphere s = collider.body().sphere(node);
+  return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
+}
+/// Of the corners of the facets that the node has a part of.
+double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
+  const Vec3 turned = collider.placement().turn_back(direction);
+  const Vec3f narrow(turned);
+  LeafSurfaces& surfaces = scratch.of(collider);
+  double reach = -std::numeric_limits<double>::infinity();
+  surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
+    const double beyond = static_cast<double>(facet_kernels().reach(surfaces.columns(leaf), narrow));
+    const auto extent = static_cast<double>(leaf.extent);
+    const double pad = 0x1p-20 * extent + placement_pad(collider, leaf.center, 2 * extent);
+    reach = std::max(reach, dot(leaf.center, turned) + beyond + pad);
+  });
+  return reach + dot(collider.placement().translation, direction);
+}
+
+/// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
+/// surface and bulges with it, next to 1 where its centre is in the surface.
+double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
+  const Vec3 direction = normalized(mean);
+  const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
+  const double radius = collider.body().sphere(node).radius;
+  return radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
+}
+
+}  // namespace
+
+void SurfaceScratch::start(const Collider& a, const Collider& b) {
+  sides_[0].start(a);
+  sides_[1].start(b);
+}
+
+SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch) {
+  LeafSurfaces& surfaces = scratch.of(collider);
+  const Vec3 p = in_frame_of(collider, point);
+  Nearest nearest;
+  surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) { search(surfaces, leaf, p, scratch.gaps, nearest); });
+  return placed(collider, nearest);
+}
+
+SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point) {
+  const CornerReader corners(collider);
+  Nearest nearest;
+  for (const std::uint32_t facet : collider.facets(node)) nearest.look_at(corners, facet, in_frame_of(collider, point));
+  return placed(collider, nearest);
+}
+
+Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch) {
+  Vec3 area_vector;
+  double area = 0;
+  scratch.of(collider).for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
+    area_vector += leaf.area_vector;
+    area += leaf.area;
+  });
+  return area > 0 ? collider.placement().turn(area_vector / area) : Vec3{};
+}
+
+double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
+  return std::min(sphere_reach(collider, node, direction), facet_reach(collider, node, direction, scratch));
+}
+
+ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
+                               const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch) {
+  const auto overlap = [&](const Vec3& n) {
+    return region_reach(a, node_a, -n, scratch) + region_reach(b, node_b, n, scratch);
+  };
+  const Vec3 mean_a = mean_normal(a, node_a, scratch), mean_b = mean_normal(b, node_b, scratch);
+  const Vec3 difference = mean_b - mean_a;
+  double trust = 0;                         // in the mean normals
+  constexpr double least_difference = 0.5;  // of two units where regions face each other
+  if (length(difference) > least_difference)
+    trust = std::max(standing_off(a, node_a, mean_a, scratch), standing_off(b, node_b, mean_b, scratch));
+  const Vec3 normal = normalized(sphere_normal * (1 - trust) + normalized(difference) * trust, sphere_normal);
+  double least = std::min(depth, overlap(sphere_normal));
+  if (trust > 0) least = std::min(least, overlap(normal));
+  return {nearest_facet(a, node_a, point, scratch), nearest_facet(b, node_b, point, scratch), normal,
+          std::max(0.0, least)};
+}
+
+}  // namespace morula

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/facets/facet_columns.hpp"
+
+#include <cstdint>
+#include <limits>
+
+#include "simd/float4.hpp"
+#include "simd/processors.hpp"
+
+namespace morula {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+/// What the others have to reproduce.
+namespace plain {
+
+float smaller(float a, float b) {
+  return a < b ? a : b;
+}
+float larger(float a, float b) {
+  return a > b ? a : b;
+}
+float axis_gap(float p, float a, float b, float c) {
+  const float lower = smaller(smaller(a, b), c), upper = larger(larger(a, b), c);
+  return larger(larger(lower - p, p - upper), 0.0f);
+}
+
+float squared_gaps(const FacetColumns& facets, const Vec3f& p, float* squared) {
+  float least = infinity;
+  for (std::size_t i = 0; i < facets.count; ++i) {
+    const auto column = [&](int k) { return facets.column[k][i]; };
+    const float dx = axis_gap(p.x, column(0), column(3), column(6));
+    const float dy = axis_gap(p.y, column(1), column(4), column(7));
+    const float dz = axis_gap(p.z, column(2), column(5), column(8));
+    squared[i] = dx * dx + dy * dy + dz * dz;
+    least = smaller(squared[i], least);
+  }
+  return least;
+}
+
+float reach(const FacetColumns& facets, const Vec3f& direction) {
+  float most = -infinity;
+  for (std::size_t i = 0; i < facets.count; ++i)
+    for (int k = 0; k < 9; k += 3)
+      most = larger(facets.column[k][i] * direction.x + facets.column[k + 1][i] * direction.y +
+                        facets.column[k + 2][i] * direction.z,
+                    most);
+  return most;
+}
+
+}  // namespace plain
+
+#define MORULA_KERNELS "collide/facet_columns.inl"
+#include "simd/every_processor.inl"
+
+}  // namespace
+
+std::span<const FacetKernels> all_facet_kernels() {
+  static constexpr FacetKernels all[]{
+      {"plain", plain::squared_gaps, plain::reach},
+#ifdef MORULA_VECTORS
+      {"four lanes", baseline::squared_gaps, baseline::reach},
+#endif
+#ifdef MORULA_DISPATCH
+      {"AVX2", avx2::squared_gaps, avx2::reach},
+      {"AVX-512", avx512::squared_gaps, avx512::reach},
+#endif
+  };
+  return std::span(all).first(runnable_kinds());
+}
+
+const FacetKernels& facet_kernels() {
+  return all_facet_kernels().back();
+}
+
+}  // namespace morula

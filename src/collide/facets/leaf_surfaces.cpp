@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/facets/leaf_surfaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collide/facets/corner_reader.hpp"
+#include "simd/lanes.hpp"
+
+namespace morula {
+namespace {
+
+std::size_t filled(std::size_t count) {
+  return (count + facet_columns_step - 1) / facet_columns_step * facet_columns_step;
+}
+
+/// A corner's barycentric coordinates in its facet, without those of the facet's first corner.
+std::array<double, 2> place_in(const Facet& facet, const Cover& cover, std::uint32_t corner) {
+  std::array<double, 2> place{};
+  const auto add = [&](std::uint32_t vertex, double weight) {
+    if (vertex == facet[0]) return;
+    if (vertex == facet[1])
+      place[0] += weight;
+    else if (vertex == facet[2])
+      place[1] += weight;
+  };
+  if (corner < cover.vertex_count) {
+    add(corner, 1);
+  } else {
+    const CutPoint& point = cover.cut_points[corner - cover.vertex_count];
+    for (std::size_t k = 0; k < 3; ++k) add(point.vertex[k], point.weight[k]);
+  }
+  return place;
+}
+
+/// The share of its facet that a patch is: it stays the same under any deformation.
+double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
+  const std::span<const std::uint32_t> corners = cover.patch(patch);
+  double share = 0;
+  std::array<double, 2> last = place_in(facet, cover, corners.back());
+  for (const std::uint32_t corner : corners) {
+    const std::array<double, 2> next = place_in(facet, cover, corner);
+    share += last[0] * next[1] - last[1] * next[0];
+    last = next;
+  }
+  return std::clamp(std::abs(share), 0.0, 1.0);
+}
+
+/// Largest |coordinate|.
+float largest(const FacetColumns& facets) {
+  lanes::Float4 most{};
+  for (const float* const column : facets.column)
+    for (std::size_t i = 0; i < facets.count; i += 4) {
+      const lanes::Float4 x = lanes::load(column + i);
+      most = lanes::max(lanes::max(x, -x), most);
+    }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+}
+
+}  // namespace
+
+void LeafSurfaces::take_shares() {
+  const SphereTree& tree = collider_->body().rest_tree();
+  const Cover& cover = collider_->body().cover();
+  const std::uint32_t* const first = collider_->facets(0).data();
+  share_.assign(collider_->facets(0).size(), 0);
+  for (std::uint32_t leaf = 0; leaf < tree.node_count(); ++leaf) {
+    if (!tree.is_leaf(leaf)) continue;
+    const std::span<const std::uint32_t> facets = collider_->facets(leaf);
+    for (std::uint32_t patch = cover.region_begin[leaf]; patch < cover.region_end[leaf]; ++patch) {
+      const std::uint32_t facet = cover.patch_facet[patch];
+      const auto entry = std::lower_bound(facets.begin(), facets.end(), facet) - facets.begin();
+      share_[static_cast<std::size_t>(facets.data() - first + entry)] +=
+          static_cast<float>(share_of(collider_->mesh().facets[facet], cover, patch));
+    }
+  }
+}
+
+void LeafSurfaces::start(const Collider& collider) {
+  collider_ = &collider;
+  const std::size_t nodes = collider.body().rest_tree().node_count();
+  if (ownership_ != collider.body().ownership() || share_.size() != collider.facets(0).size()) {
+    take_shares();
+    ownership_ = collider.body().ownership();
+  }
+  if (stamp_.size() < nodes) stamp_.resize(nodes, now_), leaf_.resize(nodes);
+  if (++now_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0);
+    now_ = 1;
+  }
+  used_ = 0;
+}
+
+FacetColumns LeafSurfaces::columns(const Leaf& leaf) const {
+  FacetColumns list;
+  for (std::size_t k = 0; k < 9; ++k) list.column[k] = columns_[k].data() + leaf.begin;
+  list.count = filled(leaf.size);
+  return list;
+}
+
+const LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
+  Leaf& leaf = leaf_[node];
+  if (stamp_[node] == now_) return leaf;
+  stamp_[node] = now_;
+  const std::span<const std::uint32_t> facets = collider_->facets(node);
+  const float* const share = share_.data() + (facets.data() - collider_->facets(0).data());
+  leaf = {};
+  leaf.begin = static_cast<std::uint32_t>(used_);
+  leaf.size = static_cast<std::uint32_t>(facets.size());
+  leaf.center = collider_->body().sphere(node).center;
+  const std::size_t end = used_ + filled(facets.size());
+  if (facet_.size() < end) {
+    const std::size_t room = std::max(end, 2 * facet_.size());
+    for (std::vector<float>& column : columns_) column.resize(room);
+    facet_.resize(room);
+    irregular_.resize(room);
+  }
+
+  // Bytes may be stored anywhere, for all that the compiler knows: what the loop reads is kept in its own variables.
+  float* column[9];
+  for (std::size_t k = 0; k < 9; ++k) column[k] = columns_[k].data() + used_;
+  unsigned char* const irregular = irregular_.data() + used_;
+  const CornerReader corners(*collider_);
+  const Vec3 center = leaf.center;
+  constexpr double no_edge = 0x1p1000;
+  double shortest = no_edge, area = 0;  // the edge squared
+  Vec3 area_vectors;
+  bool all_regular = true;
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    const Triangle t = corners(facets[i]);
+    // Differences of corners about the centre are those of the corners, but for some 2^-53 of a coordinate.
+    const Vec3 p = t[0] - center, q = t[1] - center, r = t[2] - center;
+    column[0][i] = static_cast<float>(p.x), column[1][i] = static_cast<float>(p.y),
+    column[2][i] = static_cast<float>(p.z);
+    column[3][i] = static_cast<float>(q.x), column[4][i] = static_cast<float>(q.y),
+    column[5][i] = static_cast<float>(q.z);
+    column[6][i] = static_cast<float>(r.x), column[7][i] = static_cast<float>(r.y),
+    column[8][i] = static_cast<float>(r.z);
+    const Vec3 u = q - p, v = r - p, normal = cross(u, v);
+    const double uu = squared_length(u), vv = squared_length(v), ww = squared_distance(q, r);
+    const double nn = squared_length(normal);
+    const bool regular = nn > 1e-5 * (uu * vv);
+    irregular[i] = !regular;
+    all_regular = all_regular && regular;
+    shortest = std::min(shortest, std::min(uu, std::min(vv, ww)));
+    const double half_share = 0.5 * static_cast<double>(share[i]);
+    area_vectors += normal * half_share;
+    area += std::sqrt(nn) * half_share;
+  }
+  leaf.area_vector = area_vectors;
+  leaf.area = area;
+  leaf.all_regular = all_regular;
+  std::copy(facets.begin(), facets.end(), facet_.begin() + leaf.begin);
+  used_ += facets.size();
+  for (; used_ < end; ++used_)
+    for (std::vector<float>& filled_up : columns_) filled_up[used_] = filled_up[leaf.begin + leaf.size - 1];
+  leaf.extent = largest(columns(leaf));
+  // Seen from afar, facets that are much smaller than the leaf are like slivers.
+  const double least_edge = 0x1p-12 * static_cast<double>(leaf.extent);
+  if (!(shortest > least_edge * least_edge)) {
+    leaf.all_regular = false;
+    std::fill(irregular_.begin() + leaf.begin, irregular_.begin() + leaf.begin + leaf.size, 1);
+  }
+  return leaf;
+}
+
+}  // namespace morula

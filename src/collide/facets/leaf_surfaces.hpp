@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The surface that the leaves of one body own, in the body's own frame: read once per leaf and batch of questions.
+#pragma once
+
+#include <cstdint>
+#include <morula/collide/collider.hpp>
+#include <vector>
+
+#include "collide/facets/facet_columns.hpp"
+
+namespace morula {
+
+class LeafSurfaces {
+ public:
+  /// Forgets all leaves, not the memory. Once per ownership: the share of each facet that leaves own. Linear in patches
+  /// then, constant afterwards.
+  void start(const Collider& collider);
+  const Collider* collider() const { return collider_; }
+
+  struct Leaf {
+    std::uint32_t begin = 0, size = 0;  ///< of slots, one per facet in the order of Collider::facets
+    bool all_regular = true;            ///< no facet is irregular
+    float extent = 0;                   ///< largest |coordinate| of a corner about `center`
+    Vec3 center;                        ///< what the columns are about
+    Vec3 area_vector;                   ///< of what the leaf owns: area times mean normal
+    double area = 0;
+  };
+  /// A leaf, read if it has not been. The reference is good until the next batch.
+  const Leaf& read(std::uint32_t leaf);
+  FacetColumns columns(const Leaf& leaf) const;
+  std::uint32_t facet(const Leaf& leaf, std::size_t i) const { return facet_[leaf.begin + i]; }
+  /// So thin or small that closest_point may take a point outside for one of its own: no bound holds.
+  bool is_irregular(const Leaf& leaf, std::size_t i) const { return irregular_[leaf.begin + i] != 0; }
+
+  /// f(leaf) for the leaves below a node, or itself, in the order of their regions.
+  template <class F>
+  void for_leaves(std::uint32_t node, const F& f) {
+    const SphereTree& tree = collider_->body().rest_tree();
+    if (tree.is_leaf(node)) return f(read(node));
+    for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) for_leaves(tree.first_child[node] + k, f);
+  }
+
+ private:
+  void take_shares();
+
+  const Collider* collider_ = nullptr;
+  std::uint64_t ownership_ = 0;
+  std::vector<float> share_;  // of each facet of each leaf, in the order of the collider's lists
+  std::vector<std::uint32_t> stamp_;
+  std::vector<Leaf> leaf_;
+  std::uint32_t now_ = 0;
+  // Of a slot.
+  std::vector<float> columns_[9];
+  std::vector<std::uint32_t> facet_;
+  std::vector<unsigned char> irregular_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace morula

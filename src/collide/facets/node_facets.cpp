@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/facets/node_facets.hpp"
+
+#include <algorithm>
+
+#include "collide/facets/corner_reader.hpp"
+#include "simd/lanes.hpp"
+
+namespace morula {
+namespace {
+
+using lanes::both;
+using lanes::Double2;
+
+Double2 smaller(Double2 a, Double2 b) {
+  return -lanes::max(-a, -b);
+}
+
+/// x and y in one register, z twice in another.
+struct Registers {
+  Double2 xy, z;
+};
+Registers registers(const Vec3& p) {
+  return {Double2{p.x, p.y}, both(p.z)};
+}
+
+/// RigidTransform's own operations in its own order, so the same bits, two coordinates at a time.
+class Placement {
+ public:
+  explicit Placement(const RigidTransform& t)
+      : columns_{registers({t.rows[0].x, t.rows[1].x, t.rows[2].x}), registers({t.rows[0].y, t.rows[1].y, t.rows[2].y}),
+                 registers({t.rows[0].z, t.rows[1].z, t.rows[2].z})},
+        translation_(registers(t.translation)) {}
+  Registers operator()(const Vec3& p) const {
+    const Double2 x = both(p.x), y = both(p.y), z = both(p.z);
+    return {columns_[0].xy * x + columns_[1].xy * y + columns_[2].xy * z + translation_.xy,
+            columns_[0].z * x + columns_[1].z * y + columns_[2].z * z + translation_.z};
+  }
+
+ private:
+  Registers columns_[3], translation_;
+};
+
+}  // namespace
+
+void NodeFacets::start(const Collider& collider, const Vec3& origin) {
+  collider_ = &collider;
+  origin_ = origin;
+  used_ = facets_read_ = 0;
+  triangles_.clear();
+  const std::size_t nodes = collider.body().rest_tree().node_count();
+  if (stamp_.size() < nodes) stamp_.resize(nodes, now_), range_.resize(nodes);
+  if (++now_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0);
+    now_ = 1;
+  }
+}
+
+const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
+  Range& range = range_[node];
+  if (stamp_[node] == now_) return range;
+  stamp_[node] = now_;
+  const std::span<const std::uint32_t> facets = collider_->facets(node);
+  range = {static_cast<std::uint32_t>(used_), static_cast<std::uint32_t>(facets.size()), {}};
+  facets_read_ += facets.size();
+  const std::size_t end = used_ + filled(facets.size());
+  if (facet_.size() < end) {
+    const std::size_t room = std::max(end, 2 * facet_.size());
+    facet_.resize(room);
+    triangle_of_.resize(room);
+    for (std::vector<float>& bounds : bounds_) bounds.resize(room);
+  }
+  // Boxes are in float, yet need no pads: "minus the origin, rounded to double, rounded to float" keeps the order of
+  // coordinates, as equals at worst. Where intervals of doubles have a common number, so have these.
+  const CornerReader corners(*collider_);
+  const Placement placement(collider_->placement());
+  const Registers origin = registers(origin_);
+  for (const std::uint32_t facet : facets) {
+    const Triangle t = corners(facet);
+    const Registers p = placement(t[0]), q = placement(t[1]), r = placement(t[2]);
+    const Double2 lower_xy = smaller(smaller(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 upper_xy = lanes::max(lanes::max(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 lower_z = smaller(smaller(p.z, q.z), r.z) - origin.z;
+    const Double2 upper_z = lanes::max(lanes::max(p.z, q.z), r.z) - origin.z;
+    const FloatBox box{{static_cast<float>(lower_xy[0]), static_cast<float>(lower_xy[1]),
+                        static_cast<float>(lower_z[0]), static_cast<float>(upper_xy[0]),
+                        static_cast<float>(upper_xy[1]), static_cast<float>(upper_z[0])}};
+    range.box.add(box);
+    facet_[used_] = facet;
+    triangle_of_[used_] = unread;
+    for (std::size_t k = 0; k < 6; ++k) bounds_[k][used_] = box.bound[k];
+    ++used_;
+  }
+  constexpr FloatBox empty;
+  for (; used_ < end; ++used_)
+    for (std::size_t k = 0; k < 6; ++k) bounds_[k][used_] = empty.bound[k];
+  return range;
+}
+
+}  // namespace morula

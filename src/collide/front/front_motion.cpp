@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/front/front_motion.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace morula {
+namespace {
+
+// A thousand times what the pads of pair tests are of a sphere's size: see pair_frame.hpp.
+constexpr double verdict_rounding = 0x1p-16;
+
+void stamp(Front::Side& side, const Collider& collider) {
+  side.ownership = collider.body().ownership();
+  side.frame = collider.body().frame();
+  side.placement = collider.placement();
+  side.origin = collider.body().origin();
+}
+
+double largest_extent(std::span<const Spheref> spheres) {
+  float largest = 0;
+  for (const Spheref& s : spheres)
+    largest = std::max(largest, std::abs(s.center.x) + std::abs(s.center.y) + std::abs(s.center.z) + s.radius);
+  return largest;
+}
+
+void stamp(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed) {
+  stamp(bodies.a, a);
+  stamp(bodies.b, b);
+  bodies.rows = placed.rows;
+  bodies.translation = placed.translation;
+}
+
+void take_spheres(Front::Bodies& bodies, const Collider& a, const Collider& b) {
+  const auto take = [](Front::Side& side, std::span<const Spheref> spheres) {
+    side.spheres.assign(spheres.begin(), spheres.end());
+  };
+  take(bodies.a, a.body().spheres());
+  take(bodies.b, b.body().spheres());
+  bodies.rounding = verdict_rounding * (largest_extent(bodies.a.spheres) + largest_extent(bodies.b.spheres) +
+                                        largest_component(bodies.translation));
+}
+
+// moved(i): by how much the centre of node i has moved. least: added to every node's motion.
+template <class Moved>
+void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& motion,
+            const Moved& moved) {
+  const std::span<const Spheref> spheres = collider.body().spheres();
+  const SphereTree& tree = collider.body().rest_tree();
+  motion.resize(spheres.size());
+  for (std::uint32_t i = 0; i < spheres.size(); ++i)
+    motion[i] = (length(moved(i)) +
+                 std::abs(static_cast<double>(spheres[i].radius) - static_cast<double>(side.spheres[i].radius))) *
+                    (1 + 0x1p-40) +
+                least;
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+    double farthest = motion[i];
+    for (std::uint32_t k = 0; k < tree.child_count[i]; ++k)
+      farthest = std::max(farthest, motion[tree.first_child[i] + k]);
+    side.travelled[i] += farthest;
+  }
+}
+
+}  // namespace
+
+void begin_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                  bool with_spheres) {
+  stamp(bodies, a, b, placed);
+  if (with_spheres) {
+    take_spheres(bodies, a, b);
+  } else {
+    bodies.a.spheres.clear(), bodies.b.spheres.clear();
+  }
+  bodies.a.travelled.assign(bodies.a.spheres.size(), 0.0);
+  bodies.b.travelled.assign(bodies.b.spheres.size(), 0.0);
+}
+
+void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                   std::vector<double>& scratch) {
+  const std::span<const Spheref> now_a = a.body().spheres(), now_b = b.body().spheres();
+  const bool same_frame = bodies.rows == placed.rows && bodies.translation == placed.translation &&
+                          bodies.a.origin == a.body().origin() && bodies.b.origin == b.body().origin();
+  const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
+    return !same_frame || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
+  };
+  const bool moved_a = has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
+  const double least = same_frame ? 0 : placed.rounding;
+  if (moved_a) {
+    const Vec3 shift = a.body().origin() - bodies.a.origin;
+    travel(bodies.a, a, least, scratch,
+           [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
+  }
+  if (moved_b) {
+    // In a's coordinates: M c + u + origin of a, then and now.
+    const Vec3 shift = (placed.translation + a.body().origin()) - (bodies.translation + bodies.a.origin);
+    const std::array<Vec3, 3> then = bodies.rows;
+    travel(bodies.b, b, least, scratch, [&](std::uint32_t i) {
+      const Vec3 c_now(now_b[i].center), c_then(bodies.b.spheres[i].center);
+      return Vec3{dot(placed.rows[0], c_now) - dot(then[0], c_then), dot(placed.rows[1], c_now) - dot(then[1], c_then),
+                  dot(placed.rows[2], c_now) - dot(then[2], c_then)} +
+             shift;
+    });
+  }
+  stamp(bodies, a, b, placed);
+  if (moved_a || moved_b) take_spheres(bodies, a, b);
+}
+
+}  // namespace morula

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// How far the spheres of two bodies have come since the pairs of a front were tested.
+#pragma once
+
+#include <morula/collide/front.hpp>
+#include <vector>
+
+#include "collide/pairs/pair_frame.hpp"
+
+namespace morula {
+
+/// Stamps of the present frame; with_spheres: also what follow_motion() compares the next one with.
+void begin_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                  bool with_spheres);
+
+/// Adds to `travelled` what the bodies have moved since, against each other, and takes over the present frame. Nodes
+/// that kept every bit, in a frame that did, travel nothing. Motion is measured in a's coordinates without its
+/// placement, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
+void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                   std::vector<double>& scratch);
+
+}  // namespace morula

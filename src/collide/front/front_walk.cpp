@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/front/front_walk.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "collide/facets/contact_geometry.hpp"
+#include "collide/front/front_motion.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::uint32_t none = Front::none;
+// Pairs that are popped together. The same for any number of workers, so that they open the same pairs.
+constexpr std::size_t round_size = 16;
+constexpr std::size_t slots_per_chunk = 4;
+// No more tests than this between two looks at the clock.
+constexpr std::uint32_t tests_per_look = 64;
+
+bool comes_later(const Front::Waiting& x, const Front::Waiting& y) {
+  return x.priority != y.priority ? x.priority < y.priority : x.order > y.order;
+}
+
+}  // namespace
+
+void FrontWalk::place(const CollideOptions& options) {
+  trees_.clear();
+  for (const ColliderPair& pair : pairs)
+    trees_.emplace_back(*pair.a, *pair.b, options.margin, options.level.value_or(none));
+}
+
+void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result) {
+  place(options);
+  keeps_ = keeps;
+  front.level = options.level.value_or(none);
+  front.margin = options.margin;
+  front.bodies.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Front::Bodies& bodies = front.bodies[i];
+    begin_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
+    bodies.roots = Front::Verdict::untested;
+    bodies.opened_roots = none;
+  }
+  front.opened.clear();
+  front.masks.clear();
+  front.waiting.clear();
+  front.next_order = 0;
+  opened_before_.clear();
+  roots_before_.assign(pairs.size(), none);
+  result.finished_count = 0;
+  refine(options, workers, result);
+}
+
+void FrontWalk::resume(const CollideOptions& options, Workers& workers, Contacts& result) {
+  place(options);
+  refine(options, workers, result);
+}
+
+void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts& result) {
+  place(options);
+  keeps_ = true;
+  roots_before_.assign(pairs.size(), none);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Front::Bodies& bodies = front.bodies[i];
+    follow_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), motion_);
+    bodies.roots = Front::Verdict::untested;
+    roots_before_[i] = std::exchange(bodies.opened_roots, none);
+  }
+  front.opened.swap(opened_before_);
+  front.masks.swap(masks_before_);
+  front.opened.clear();
+  front.masks.clear();
+  front.waiting.clear();
+  front.next_order = 0;
+  result.finished_count = 0;
+  refine(options, workers, result);
+}
+
+bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& pair) const {
+  if (!options.reach) return true;
+  const TreePair& trees = trees_[pair.bodies];
+  const ColliderPair& colliders = pairs[pair.bodies];
+  return (!trees.opens_a(pair.a, pair.depth) || options.reach(*colliders.a, pair.a)) &&
+         (!trees.opens_b(pair.b, pair.depth) || options.reach(*colliders.b, pair.b));
+}
+
+double FrontWalk::travelled(const Front::Waiting& pair) const {
+  const Front::Bodies& bodies = front.bodies[pair.bodies];
+  return keeps_ ? bodies.a.travelled[pair.a] + bodies.b.travelled[pair.b] : 0;
+}
+
+bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
+  if (pair.before == none || options.reach) return false;
+  const Front::Opened& before = opened_before_[pair.before];
+  if (before.clearance < 0) return false;
+  const double since = travelled(pair) - before.travelled;
+  return since == 0 || since + front.bodies[pair.bodies].rounding < before.clearance;
+}
+
+void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& result) const {
+  const TreePair& trees = trees_[pair.bodies];
+  Contact& contact = result.contacts.emplace_back();
+  describe(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b), contact);
+  contact.bodies = pair.bodies;
+  contact.node_a = pair.a;
+  contact.node_b = pair.b;
+  contact.finished = finished;
+}
+
+void FrontWalk::admit(const Front::Waiting& found, Run& run) {
+  const TreePair& trees = trees_[found.bodies];
+  if (trees.is_final(found.a, found.b, found.depth)) {
+    report(found, true, run.result);
+    return;
+  }
+  Front::Waiting& pair = front.waiting.emplace_back(found);
+  pair.order = front.next_order++;
+  if (run.options.priority == Priority::level) {
+    pair.priority = -static_cast<float>(found.depth);
+  } else {
+    pair.priority = overlap_share(trees.placed(), trees.sphere_a(found.a), trees.sphere_b(found.b));
+    if (run.options.priority == Priority::importance) pair.priority *= static_cast<float>(pairs[found.bodies].weight);
+  }
+  std::push_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+}
+
+void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) {
+  const Front::Waiting& pair = slot.pair;
+  const auto opened = static_cast<std::uint32_t>(front.opened.size());
+  const auto first_mask = static_cast<std::uint32_t>(front.masks.size());
+  front.masks.insert(front.masks.end(), masks, masks + slot.below_b.count);
+  front.opened.push_back(
+      {pair.bodies, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, travelled(pair)});
+  if (slot.knows_verdicts) front.opened.back().travelled = opened_before_[pair.before].travelled;
+  std::uint32_t& head =
+      pair.above == none ? front.bodies[pair.bodies].opened_roots : front.opened[pair.above].first_below;
+  front.opened.back().next_beside = std::exchange(head, opened);
+
+  // Where the pairs below were opened in the previous frame.
+  const auto place_of = [&](std::uint32_t a, std::uint32_t b) {
+    return (b - slot.below_b.first) * std::uint32_t{max_branching} + (a - slot.below_a.first);
+  };
+  const auto each_before = [&](const auto& f) {
+    if (pair.before == none) return;
+    for (std::uint32_t i = opened_before_[pair.before].first_below; i != none; i = opened_before_[i].next_beside)
+      f(i, before_of_child_[place_of(opened_before_[i].a, opened_before_[i].b)]);
+  };
+  before_of_child_.resize(std::size_t{max_branching} * max_branching, none);
+  each_before([](std::uint32_t i, std::uint32_t& entry) { entry = i; });
+  any_overlapping(slot.below_a, slot.below_b, masks, [&](std::uint32_t a, std::uint32_t b) {
+    admit({0, 0, pair.bodies, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
+    return false;
+  });
+  each_before([](std::uint32_t, std::uint32_t& entry) { entry = none; });
+}
+
+void FrontWalk::test_roots(Run& run) {
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+    Front::Bodies& bodies = front.bodies[i];
+    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.takes(1)) continue;
+    ++run.meter.done;
+    const bool overlap = trees_[i].overlaps(0, 0);
+    bodies.roots = overlap ? Front::Verdict::overlapping : Front::Verdict::separated;
+    if (overlap) admit({0, 0, i, 0, 0, 0, none, roots_before_[i]}, run);
+  }
+}
+
+void FrontWalk::fill_round(Run& run) {
+  round_.clear();
+  const std::size_t size = run.meter.by_time() ? 1 : round_size;
+  while (round_.size() < size && !front.waiting.empty()) {
+    std::pop_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+    const Front::Waiting pair = front.waiting.back();
+    front.waiting.pop_back();
+    const TreePair& trees = trees_[pair.bodies];
+    const Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth),
+                    still_holds(run.options, pair), std::numeric_limits<double>::infinity()};
+    if (!run.meter.takes(slot.tests())) {
+      aside_.push_back(pair);
+    } else if (!reachable(run.options, pair)) {
+      run.meter.give_back(slot.tests());
+      aside_.push_back(pair);
+    } else {
+      round_.push_back(slot);
+    }
+  }
+}
+
+void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
+  const TreePair& trees = trees_[slot.pair.bodies];
+  if (keeps_ && !options.reach) {
+    // Pads of this frame decided, and those of a later one may be less: a vertex that was far away came back. So what
+    // rounding may do is taken off at both ends.
+    const double measured = trees.test_and_measure(slot.below_a, below_b, masks);
+    slot.clearance = std::min(slot.clearance, std::max(0.0, measured - front.bodies[slot.pair.bodies].rounding));
+  } else {
+    trees.test(slot.below_a, below_b, masks);
+    slot.clearance = -1;
+  }
+}
+
+void FrontWalk::test_round(Run& run) {
+  std::size_t to_test = 0, tests = 0;
+  for (const Slot& slot : round_) to_test += !slot.knows_verdicts, tests += slot.tests();
+  run.meter.done += tests;
+  const auto test_slots = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!round_[i].knows_verdicts)
+        test(run.options, round_[i], round_[i].below_b, round_masks_.data() + i * max_branching);
+  };
+  if (to_test > slots_per_chunk && run.workers.thread_count() > 1) {
+    parallel_for(run.workers, round_.size(), slots_per_chunk, test_slots);
+  } else {
+    test_slots(0, round_.size());
+  }
+}
+
+bool FrontWalk::test_in_time(Run& run) {
+  for (Slot& slot : round_) {
+    if (slot.knows_verdicts) continue;
+    const std::uint32_t step = std::max(1u, tests_per_look / slot.below_a.count);
+    for (std::uint32_t j = 0; j < slot.below_b.count; j += step) {
+      if (j > 0 && run.meter.out_of_time()) {
+        aside_.push_back(slot.pair);
+        return false;
+      }
+      const NodeRange rows{slot.below_b.first + j, std::min(step, slot.below_b.count - j)};
+      test(run.options, slot, rows, round_masks_.data() + j);
+      run.meter.done += std::size_t{slot.below_a.count} * rows.count;
+    }
+  }
+  return true;
+}
+
+void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
+  Run run{options, workers, result, Meter(options)};
+  result.contacts.resize(result.finished_count);
+  round_masks_.resize(round_size * max_branching);
+  aside_.clear();
+  std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
+  test_roots(run);
+  while (!front.waiting.empty() && !run.meter.out_of_time()) {
+    fill_round(run);
+    if (!run.meter.by_time()) {
+      test_round(run);
+    } else if (!test_in_time(run)) {
+      break;
+    }
+    for (std::size_t i = 0; i < round_.size(); ++i) {
+      Slot& slot = round_[i];
+      const std::uint64_t* masks = round_masks_.data() + i * max_branching;
+      if (slot.knows_verdicts) {
+        const Front::Opened& before = opened_before_[slot.pair.before];
+        slot.clearance = before.clearance;
+        masks = masks_before_.data() + before.first_mask;
+      }
+      take_in(slot, masks, run);
+    }
+  }
+  front.waiting.insert(front.waiting.end(), aside_.begin(), aside_.end());
+  result.pair_tests = run.meter.done;
+  finish(options, run.meter, result);
+}
+
+void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& result) {
+  std::sort(front.waiting.begin(), front.waiting.end(),
+            [](const Front::Waiting& x, const Front::Waiting& y) { return x.order < y.order; });
+  result.finished_count = result.contacts.size();
+  result.finished = front.waiting.empty();
+  result.achieved_level.resize(pairs.size());
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+    result.achieved_level[i] = trees_[i].depth();
+    if (front.bodies[i].roots != Front::Verdict::untested) continue;
+    result.finished = false;
+    result.achieved_level[i] = 0;
+    report({0, 0, i, 0, 0, 0, none, none}, false, result);
+  }
+  for (const Front::Waiting& pair : front.waiting) {
+    report(pair, false, result);
+    result.achieved_level[pair.bodies] = std::min(result.achieved_level[pair.bodies], pair.depth);
+  }
+  extras.add(pairs, options, &meter, result);
+}
+
+}  // namespace morula

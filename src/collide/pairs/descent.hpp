@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// All final pairs that overlap. Without a budget there is no queue to keep: depth-first, and nothing to remember.
+#pragma once
+
+#include "collide/pairs/tree_pair.hpp"
+
+namespace morula {
+
+/// f(node of a, node of b) for every final pair that overlaps, as do all pairs above it: depth-first, by the nodes of
+/// b, then of a. Returns the pair tests done.
+template <class Final>
+std::size_t each_overlapping(const TreePair& trees, const Final& f) {
+  std::size_t tests = 1;
+  const auto enter = [&](const auto& self, std::uint32_t a, std::uint32_t b, std::uint32_t depth) -> void {
+    if (trees.is_final(a, b, depth)) return f(a, b);
+    const NodeRange below_a = trees.below_a(a, depth), below_b = trees.below_b(b, depth);
+    std::uint64_t masks[max_branching];
+    trees.test(below_a, below_b, masks);
+    tests += std::size_t{below_a.count} * below_b.count;
+    any_overlapping(below_a, below_b, masks, [&](std::uint32_t child_a, std::uint32_t child_b) {
+      self(self, child_a, child_b, depth + 1);
+      return false;
+    });
+  };
+  if (trees.overlaps(0, 0)) enter(enter, 0, 0, 0);
+  return tests;
+}
+
+}  // namespace morula

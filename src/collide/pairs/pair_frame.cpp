@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/pairs/pair_frame.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "update/points/rounding.hpp"
+
+namespace morula {
+
+PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin) {
+  PlacedPair pair;
+  pair.rows = relative.rows;
+  pair.translation = relative.translation;
+  pair.margin = margin;
+  constexpr double far = 0x1p62, too_coarse = 0x1p58;
+  const double rounding = pair.rounding = 0x1p-46 * coordinates + 0x1p-60;
+  Vec3& u = pair.translation;
+  // Comparisons the other way round: what is not a number is not small.
+  if (!(rounding + margin < too_coarse)) {
+    u = {};
+    pair.pad = std::max(far, std::min(rounding, std::numeric_limits<double>::max()));
+  } else {
+    if (!(largest_component(u) < far)) u = {far, 0, 0};
+    pair.pad = 0x1p-20 * largest_component(u) + rounding;
+  }
+  for (std::size_t row = 0; row < 3; ++row)
+    for (int axis = 0; axis < 3; ++axis) pair.narrow.rows[row][axis] = static_cast<float>(pair.rows[row][axis]);
+  for (int axis = 0; axis < 3; ++axis) pair.narrow.translation[axis] = static_cast<float>(u[axis]);
+  pair.narrow.pad = rounded_up(std::min(pair.pad + margin, far) * (1 + 0x1p-20));
+  return pair;
+}
+
+PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
+  const RigidTransform &place_a = a.placement(), &place_b = b.placement();
+  const Vec3 origin_a = a.body().origin(), origin_b = b.body().origin();
+  const Vec3 world_a = place_a(origin_a), shift = place_b(origin_b) - world_a;
+  const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.turn_back(shift)};
+  const double coordinates = largest_component(origin_a) + largest_component(origin_b) +
+                             largest_component(place_a.translation) + largest_component(place_b.translation);
+  PlacedPair pair = placed_pair(relative, coordinates, margin);
+  pair.world_a = place_a.rows;
+  pair.world_b = place_b.rows;
+  pair.world_shift = shift;
+  pair.world_origin = world_a;
+  return pair;
+}
+
+}  // namespace morula

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <morula/collide/primitives.hpp>
+
+#include "collide/pairs/placed_spheres.hpp"
+#include "collide/pairs/walk.hpp"
+#include "geometry/exact_predicates.hpp"
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// The ray as the axis of sheared coordinates [woop2013].
+class ShearedRay {
+ public:
+  explicit ShearedRay(const Ray& ray) : origin_(ray.origin), t_end_(ray.t_end) {
+    // Scaled by a power of two, which changes no bit of the answer: squares of directions may be out of range.
+    const int exponent = std::ilogb(largest_component(ray.direction));
+    for (int axis = 0; axis < 3; ++axis) scaled_[axis] = std::ldexp(ray.direction[axis], -exponent);
+    scale_ = std::ldexp(1.0, -exponent);
+    size_ = length(scaled_);
+    unit_ = scaled_ / size_;
+    // The longest axis becomes the ray's; the order of the others keeps the turning sense.
+    const Vec3 size{std::abs(scaled_.x), std::abs(scaled_.y), std::abs(scaled_.z)};
+    z_ = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    if (scaled_[z_] < 0) std::swap(x_, y_);
+    shear_x_ = scaled_[x_] / scaled_[z_];
+    shear_y_ = scaled_[y_] / scaled_[z_];
+  }
+
+  // Below the t of all hits in the sphere; infinite when there are none.
+  //
+  // Let S bound |coordinates| of origin and sphere. Differences to the origin are off by u S, the foot on the line and
+  // what is left by a dozen u S, and sheared vertices stand for real ones within 6 u S: all of it below 64 u S, allowed
+  // 2^-45 S = 256 u S.
+  double bound(const Sphere& s) const {
+    const Vec3 offset = s.center - origin_;
+    const double along = dot(offset, unit_);
+    const double pad = 0x1p-45 * (largest_component(s.center) + s.radius + largest_component(origin_));
+    const double reach = s.radius + pad;
+    const double aside = squared_length(offset - unit_ * along), reach_squared = reach * reach;
+    if (aside > reach_squared || along + reach < 0) return infinity;
+    // The nearer end of the chord; when the ray starts inside, its start.
+    const double half = std::sqrt(reach_squared - aside);
+    const double first = (along - half - pad) / size_ * scale_;
+    return first > t_end_ ? infinity : first;
+  }
+
+  // Does the ray hit the triangle, at a t from 0 to `limit`?
+  bool hits(const Triangle& t, double limit, double& where, Barycentric& barycentric) const {
+    std::array<Vec3, 3> from_origin{t[0] - origin_, t[1] - origin_, t[2] - origin_};
+    // Areas of what is very small and near would vanish: larger by a power of two, which changes no verdict.
+    const double largest = std::max(
+        {largest_component(from_origin[0]), largest_component(from_origin[1]), largest_component(from_origin[2])});
+    constexpr double least_ordinary = 0x1p-400;
+    const int exponent = largest > 0 && largest < least_ordinary ? std::ilogb(largest) : 0;
+    if (exponent != 0)
+      for (Vec3& p : from_origin)
+        p = {std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
+    double x[3], y[3], z[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& p = from_origin[k];
+      x[k] = p[x_] - shear_x_ * p[z_];
+      y[k] = p[y_] - shear_y_ * p[z_];
+      z[k] = p[z_];
+    }
+    // On which side of the origin, which is the ray, each edge passes.
+    const auto side = [&](int from, int to) {
+      return orient2d({}, {x[from], y[from], 0}, {x[to], y[to], 0}, projections[2]);
+    };
+    const int u = side(2, 1), v = side(0, 2), w = side(1, 0);
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+    // Signs are exact, sizes nearly: one of them may have lost all its digits.
+    const double a = u == 0 ? 0.0 : std::abs(x[2] * y[1] - y[2] * x[1]);
+    const double b = v == 0 ? 0.0 : std::abs(x[0] * y[2] - y[0] * x[2]);
+    const double c = w == 0 ? 0.0 : std::abs(x[1] * y[0] - y[1] * x[0]);
+    const double sum = a + b + c;
+    if (!(sum > 0)) return false;
+    barycentric = {a / sum, b / sum, c / sum};
+    const double height = z[0] + barycentric[1] * (z[1] - z[0]) + barycentric[2] * (z[2] - z[0]);
+    where = std::ldexp(height / scaled_[z_], exponent) * scale_;
+    return where >= 0 && where <= limit;
+  }
+  double t_end() const { return t_end_; }
+
+ private:
+  Vec3 origin_, scaled_, unit_;
+  double t_end_, scale_, size_;
+  double shear_x_, shear_y_;
+  int x_, y_, z_;
+};
+
+bool is_good(const Ray& ray) {
+  const double longest = largest_component(ray.direction);
+  return is_finite(ray.origin) && is_finite(ray.direction) && largest_component(ray.origin) < 0x1p200 &&
+         longest > 0x1p-200 && longest < 0x1p200 && ray.t_end >= 0;
+}
+
+}  // namespace
+
+RayHit first_hit(const Collider& body, const Ray& ray) {
+  const StandardFloats standard;
+  RayHit result;
+  result.status = askable(body);
+  if (result.status && !is_good(ray)) result.status = {QueryStatus::Code::bad_shape};
+  if (!result.status) return result;
+  result.certified = spheres_cover(body.body());
+  const PlacedSpheres spheres(body);
+  const ShearedRay sheared(ray);
+  // Bounds of spheres that are missed are infinite: the limit stays below.
+  double limit = std::min(ray.t_end, std::numeric_limits<double>::max());
+
+  const auto bound = [&](std::uint32_t node) {
+    ++result.sphere_tests;
+    return sheared.bound(spheres(node));
+  };
+  walk_nearest_first(
+      body.body().rest_tree(), bound, [&] { return limit; }, [](double) {},
+      [&](std::uint32_t leaf, double) {
+        for (const std::uint32_t facet : body.facets(leaf)) {
+          ++result.facet_tests;
+          double t = 0;
+          Barycentric barycentric{};
+          if (!sheared.hits(body.triangle(facet), limit, t, barycentric)) continue;
+          if (result.hit && t == result.t && facet >= result.point.facet) continue;
+          result.hit = true;
+          result.t = limit = t;
+          result.point = {facet, barycentric, {}};
+        }
+        return true;
+      });
+  if (!result.hit) return result;
+  const Triangle corners = body.triangle(result.point.facet);
+  result.point.point = at_barycentric(corners, result.point.barycentric);
+  result.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
+  return result;
+}
+
+}  // namespace morula

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <morula/generators/build.hpp>
+#include <morula/geometry/scale.hpp>
+#include <stdexcept>
+
+#include "generators/driver/top_down.hpp"
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+namespace {
+
+struct Entry {
+  Method method;
+  std::string_view name;
+  Built (*build)(const Mesh&, const BuildRun&, Workers&);
+};
+constexpr std::array<Entry, 7> entries{{
+    {Method::octree, "octree", build_octree},
+    {Method::grid, "grid", build_grid},
+    {Method::hubbard, "hubbard", build_hubbard},
+    {Method::spawn, "spawn", build_spawn},
+    {Method::medial, "medial", build_medial},
+    {Method::combined, "combined", build_combined},
+    {Method::morula, "morula",
+     [](const Mesh& mesh, const BuildRun& run, Workers& workers) { return build_own(mesh, run, workers); }},
+}};
+
+// An enumeration whose values count up from 0, with its names in that order.
+template <class Enum, std::size_t count>
+struct Names {
+  std::array<std::string_view, count> names;
+  std::array<Enum, count> values{};
+
+  constexpr explicit Names(const std::array<std::string_view, count>& names_) : names(names_) {
+    for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Enum>(i);
+  }
+  std::string_view name(Enum value, const char* what) const {
+    const auto i = static_cast<std::size_t>(value);
+    if (i >= count) throw std::invalid_argument(std::string("build: unknown ") + what);
+    return names[i];
+  }
+  std::optional<Enum> find(std::string_view wanted) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (names[i] == wanted) return values[i];
+    return std::nullopt;
+  }
+};
+constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
+constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
+constexpr Names<Quality, 4> quality_names({"draft", "fast", "default", "best"});
+
+constexpr auto methods = [] {
+  std::array<Method, entries.size()> all{};
+  for (std::size_t i = 0; i < entries.size(); ++i) all[i] = entries[i].method;
+  return all;
+}();
+
+const Entry& entry(Method method) {
+  for (const Entry& e : entries)
+    if (e.method == method) return e;
+  throw std::invalid_argument("build: unknown method");
+}
+
+// What a method does not use must not be set: it would be believed to have an effect.
+void require_used(const BuildOptions& options) {
+  const std::string method(name(options.method));
+  const bool any_list = options.method == Method::combined;
+  if (!options.reducers.empty() && !any_list && options.method != Method::medial)
+    throw std::invalid_argument("build: method " + method + " takes no list of reducers; medial and combined do");
+  for (std::size_t i = 0; i < options.reducers.size(); ++i) {
+    const Reduction r = options.reducers[i];
+    const std::string reducer(name(r));
+    if (!any_list && r != Reduction::merge && r != Reduction::burst && r != Reduction::expand)
+      throw std::invalid_argument("build: method medial reduces by merge, burst or expand, not " + reducer +
+                                  "; combined takes any");
+    if (std::find(options.reducers.begin(), options.reducers.begin() + static_cast<std::ptrdiff_t>(i), r) !=
+        options.reducers.begin() + static_cast<std::ptrdiff_t>(i))
+      throw std::invalid_argument("build: reducer " + reducer + " is listed twice");
+  }
+  const bool proposes = options.method != Method::octree && options.method != Method::morula;
+  if (options.optimiser != Optimiser::none && !proposes)
+    throw std::invalid_argument("build: method " + method + " has no use for optimiser " +
+                                std::string(name(options.optimiser)));
+  if (!(options.balance_excess >= 0) || !std::isfinite(options.balance_excess))
+    throw std::invalid_argument("build: balance excess is not a number of at least 0");
+  if (options.balance_excess > 0 && options.optimiser != Optimiser::balance)
+    throw std::invalid_argument("build: a balance excess needs the optimiser balance, not " +
+                                std::string(name(options.optimiser)));
+  if (options.quality != Quality::standard && options.method != Method::morula)
+    throw std::invalid_argument("build: method " + method + " has one way only; quality " +
+                                std::string(name(options.quality)) + " is for method morula");
+}
+
+void require_length(double value, const char* what) {
+  if (!(value >= 0) || !std::isfinite(value))
+    throw std::invalid_argument(std::string("build: ") + what + " is not a number of at least 0");
+}
+
+}  // namespace
+
+std::string_view name(Method method) {
+  return entry(method).name;
+}
+
+std::optional<Method> method_from_name(std::string_view wanted) {
+  for (const Entry& e : entries)
+    if (e.name == wanted) return e.method;
+  return std::nullopt;
+}
+
+std::span<const Method> all_methods() {
+  return methods;
+}
+
+std::string_view name(Reduction reduction) {
+  return reduction_names.name(reduction, "reducer");
+}
+std::optional<Reduction> reduction_from_name(std::string_view wanted) {
+  return reduction_names.find(wanted);
+}
+std::span<const Reduction> all_reductions() {
+  return reduction_names.values;
+}
+
+std::string_view name(Optimiser optimiser) {
+  return optimiser_names.name(optimiser, "optimiser");
+}
+std::optional<Optimiser> optimiser_from_name(std::string_view wanted) {
+  return optimiser_names.find(wanted);
+}
+std::span<const Optimiser> all_optimisers() {
+  return optimiser_names.values;
+}
+
+std::string_view name(Quality quality) {
+  return quality_names.name(quality, "quality");
+}
+std::optional<Quality> quality_from_name(std::string_view wanted) {
+  return quality_names.find(wanted);
+}
+std::span<const Quality> all_qualities() {
+  return quality_names.values;
+}
+
+Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+  const StandardFloats standard;
+  const Entry& chosen = entry(options.method);
+  if (options.branching < 2 || options.branching > max_branching)
+    throw std::invalid_argument("build: branching " + std::to_string(options.branching) + " is not in 2…64");
+  if (options.depth < 0 || options.depth > max_depth)
+    throw std::invalid_argument("build: depth " + std::to_string(options.depth) + " is not in 0…8");
+  require_used(options);
+  constexpr std::size_t most_spheres = 100'000'000;
+  if (options.spheres > most_spheres)
+    throw std::invalid_argument("build: " + std::to_string(options.spheres) + " spheres are more than 100000000");
+  require_length(options.max_protrusion, "the greatest protrusion");
+  require_length(options.time_limit_seconds, "the time limit");
+  require_usable(mesh);
+  require_usable_scale(mesh);
+  const BuildRun run(options);
+  run.throw_if_stopped();
+  return chosen.build(mesh, run, workers);
+}
+
+}  // namespace morula

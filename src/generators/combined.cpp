@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Lists of reducers, and the generators made of them.
+
+#include <algorithm>
+
+#include "generators/divide/demand.hpp"
+#include "generators/divide/exchange.hpp"
+#include "generators/reduce/adaptive_medial.hpp"
+#include "generators/reduce/ball_set.hpp"
+#include "generators/reduce/optimise.hpp"
+#include "generators/reduce/reducers.hpp"
+
+namespace morula {
+namespace {
+
+bool reduces_medial_balls(Reduction r) {
+  return r == Reduction::merge || r == Reduction::burst || r == Reduction::expand;
+}
+
+void append(Proposals& all, Proposals more) {
+  std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
+// Quick fits for the methods that are quick themselves; thorough ones, after a first tree has told where small spheres
+// will be needed, for those that take their time anyway.
+constexpr ReduceSettings quick{
+    .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2},
+    .changes = {4, 4, 4},
+    .move_every = 5};
+constexpr ReduceSettings thorough{
+    .fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
+    .changes = {40, 12, 8},
+    .move_every = 2,
+    .all_on_root = true,
+    .balance = {2.5F, 2.0F}};
+
+Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
+                    const ReduceSettings& settings) {
+  const SignedDistance shape(mesh, workers);
+  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), workers);
+  const FitInput input = fit_input(mesh, shape, lines);
+  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
+    constexpr int rounds = 2;
+    if (nodes[0].level >= 2) exchange(mesh, lines, nodes, rounds, workers);
+  };
+  Reducer reducer = combined_reducer(std::move(reductions), run);
+  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
+  if (settings.balance[0] == 0 || run.depth < 2 || flat)
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape,
+                    exchange_parts);
+  constexpr double first_share = 0.2;
+  const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
+  const BuildRun second = run.pass(first_share, 1);
+  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape,
+                  exchange_parts);
+}
+
+std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {
+  return options.reducers.empty() ? usual : options.reducers;
+}
+
+}  // namespace
+
+Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions) {
+  const BallSet set = adaptive_medial(node);
+  const auto grown = [&](const Reduced& reduced) {
+    return equally_grown(Growth::power, reduced.balls, reduced.distances, node.samples);
+  };
+  Proposals proposals;
+  for (const Reduction r : reductions) {
+    std::vector<Sphere> spheres;
+    if (r == Reduction::merge) spheres = grown(merge(set, node.branching, node.shape));
+    if (r == Reduction::burst) spheres = grown(burst(set, node.branching, node.shape));
+    if (r == Reduction::expand) spheres = expand(set, node.branching, Growth::power);
+    if (!spheres.empty()) proposals.push_back({name(r), std::move(spheres)});
+  }
+  return proposals;
+}
+
+Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options) {
+  const bool any_medial = std::any_of(reductions.begin(), reductions.end(), reduces_medial_balls);
+  return [reductions = std::move(reductions), any_medial, optimiser = options.optimiser,
+          excess = options.balance_excess](const ReducerInput& node) {
+    Proposals all;
+    for (const Reduction r : reductions) {
+      if (r == Reduction::grid) append(all, propose_grid(node));
+      if (r == Reduction::hubbard) append(all, propose_hubbard(node));
+      if (r == Reduction::spawn) append(all, propose_spawn(node));
+    }
+    if (any_medial) append(all, propose_medial(node, reductions));
+    std::erase_if(all, [](const Proposal& p) { return p.spheres.empty(); });
+    for (Proposal& p : all) optimise(p, node, optimiser, excess);
+    if (all.empty()) all.push_back({no_proposal, {node.sphere}});
+    return all;
+  };
+}
+
+Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::grid}, quick);
+}
+Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::hubbard}, quick);
+}
+Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, {Reduction::spawn}, quick);
+}
+Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}), thorough);
+}
+Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  return build_reduced(mesh, run, workers,
+                       chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}),
+                       thorough);
+}
+
+}  // namespace morula

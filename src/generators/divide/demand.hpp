@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Where the surface will need small spheres, foretold by a tree that is made fast.
+#pragma once
+
+#include "generators/divide/node_fit.hpp"
+
+namespace morula {
+
+/// Method morula at its fastest.
+Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers);
+
+/// Demand of surface points, from the leaves of such a tree. Borrows nothing.
+Demand demand_from(const FitInput& input, const Built& first, Workers& workers);
+
+}  // namespace morula

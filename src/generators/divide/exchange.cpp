@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/divide/exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/enclosing_sphere.hpp>
+
+#include "generators/fit/ball_fit.hpp"
+#include "generators/fit/extremes.hpp"
+
+namespace morula {
+namespace {
+
+// Inside by more than the rounding of cut points.
+bool contains(const Sphere& sphere, std::span<const Vec3> corners) {
+  const double radius = sphere.radius * (1 - 1e-9);
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](const Vec3& p) { return squared_distance(sphere.center, p) <= radius * radius; });
+}
+
+// What one node gives to whom, itself included.
+struct Given {
+  std::uint32_t to;
+  std::uint32_t facet;
+  std::uint32_t corner_begin, corner_end;
+};
+struct Gifts {
+  std::vector<Given> parts;
+  std::vector<Barycentric> corners;
+  void add(std::uint32_t to, std::uint32_t facet, std::span<const Barycentric> polygon) {
+    const auto begin = static_cast<std::uint32_t>(corners.size());
+    corners.insert(corners.end(), polygon.begin(), polygon.end());
+    parts.push_back({to, facet, begin, static_cast<std::uint32_t>(corners.size())});
+  }
+};
+
+class Exchange {
+ public:
+  Exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes)
+      : mesh_(mesh), lines_(lines), nodes_(nodes), pad_(largest_coordinate(mesh)) {}
+
+  void trade(Workers& workers) {
+    std::vector<Sphere> spheres;
+    for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
+    std::vector<Gifts> gifts(spheres.size());
+    workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), spheres); });
+    for (BuildNode& node : nodes_) node.region = {};
+    for (const Gifts& g : gifts)
+      for (const Given& part : g.parts)
+        nodes_[part.to].region.add(
+            part.facet, std::span(g.corners).subspan(part.corner_begin, part.corner_end - part.corner_begin));
+  }
+
+  void refit(Workers& workers) {
+    std::vector<Sphere> fitted(nodes_.size());
+    workers.run(nodes_.size(), [&](std::size_t i) { fitted[i] = fit(i); });
+    for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].sphere = fitted[i];
+  }
+
+ private:
+  Gifts give(std::uint32_t from, std::span<const Sphere> spheres) const {
+    Gifts gifts;
+    const BuildNode& own = nodes_[from];
+    // Where another node's power is less than this one's, which is not positive, its sphere reaches: only spheres that
+    // meet this one can take anything.
+    std::vector<std::uint32_t> near, allowed;
+    for (std::uint32_t j = 0; j < spheres.size(); ++j)
+      if (j != from && distance(spheres[j].center, spheres[from].center) < spheres[j].radius + spheres[from].radius)
+        near.push_back(j);
+    std::vector<Vec3> corners;
+    std::vector<double> own_powers;
+    CutFacet cut;
+    for (std::size_t k = 0; k < own.region.size(); ++k) {
+      const std::uint32_t facet = own.region.facet[k];
+      const FacetGeometry geometry = facet_geometry(mesh_, facet);
+      const auto polygon = own.region.polygon(k);
+      corners.clear();
+      own_powers.clear();
+      for (const Barycentric& b : polygon) {
+        corners.push_back(at_barycentric(geometry.corners, b));
+        own_powers.push_back(power(spheres[from], corners.back()));
+      }
+      allowed.assign(1, from);
+      for (const std::uint32_t j : near) {
+        bool less = false;
+        for (std::size_t c = 0; c < corners.size() && !less; ++c) less = power(spheres[j], corners[c]) < own_powers[c];
+        if (!less) continue;
+        const BuildNode& other = nodes_[j];
+        if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
+                                                      [&](const Sphere& a) { return contains(a, corners); }))
+          allowed.push_back(j);
+      }
+      std::sort(allowed.begin(), allowed.end());
+      if (allowed.size() == 1) {
+        gifts.add(from, facet, polygon);
+        continue;
+      }
+      cut.clear();
+      cut_by_power(geometry, polygon, spheres, allowed, cut);
+      const bool whole = std::all_of(cut.owner.begin(), cut.owner.end(), [&](std::uint32_t o) { return o == from; });
+      if (whole) {
+        gifts.add(from, facet, polygon);
+        continue;
+      }
+      for (std::size_t piece = 0; piece < cut.size(); ++piece) {
+        corners.clear();
+        for (const Barycentric& b : cut.polygon(piece)) corners.push_back(at_barycentric(geometry.corners, b));
+        const std::uint32_t to = cut.owner[piece];
+        gifts.add(to != from && contains(spheres[to], corners) ? to : from, facet, cut.polygon(piece));
+      }
+    }
+    // A place that is given up is lost for the level: who would give everything keeps everything.
+    const bool keeps_some =
+        std::any_of(gifts.parts.begin(), gifts.parts.end(), [&](const Given& g) { return g.to == from; });
+    if (keeps_some) return gifts;
+    Gifts all;
+    for (std::size_t k = 0; k < own.region.size(); ++k) all.add(from, own.region.facet[k], own.region.polygon(k));
+    return all;
+  }
+
+  Sphere fit(std::size_t i) const {
+    const BuildNode& node = nodes_[i];
+    std::vector<Vec3> corners;
+    corner_positions(mesh_, node.region, corners);
+    const double radius = farthest_distance(node.sphere.center, corners);
+    if (!(radius > 0)) return node.sphere;
+    Box box;
+    const double room = 1.6 * radius;
+    box.add(node.sphere.center - Vec3{room, room, room});
+    box.add(node.sphere.center + Vec3{room, room, room});
+    OutsideGrid grid(lines_, box, radius / 4);
+    for (std::size_t j = 0; j < nodes_.size(); ++j) {
+      const Sphere& other = nodes_[j].sphere;
+      if (j == i) continue;
+      if (distance(other.center, node.sphere.center) < other.radius + room)
+        grid.add({grid.to_grid(other.center), static_cast<float>(other.radius / grid.cell())});
+    }
+    const Vec3f start = grid.to_grid(node.sphere.center);
+    constexpr float taken = 0.15F;
+    const GroupBall fitted = fit_ball(grid, extremes(corners, grid), {&start, 1}, taken, 0.06F);
+    const Vec3 center = grid.from_grid(fitted.center);
+    return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, largest_component(center)))};
+  }
+
+  const Mesh& mesh_;
+  const ObjectLines& lines_;
+  std::vector<BuildNode>& nodes_;
+  double pad_;
+};
+
+}  // namespace
+
+void exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
+  Exchange level(mesh, lines, nodes);
+  for (int round = 0; round < rounds; ++round) {
+    level.trade(workers);
+    level.refit(workers);
+  }
+}
+
+}  // namespace morula

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Nodes of one level hand parts of their regions to each other, across parents.
+#pragma once
+
+#include "generators/driver/top_down.hpp"
+#include "generators/fit/object_lines.hpp"
+
+namespace morula {
+
+/// Divides the whole level by power once more. A part may go to a node of another parent when that node's sphere and
+/// every ancestor of it, the root aside, contain the part already: cover and wrapping hold at every moment, and no
+/// ancestor changes. Then each sphere is fitted to what it owns now. No node loses everything.
+/// Same bits for any number of workers.
+void exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
+
+}  // namespace morula

@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Worst leaf first: the driver for a number of spheres, or a greatest protrusion, instead of a depth.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "generators/driver/driver.hpp"
+#include "generators/driver/prune.hpp"
+
+namespace morula {
+namespace {
+
+// Grown to so many times the number of spheres asked for, then pruned: where the divisions gain most shows only when
+// there are more. Costs that share more time.
+constexpr double overshoot = 2;
+
+class BestFirst {
+ public:
+  BestFirst(const Mesh& mesh, const BuildRun& run, const Divider& divide, const SignedDistance& shape, Workers& workers)
+      : mesh_(mesh),
+        run_(run),
+        divide_(divide),
+        judge_(mesh, shape, run.max_protrusion),
+        workers_(workers),
+        too_small_(smallest_radius(mesh)),
+        wanted_(leaves_wanted(run)) {}
+
+  Built operator()(const Box& root_cell) {
+    run_.tell(0, 0);
+    report_ = new_report(mesh_, run_);
+    BuildNode root = root_node(mesh_, run_, root_cell);
+    const Verdict verdict = judge_(root.sphere);
+    add(std::move(root), verdict);
+    all_patches_ = std::max<std::size_t>(1, nodes_[0].node.region.size());
+    told_ = run_.seconds();
+    report_.level_seconds.assign(1, told_);
+    while (!waiting_.empty() && !full()) {
+      const std::uint32_t worst = waiting_.begin()->second;
+      if (!nodes_[worst].prepared && !divide_ahead()) break;
+      waiting_.erase(waiting_.begin());
+      divide_leaf(worst);
+    }
+    grown_ = leaves_;
+    if (run_.spheres > 0 && leaves_ > run_.spheres) {
+      prune(nodes_, run_.spheres, judge_, run_, workers_);
+      leaves_ = run_.spheres;
+    }
+    return finish();
+  }
+
+ private:
+  // How many leaves are grown before any is joined to others.
+  static std::size_t leaves_wanted(const BuildRun& run) {
+    if (run.spheres == 0) return std::numeric_limits<std::size_t>::max();
+    if (run.spheres == 1 || run.max_protrusion > 0) return run.spheres;
+    return static_cast<std::size_t>(std::ceil(overshoot * static_cast<double>(run.spheres)));
+  }
+  bool full() const { return leaves_ >= wanted_; }
+
+  void add(BuildNode node, const Verdict& verdict) {
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    const bool good_enough = run_.max_protrusion > 0 && verdict.bound <= run_.max_protrusion;
+    if (good_enough) patches_done_ += node.region.size();
+    if (!good_enough && node.level < max_depth) waiting_.insert({-verdict.worth, index});
+    nodes_.push_back({std::move(node), verdict});
+  }
+
+  // Works out the divisions of the worst leaves that have none yet, several at a time. They are used strictly in order,
+  // so what is worked out ahead changes nothing; a few at the end are for nothing.
+  bool divide_ahead() {
+    std::size_t most = std::max<std::size_t>(16, 8 * std::size_t{workers_.thread_count()});
+    if (run_.spheres > 0) {
+      const std::size_t gain = std::max<std::size_t>(1, static_cast<std::size_t>(run_.branching) - 1);
+      most = std::min(most, (wanted_ - leaves_ + gain - 1) / gain);
+    }
+    std::vector<std::uint32_t> chosen;
+    for (auto at = waiting_.begin(); at != waiting_.end() && chosen.size() < most; ++at)
+      if (!nodes_[at->second].prepared) chosen.push_back(at->second);
+    std::vector<std::optional<Prepared>> prepared(chosen.size());
+    workers_.run(chosen.size(), [&](std::size_t i) {
+      if (run_.stop.stop_requested() || run_.out_of_time()) return;
+      prepared[i].emplace();
+      Division& division = prepared[i]->division = children_of(nodes_[chosen[i]].node, divide_, too_small_);
+      if (run_.max_protrusion > 0) judge_.make_few(division);
+      prepared[i]->verdicts = verdicts(division);
+    });
+    run_.throw_if_stopped();
+    double levels = 0;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (!prepared[i]) continue;
+      nodes_[chosen[i]].prepared = std::move(prepared[i]);
+      ++levels;
+    }
+    // A batch's time is shared among the levels that it made nodes for.
+    const double now = run_.seconds();
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const auto level = static_cast<std::size_t>(nodes_[chosen[i]].node.level) + 1;
+      if (!nodes_[chosen[i]].prepared) continue;
+      if (report_.level_seconds.size() <= level) report_.level_seconds.resize(level + 1);
+      report_.level_seconds[level] += (now - told_) / levels;
+    }
+    told_ = now;
+    tell();
+    run_.throw_if_stopped();
+    out_of_time_ = levels < static_cast<double>(chosen.size());
+    return nodes_[chosen[0]].prepared.has_value();
+  }
+
+  std::vector<Verdict> verdicts(const Division& division) const {
+    std::vector<Verdict> all;
+    for (const BuildNode& child : division.children) all.push_back(judge_(child.sphere));
+    return all;
+  }
+
+  void tell() const {
+    double share = 0;
+    if (run_.spheres > 0) share = static_cast<double>(leaves_) / static_cast<double>(wanted_);
+    if (run_.max_protrusion > 0)
+      share = std::max(share, static_cast<double>(patches_done_) / static_cast<double>(all_patches_));
+    std::optional<double> left;
+    if (share > 0.02) left = run_.seconds() * std::max(0.0, 1 - share) / share;
+    run_.tell(std::min(share, 1.0), std::min(deepest_ + 1, max_depth), left);
+  }
+
+  void divide_leaf(std::uint32_t leaf) {
+    auto [division, judged] = std::move(*nodes_[leaf].prepared);
+    nodes_[leaf].prepared.reset();
+    if (division.children.empty()) {
+      nodes_[leaf].dead_end = true;
+      return;
+    }
+    report_.leftover_patches += division.leftover_patches;
+    winners_.add(division);
+    deepest_ = std::max(deepest_, nodes_[leaf].node.level + 1);
+    leaves_ += division.children.size() - 1;
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      nodes_[leaf].children.push_back(static_cast<std::uint32_t>(nodes_.size()));
+      add(std::move(division.children[i]), judged[i]);
+    }
+    nodes_[leaf].node.region = {};
+  }
+
+  // The tree, level by level.
+  Built finish() {
+    run_.throw_if_stopped();
+    Built built;
+    built.tree.branching = report_.branching;
+    std::vector<Region> regions;
+    std::vector<std::uint32_t> level{0};
+    built.tree.append_level({}, std::span(&nodes_[0].node.sphere, 1));
+    std::vector<std::uint32_t> leaves;
+    double worst = 0;
+    while (!level.empty()) {
+      std::vector<std::uint32_t> counts, next;
+      std::vector<Sphere> spheres;
+      for (const std::uint32_t i : level) {
+        Grown& grown = nodes_[i];
+        counts.push_back(static_cast<std::uint32_t>(grown.children.size()));
+        regions.push_back(std::move(grown.node.region));
+        if (grown.children.empty()) {
+          leaves.push_back(i);
+          worst = std::max(worst, grown.verdict.bound);
+        }
+        for (const std::uint32_t child : grown.children) {
+          next.push_back(child);
+          spheres.push_back(nodes_[child].node.sphere);
+        }
+      }
+      if (!next.empty()) built.tree.append_level(counts, spheres);
+      level = std::move(next);
+    }
+    built.cover = assemble_cover(mesh_, built.tree, regions);
+    report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
+    report_.level_seconds.resize(built.tree.level_count());
+    for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
+      report_.early_leaves += built.tree.is_leaf(i);
+    report_.protrusion_bound = worst;
+    write_notes(leaves);
+    if (std::string note = winners_.note(); !note.empty()) report_.notes.push_back(std::move(note));
+    built.report = std::move(report_);
+    run_.tell(1, deepest_, 0.0);
+    run_.throw_if_stopped();
+    return built;
+  }
+
+  void write_notes(const std::vector<std::uint32_t>& leaves) {
+    std::size_t dead_ends = 0, lowest = 0, others = 0, sticking_out = 0;
+    for (const std::uint32_t i : leaves) {
+      const Grown& leaf = nodes_[i];
+      sticking_out += leaf.verdict.bound > run_.max_protrusion;
+      if (leaf.verdict.bound <= run_.max_protrusion) continue;
+      (leaf.dead_end ? dead_ends : leaf.node.level >= max_depth ? lowest : others) += 1;
+    }
+    const std::string ends = std::to_string(dead_ends) + " cannot be divided further, " + std::to_string(lowest) +
+                             " are on level " + std::to_string(max_depth) + ", the last";
+    if (out_of_time_) {
+      report_.complete = false;
+      report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +
+                              std::to_string(grown_) + " spheres, " + std::to_string(waiting_.size()) +
+                              " of them undivided, on levels up to " + std::to_string(deepest_));
+    }
+    if (run_.max_protrusion > 0 && sticking_out > 0) {
+      report_.complete = false;
+      std::string note = std::to_string(sticking_out) + " spheres stick out by more than " +
+                         short_number(run_.max_protrusion) + ", by " + short_number(*report_.protrusion_bound) +
+                         " at most: " + ends;
+      if (others > 0) note += ", " + std::to_string(others) + " were not divided for want of spheres or time";
+      report_.notes.push_back(std::move(note));
+    } else if (run_.max_protrusion == 0 && leaves_ < run_.spheres && !out_of_time_) {
+      report_.notes.push_back(std::to_string(leaves_) + " spheres, not " + std::to_string(run_.spheres) + ": " + ends);
+    }
+  }
+
+  const Mesh& mesh_;
+  const BuildRun& run_;
+  const Divider& divide_;
+  const Judge judge_;
+  Workers& workers_;
+  double too_small_;
+  std::size_t wanted_;
+  BuildReport report_;
+  Winners winners_;
+  std::vector<Grown> nodes_;                            // numbered in the order they were made
+  std::set<std::pair<double, std::uint32_t>> waiting_;  // leaves still to be divided, worst first, then oldest
+  std::size_t leaves_ = 1, grown_ = 1, patches_done_ = 0, all_patches_ = 1;
+  int deepest_ = 0;
+  double told_ = 0;
+  bool out_of_time_ = false;
+};
+
+}  // namespace
+
+Built best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                 const SignedDistance& shape, Workers& workers) {
+  return BestFirst(mesh, run, divide, shape, workers)(root_cell);
+}
+
+}  // namespace morula

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/driver/build_run.hpp"
+
+#include <algorithm>
+#include <memory>
+
+namespace morula {
+
+BuildRun::BuildRun(const BuildOptions& options) : BuildOptions(options) {
+  if (time_limit_seconds > 0) {
+    // A limit of years would overflow the clock.
+    constexpr double longest = 1e9;
+    deadline_ = start_ + std::chrono::duration_cast<Clock::duration>(
+                             std::chrono::duration<double>(std::min(longest, time_limit_seconds)));
+  }
+  if (progress)
+    progress = [told = std::make_shared<BuildProgress>(), forward = progress](const BuildProgress& now) {
+      told->share = std::clamp(now.share, told->share, 1.0);
+      told->level = std::max(told->level, now.level);
+      told->seconds_left = now.seconds_left;
+      forward(*told);
+    };
+}
+
+BuildRun BuildRun::pass(double from, double to) const {
+  BuildRun part = *this;
+  part.from_ = from_ + from * (to_ - from_);
+  part.to_ = from_ + to * (to_ - from_);
+  return part;
+}
+
+void BuildRun::tell(double share, int level, std::optional<double> seconds_left) const {
+  if (!progress) return;
+  const double of_all = from_ + share * (to_ - from_);
+  // What other passes take is known by their share alone.
+  constexpr double enough_to_judge = 0.02;
+  if (to_ < 1) {
+    seconds_left.reset();
+    if (of_all > enough_to_judge) seconds_left = seconds() * (1 - of_all) / of_all;
+  }
+  progress({of_all, level, seconds_left});
+}
+
+TimeEstimate::TimeEstimate(int depth, int branching, std::size_t patches, unsigned threads)
+    : depth_(depth), branching_(branching), patches_(static_cast<double>(patches)), threads_(threads) {}
+
+void TimeEstimate::begin_level(std::size_t nodes) {
+  levels_.push_back({.nodes = static_cast<double>(nodes)});
+}
+
+void TimeEstimate::add(std::size_t nodes, std::size_t children, double seconds) {
+  Level& level = levels_.back();
+  level.done += static_cast<double>(nodes);
+  level.children += static_cast<double>(children);
+  level.seconds += seconds;
+}
+
+double TimeEstimate::wall(double seconds, double nodes) const {
+  return seconds / std::max(1.0, std::min(threads_, nodes));
+}
+
+std::optional<double> TimeEstimate::seconds_left() const {
+  if (levels_.empty() || levels_.back().done == 0) return std::nullopt;
+  const Level& now = levels_.back();
+  // Before two levels are seen: a node costs as much as so many patches. Rather too much than too little, because the
+  // bar does not go back.
+  constexpr double patches_per_node = 20000;
+  double per_node = now.all_seconds() / (now.nodes + patches_ / patches_per_node);
+  if (levels_.size() > 1) {
+    const Level& before = levels_[levels_.size() - 2];
+    if (now.nodes > before.nodes) per_node = (now.all_seconds() - before.all_seconds()) / (now.nodes - before.nodes);
+  }
+  per_node = std::clamp(per_node, 0.0, now.all_seconds() / now.nodes);
+  const double per_level = now.all_seconds() - per_node * now.nodes;
+
+  double left = wall(now.all_seconds() - now.seconds, now.nodes - now.done);
+  double nodes = now.nodes * now.children / now.done;
+  for (int level = static_cast<int>(levels_.size()); level < depth_ && nodes > 0; ++level) {
+    left += wall(per_level + per_node * nodes, nodes);
+    nodes *= branching_;
+  }
+  return left;
+}
+
+}  // namespace morula

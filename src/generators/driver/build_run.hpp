@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A build while it runs: its options, its clock, whether to go on, and how far it is.
+#pragma once
+
+#include <chrono>
+#include <morula/generators/build.hpp>
+
+namespace morula {
+
+/// Copied freely: copies share the clock and the way progress is told.
+class BuildRun : public BuildOptions {
+ public:
+  /// Starts the clock that the time limit is measured by. `progress` is made to never go back.
+  explicit BuildRun(const BuildOptions& options);
+
+  /// Throws BuildStopped when the stop was requested. Between steps of a few ten milliseconds.
+  void throw_if_stopped() const {
+    if (stop.stop_requested()) throw BuildStopped();
+  }
+  bool out_of_time() const { return Clock::now() >= deadline_; }
+  /// Seconds since the build began.
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// For a generator that makes several trees: a run whose progress 0…1 is told as from…to of this one's.
+  BuildRun pass(double from, double to) const;
+  /// On the calling thread only. seconds_left: of this pass.
+  void tell(double share, int level, std::optional<double> seconds_left = {}) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point deadline_ = Clock::time_point::max();
+  double from_ = 0, to_ = 1;
+};
+
+/// Seconds that the rest of a level-by-level build takes. Dividing all nodes of a level costs A + B × nodes: every
+/// level goes over the whole surface once, and every node has a price of its own; the last two levels seen say how
+/// much.
+class TimeEstimate {
+ public:
+  /// patches: of the whole surface.
+  TimeEstimate(int depth, int branching, std::size_t patches, unsigned threads);
+  void begin_level(std::size_t nodes);
+  /// More nodes of the level are divided. seconds: summed over the nodes.
+  void add(std::size_t nodes, std::size_t children, double seconds);
+  /// Nothing before the root is divided.
+  std::optional<double> seconds_left() const;
+
+ private:
+  struct Level {
+    double nodes = 0, done = 0, children = 0, seconds = 0;
+    double all_seconds() const { return done > 0 ? seconds * nodes / done : 0; }
+  };
+  double wall(double seconds, double nodes) const;
+
+  int depth_;
+  double branching_, patches_, threads_;
+  std::vector<Level> levels_;
+};
+
+}  // namespace morula

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What both drivers have in common: the root, which divisions count, and the report.
+#pragma once
+
+#include "generators/driver/top_down.hpp"
+
+namespace morula {
+
+/// The node that owns the whole surface.
+BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell);
+
+/// The node's children, with level and seed; none when a division would gain nothing.
+Division children_of(const BuildNode& node, const Divider& divide, double too_small);
+/// Regions with a smaller radius are points for all purposes.
+double smallest_radius(const Mesh& mesh);
+
+/// All that is known before the first division.
+BuildReport new_report(const Mesh& mesh, const BuildRun& run);
+
+/// How often each reducer's proposal was taken, in the order of first use.
+class Winners {
+ public:
+  void add(const Division& division);
+  /// Nothing when there was no choice and no fallback.
+  std::string note() const;
+
+ private:
+  std::vector<std::pair<std::string_view, std::size_t>> counts_;
+};
+
+/// Worst leaf first, for options.spheres and options.max_protrusion.
+Built best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                 const SignedDistance& shape, Workers& workers);
+
+}  // namespace morula

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/fit/ball_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace morula {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// A little of a ball's whole volume joins its cost, so that of two balls without empty space the smaller is better.
+constexpr float whole_volume_share = 0.001F;
+constexpr float unit_ball_volume = static_cast<float>(4.0 / 3.0 * std::numbers::pi);
+
+float cube(float x) {
+  return x * x * x;
+}
+
+// The square of the largest distance; a maximum does not depend on the order of its terms, so lanes are free.
+float farthest_squared(const GroupPoints& points, const Vec3f& center) {
+  float farthest = 0;
+  const std::size_t n = points.size();
+  const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  constexpr std::size_t lanes = 8;
+  std::array<float, lanes> most{};
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const float dx = x[i + l] - center.x, dy = y[i + l] - center.y, dz = z[i + l] - center.z;
+      const float d = dx * dx + dy * dy + dz * dz;
+      most[l] = d > most[l] ? d : most[l];
+    }
+  for (; i < n; ++i) {
+    const float dx = x[i] - center.x, dy = y[i] - center.y, dz = z[i] - center.z;
+    farthest = std::max(farthest, dx * dx + dy * dy + dz * dz);
+  }
+  for (const float m : most) farthest = std::max(farthest, m);
+  return farthest;
+}
+
+// Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
+Vec3f near_smallest_center(const GroupPoints& points) {
+  Box box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.add({points.x[i], points.y[i], points.z[i]});
+  const Vec3 middle = box.center();
+  Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+  constexpr int steps = 16;
+  for (int step = 0; step < steps; ++step) {
+    float farthest = -1;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
+      const float d = dx * dx + dy * dy + dz * dz;
+      if (d > farthest) farthest = d, at = i;
+    }
+    const float share = 1.0F / static_cast<float>(step + 3);
+    center = center + (points[at] - center) * share;
+  }
+  return center;
+}
+
+float farthest_from(const GroupPoints& points, const Vec3f& center) {
+  return std::sqrt(farthest_squared(points, center));
+}
+
+}  // namespace
+
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
+                   float first_step, float last_step) {
+  constexpr float least_radius = 1e-4F;  // a point's ball
+  const Vec3f middle = near_smallest_center(points);
+  const float smallest = std::max(least_radius, farthest_from(points, middle));
+  grid.prepare(middle, 1.3F * smallest, taken);
+
+  const auto evaluate = [&](const Vec3f& center, float enough) {
+    const float radius = std::max(least_radius, farthest_from(points, center));
+    if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinity};
+    if (!grid.is_prepared(center, radius)) grid.prepare(center, 1.2F * radius, taken);
+    const float extra = whole_volume_share * unit_ball_volume * cube(radius);
+    return GroupBall{center, radius, grid.cost(center, radius, enough - extra) + extra};
+  };
+  GroupBall best = evaluate(middle, infinity);
+  for (const Vec3f& start : starts)
+    if (const GroupBall other = evaluate(start, best.cost); other.cost < best.cost) best = other;
+
+  constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
+                                            Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
+  std::size_t first = 0;
+  for (float step = first_step; step > last_step; step *= 0.5F) {
+    for (int moves = 0; moves < 12; ++moves) {
+      bool improved = false;
+      for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
+        const std::size_t d = (first + k) % directions.size();
+        const GroupBall trial = evaluate(best.center + directions[d] * (step * smallest), best.cost);
+        if (trial.cost < best.cost) best = trial, first = d, improved = true;
+      }
+      if (!improved) break;
+    }
+  }
+  return best;
+}
+
+}  // namespace morula

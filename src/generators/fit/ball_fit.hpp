@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// One ball around the points it must contain, placed where it takes in least empty space.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "generators/fit/outside_grid.hpp"
+
+namespace morula {
+
+/// Points of a region in grid coordinates.
+struct GroupPoints {
+  std::vector<float> x, y, z;
+  std::vector<float> demand;  // what balance counts a point as; sums to 1
+
+  std::size_t size() const { return x.size(); }
+  Vec3f operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+  void clear() {
+    x.clear();
+    y.clear();
+    z.clear();
+    demand.clear();
+  }
+  void push_back(const Vec3f& p) {
+    x.push_back(p.x);
+    y.push_back(p.y);
+    z.push_back(p.z);
+  }
+};
+
+/// A ball of a group; cost is its outside volume, what siblings have taken in counting little.
+struct GroupBall {
+  Vec3f center;
+  float radius = 0;
+  float cost = 0;
+};
+
+/// The ball around the points that takes in least, found by compass search from the smallest ball's centre and
+/// `starts`. The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step:
+/// shares of the smallest ball's radius. points: at least one. Cost: some thirty evaluations of the grid.
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
+                   float first_step, float last_step = 0.02F);
+
+}  // namespace morula

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The few of many points that decide how large a ball around them must be.
+#pragma once
+
+#include <span>
+
+#include "generators/fit/ball_fit.hpp"
+
+namespace morula {
+
+/// Points farthest out in directions spread over the sphere; all of them when they are few. Coordinates of the grid.
+GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid);
+
+}  // namespace morula

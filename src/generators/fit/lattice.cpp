@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/fit/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+namespace morula {
+
+Frame principal_axes(std::span<const Vec3> points) {
+  Vec3 mean{};
+  for (const Vec3& p : points) mean += p;
+  mean = mean / static_cast<double>(std::max<std::size_t>(1, points.size()));
+  double m[3][3]{};
+  for (const Vec3& p : points) {
+    const Vec3 d = p - mean;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) m[i][j] += d[i] * d[j];
+  }
+  // Jacobi rotations: a 3 × 3 symmetric matrix is diagonal to rounding after a few sweeps.
+  Frame axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  constexpr int sweeps = 12;
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (m[p][q] == 0) continue;
+        const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+        const double t = (theta >= 0 ? 1.0 : -1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 3; ++k) {
+          const double kp = m[k][p], kq = m[k][q];
+          m[k][p] = c * kp - s * kq;
+          m[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double pk = m[p][k], qk = m[q][k];
+          m[p][k] = c * pk - s * qk;
+          m[q][k] = s * pk + c * qk;
+        }
+        const Vec3 ap = axes[p], aq = axes[q];
+        axes[p] = ap * c - aq * s;
+        axes[q] = ap * s + aq * c;
+      }
+  std::array<int, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return m[a][a] > m[b][b]; });
+  return {normalized(axes[order[0]]), normalized(axes[order[1]]), normalized(axes[order[2]])};
+}
+
+Frame turned_by_45_degrees(const Frame& frame, int axis) {
+  const Vec3 a = frame[(axis + 1) % 3], b = frame[(axis + 2) % 3];
+  constexpr double half_root = 0.5 * std::numbers::sqrt2;
+  Frame turned = frame;
+  turned[(axis + 1) % 3] = (a + b) * half_root;
+  turned[(axis + 2) % 3] = (b - a) * half_root;
+  return turned;
+}
+
+std::vector<Vec3> in_frame(const Frame& frame, std::span<const Vec3> points) {
+  std::vector<Vec3> local;
+  local.reserve(points.size());
+  for (const Vec3& p : points) local.push_back({dot(p, frame[0]), dot(p, frame[1]), dot(p, frame[2])});
+  return local;
+}
+
+Vec3 out_of_frame(const Frame& frame, const Vec3& local) {
+  return frame[0] * local.x + frame[1] * local.y + frame[2] * local.z;
+}
+
+bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most,
+                    std::vector<Vec3>& centers) {
+  // Few cells are ever wanted: a linear search over the keys of those found is quicker than hashing. No point lies
+  // before the origin, so truncation is the floor.
+  constexpr std::size_t most_cells = 256;
+  constexpr double cells_per_axis = 1 << 20;
+  std::array<std::uint64_t, most_cells> keys;
+  most = std::min(most, most_cells);
+  // Along an axis without extent all points are in one cell; 0 × ∞ would be none.
+  const auto per = [](double edge) { return edge > std::numeric_limits<double>::min() ? 1 / edge : 0; };
+  const Vec3 per_edge{per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)};
+  std::size_t count = 0, recent = 0;
+  for (const Vec3& p : points) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::clamp((p[axis] - lattice.origin[axis]) * per_edge[axis], 0.0, cells_per_axis - 1);
+      key = key << 20 | static_cast<std::uint32_t>(cell);
+    }
+    if (count > 0 && keys[recent] == key) continue;
+    std::size_t i = 0;
+    while (i < count && keys[i] != key) ++i;
+    if (i == count) {
+      if (count == most) return false;
+      keys[count++] = key;
+    }
+    recent = i;
+  }
+  centers.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 cell{static_cast<double>(keys[i] >> 40), static_cast<double>(keys[i] >> 20 & 0xfffff),
+                    static_cast<double>(keys[i] & 0xfffff)};
+    Vec3 center;
+    for (int axis = 0; axis < 3; ++axis) center[axis] = lattice.origin[axis] + (cell[axis] + 0.5) * lattice.edge[axis];
+    centers.push_back(center);
+  }
+  return true;
+}
+
+namespace {
+
+// std::popcount without a processor's instruction is a function call with a table; this is a dozen operations in line.
+int bit_count(std::uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555u;
+  bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return static_cast<int>(bits * 0x0101010101010101u >> 56);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points) {
+  const std::size_t words = (points.size() + 63) / 64;
+  std::vector<std::uint64_t> contained(words * centers.size());
+  const double squared_radius = radius * radius * (1 + 1e-12);
+  for (std::size_t c = 0; c < centers.size(); ++c)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (squared_distance(centers[c], points[i]) <= squared_radius)
+        contained[c * words + i / 64] |= std::uint64_t{1} << (i % 64);
+  std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
+  std::vector<std::uint32_t> chosen;
+  for (;;) {
+    std::size_t best = 0;
+    int most = 0;
+    for (std::size_t c = 0; c < centers.size(); ++c) {
+      int gain = 0;
+      for (std::size_t w = 0; w < words; ++w) gain += bit_count(contained[c * words + w] & open[w]);
+      if (gain > most) most = gain, best = c;
+    }
+    if (most == 0) return chosen;
+    chosen.push_back(static_cast<std::uint32_t>(best));
+    for (std::size_t w = 0; w < words; ++w) open[w] &= ~contained[best * words + w];
+  }
+}
+
+}  // namespace morula

@@ -1,0 +1,279 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/fit/outside_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "simd/float4.hpp"
+
+namespace morula {
+namespace {
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+// Cells whose middle lies within `half` of `middle`: [begin, end). Positions are not far below zero, so truncation
+// serves as floor.
+struct Range {
+  int begin, end;
+};
+Range middles_within(float middle, float half, int count) {
+  const float lower = middle - half + 0.5F, upper = middle + half + 0.5F, last = static_cast<float>(count);
+  // Balls that are proposed may reach far beyond the grid: cut off before a number too large becomes a whole one.
+  return {lower > 0 ? static_cast<int>(std::min(last, lower)) : 0,
+          upper > 0 ? static_cast<int>(std::min(last, upper)) : 0};
+}
+
+}  // namespace
+
+OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width) : lines_(lines) {
+  stride_ = std::max(1, static_cast<int>(std::lround(cell_width / lines.cell())));
+  cell_ = stride_ * lines.cell();
+  const Vec3 lower = lines.to_lattice(box.lower), upper = lines.to_lattice(box.upper);
+  for (int k = 0; k < 3; ++k) {
+    first_[at(k)] = static_cast<int>(std::floor(lower[k]));
+    lower_[k] = first_[at(k)] + 0.5 - 0.5 * stride_;
+    count_[at(k)] = std::max(1, static_cast<int>(std::ceil((upper[k] - lower_[k]) / stride_)));
+  }
+  step_ = {1, at(count_[0]), at(count_[0]) * at(count_[1])};
+  const std::size_t cells = step_[2] * at(count_[2]);
+  balls_over_.assign(cells, 0);
+  for (std::size_t a = 0; a < 3; ++a) {
+    // Lines past the last one are read, and count for nothing, where four are taken at a time.
+    const std::size_t n = at(count_[a]), line_count = cells / n;
+    axes_[a].outside.reset(new Outside[cells]);
+    axes_[a].steps.reset(new Step[cells + 4 * n]);
+    std::fill_n(axes_[a].steps.get(), cells + 4 * n, Step{});
+    axes_[a].traced.assign(line_count, 0);
+    axes_[a].current.assign(line_count, {});
+  }
+}
+
+Vec3f OutsideGrid::to_grid(const Vec3& p) const {
+  const Vec3 q = (lines_.to_lattice(p) - lower_) / stride_;
+  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
+}
+
+Vec3 OutsideGrid::from_grid(const Vec3f& p) const {
+  return lines_.from_lattice(lower_ + Vec3{p.x, p.y, p.z} * static_cast<double>(stride_));
+}
+
+// Rows of an axis's lines that pass within `radius` of `center`: row v has lines [begin, end), and in_row is the square
+// of the ball's half width there.
+template <class Visit>
+void OutsideGrid::each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const {
+  const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
+  const float cu = center[static_cast<int>(ua)], cv = center[static_cast<int>(va)];
+  const Range rows = middles_within(cv, radius, count_[va]);
+  for (int v = rows.begin; v < rows.end; ++v) {
+    const float dv = static_cast<float>(v) + 0.5F - cv;
+    const float in_row = radius * radius - dv * dv;
+    if (!(in_row > 0)) continue;
+    const Range row = middles_within(cu, std::sqrt(in_row), count_[ua]);
+    visit(v, row.begin, row.end, in_row);
+  }
+}
+
+template <class Visit>
+void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const {
+  const std::size_t row_length = at(count_[(axis + 1) % 3]);
+  each_row(axis, center, radius, [&](int v, int begin, int end, float) {
+    for (int u = begin; u < end; ++u) visit(u, v, at(v) * row_length + at(u));
+  });
+}
+
+void OutsideGrid::change(const Spheref& ball, int by) {
+  const Range zs = middles_within(ball.center.z, ball.radius, count_[2]);
+  for (int z = zs.begin; z < zs.end; ++z) {
+    const float dz = static_cast<float>(z) + 0.5F - ball.center.z;
+    const float in_plane = ball.radius * ball.radius - dz * dz;
+    if (!(in_plane > 0)) continue;
+    const Range ys = middles_within(ball.center.y, std::sqrt(in_plane), count_[1]);
+    for (int y = ys.begin; y < ys.end; ++y) {
+      const float dy = static_cast<float>(y) + 0.5F - ball.center.y;
+      const float in_line = in_plane - dy * dy;
+      if (!(in_line > 0)) continue;
+      const Range xs = middles_within(ball.center.x, std::sqrt(in_line), count_[0]);
+      std::uint8_t* cell = &balls_over_[at(z) * step_[2] + at(y) * step_[1]];
+      for (int x = xs.begin; x < xs.end; ++x) cell[x] = static_cast<std::uint8_t>(cell[x] + by);
+    }
+  }
+  for (std::size_t a = 0; a < 3; ++a)
+    each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
+}
+
+// Where the object leaves space on the middle line of each cell.
+void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
+  const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
+  const int n = count_[axis];
+  Outside* const cells = &axes_[axis].outside[line * at(n)];
+  for (int w = 0; w < n; ++w) cells[w] = {0, 1, 1};
+  const auto crossings = lines_.line(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
+  const auto in_cells = [&](float position) {
+    return std::clamp(static_cast<float>((position - lower_[static_cast<int>(axis)]) / stride_), 0.0F,
+                      static_cast<float>(n));
+  };
+  // A cell that is entered and left again, with empty space on both sides, counts evenly: slope −1 marks it.
+  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+    const float enter = in_cells(crossings[i].at), leave = in_cells(crossings[i + 1].at);
+    if (!(enter < leave)) continue;
+    const int last = std::min(n - 1, static_cast<int>(leave));
+    for (int w = static_cast<int>(enter); w <= last; ++w) {
+      Outside& cell = cells[w];
+      const float from = std::max(enter - static_cast<float>(w), 0.0F);
+      const float to = std::min(leave - static_cast<float>(w), 1.0F);
+      const float end = cell.start + cell.total;
+      if (from <= cell.start) {
+        const float cut = std::clamp(to - cell.start, 0.0F, cell.total);
+        cell.start += cut;
+        cell.total -= cut;
+      } else if (to >= end) {
+        cell.total -= std::clamp(end - from, 0.0F, cell.total);
+      } else {
+        cell.total -= to - from;
+        cell.slope = -1;
+      }
+    }
+  }
+  std::array<int, 3> lattice{};
+  lattice[ua] = first_[ua] + u * stride_;
+  lattice[va] = first_[va] + v * stride_;
+  for (int w = 0; w < n; ++w) {
+    Outside& cell = cells[w];
+    if (!(cell.total > 0)) {
+      cell = {0, 0, 0};
+      continue;
+    }
+    lattice[axis] = first_[axis] + w * stride_;
+    const float weight = lines_.weight(static_cast<int>(axis), lattice);
+    if (cell.slope < 0) {
+      cell = {0, weight * cell.total, weight * cell.total};
+    } else {
+      cell.slope = weight;
+      cell.total *= weight;
+    }
+  }
+  axes_[axis].traced[line] = 1;
+}
+
+// Steps over the needed part of a line, or over what it had and what is needed.
+void OutsideGrid::refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed) {
+  if (axes_[axis].traced[line] == 0) trace(axis, u, v, line);
+  Extent& current = axes_[axis].current[line];
+  if (current.begin < current.end) needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
+  current = needed;
+  const int n = count_[axis];
+  const Outside* const cells = &axes_[axis].outside[line * at(n)];
+  Step* const steps = &axes_[axis].steps[line * at(n)];
+  const std::uint8_t* const over = &balls_over_[at(u) * step_[(axis + 1) % 3] + at(v) * step_[(axis + 2) % 3]];
+  const std::size_t along = step_[axis];
+  float sum = 0;
+  for (int w = needed.begin; w < needed.end; ++w) {
+    const float share = over[at(w) * along] != 0 ? taken_ : 1.0F;
+    const float after = sum + cells[w].total * share;
+    steps[w] = {sum, cells[w].start, cells[w].slope * share, after};
+    sum = after;
+  }
+}
+
+void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
+  if (taken != taken_) {
+    for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), Extent{});
+    taken_ = taken;
+  }
+  prepared_center_ = center;
+  prepared_reach_ = reach;
+  for (std::size_t a = 0; a < 3; ++a) {
+    // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
+    const float middle = center[static_cast<int>(a)];
+    const Extent needed{
+        static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
+        static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
+    each_line(a, center, reach, [&](int u, int v, std::size_t line) {
+      const Extent& has = axes_[a].current[line];
+      if (has.begin > needed.begin || has.end < needed.end) refresh(a, u, v, line, needed);
+    });
+  }
+}
+
+bool OutsideGrid::is_prepared(const Vec3f& center, float radius) const {
+  const Vec3f off = center - prepared_center_;
+  const float slack = prepared_reach_ - radius;
+  return slack >= 0 && off.x * off.x + off.y * off.y + off.z * off.z <= slack * slack;
+}
+
+bool OutsideGrid::is_inside(const Vec3f& center, float radius) const {
+  for (int k = 0; k < 3; ++k)
+    if (!(center[k] - radius >= 0 && center[k] + radius <= static_cast<float>(count_[at(k)]))) return false;
+  return true;
+}
+
+float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
+  float sum = 0;
+  for (std::size_t a = 0; a < 3 && sum <= enough; ++a) {
+    Float4 total(0.0F);
+    const std::size_t ua = (a + 1) % 3;
+    const float cu = center[static_cast<int>(ua)];
+    const std::size_t line_length = at(count_[a]), row_length = at(count_[ua]) * line_length;
+    const Float4 middle(center[static_cast<int>(a)]), none(0.0F), last_cell(static_cast<float>(count_[a] - 1));
+    each_row(a, center, radius, [&](int v, int begin, int end, float in_row) {
+      const Step* line = &axes_[a].steps[at(v) * row_length + at(begin) * line_length];
+      // Lanes past the end have no chord: both ends are the same place, and nothing is between them.
+      Float4 du = Float4(static_cast<float>(begin) + 0.5F - cu) + Float4::counting();
+      for (int u = begin; u < end; u += 4, line += 4 * line_length, du = du + Float4(4.0F)) {
+        const Float4 chord = sqrt(max(Float4(in_row) - du * du, none));
+        const auto up_to = [&](const Float4& w) {
+          std::array<int, 4> cell;
+          const Float4 floor = min(max(w, none), last_cell).truncated(cell);
+          Float4 before = Float4::load(&line[cell[0]].before);
+          Float4 start = Float4::load(&line[line_length + at(cell[1])].before);
+          Float4 slope = Float4::load(&line[2 * line_length + at(cell[2])].before);
+          Float4 after = Float4::load(&line[3 * line_length + at(cell[3])].before);
+          Float4::transpose(before, start, slope, after);
+          return min(before + slope * max(w - floor - start, none), after);
+        };
+        total = total + (up_to(middle + chord) - up_to(middle - chord));
+      }
+    });
+    const std::array<float, 4> lanes = total.lanes();
+    sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+  }
+  return sum;
+}
+
+float OutsideGrid::new_outside(const Spheref& ball) {
+  // Line by line: thirds of cells added to one large float would be rounded the same way each time.
+  double total = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
+    const int n = count_[a];
+    const float middle = ball.center[static_cast<int>(a)];
+    each_line(a, ball.center, ball.radius, [&](int u, int v, std::size_t line) {
+      if (axes_[a].traced[line] == 0) trace(a, u, v, line);
+      const float du = static_cast<float>(u) + 0.5F - ball.center[static_cast<int>(ua)];
+      const float dv = static_cast<float>(v) + 0.5F - ball.center[static_cast<int>(va)];
+      const float chord = std::sqrt(std::max(0.0F, ball.radius * ball.radius - du * du - dv * dv));
+      const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)),
+                  to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
+      const Outside* const cells = &axes_[a].outside[line * at(n)];
+      const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
+      const int last = std::min(n - 1, static_cast<int>(to));
+      float sum = 0;
+      for (int w = static_cast<int>(from); w <= last; ++w) {
+        if (over[at(w) * step_[a]] != 0) continue;
+        const Outside& cell = cells[w];
+        const auto up_to = [&](float position) {
+          return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);
+        };
+        sum += up_to(std::min(to, static_cast<float>(w + 1))) - up_to(std::max(from, static_cast<float>(w)));
+      }
+      total += static_cast<double>(sum);
+    });
+  }
+  return static_cast<float>(total);
+}
+
+}  // namespace morula

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// How much empty space a ball takes in, and how much of it no sibling has taken in already: the objective of every fit.
+//
+// A ball's outside volume is integrated along lines of all three axes at once. A point of empty space belongs to axis k
+// with weight n_k², n the normal of the surface next to it: the weights sum to 1, and each thin layer between ball and
+// surface is seen by the lines that cross it squarely. Lines along one axis alone miss or overrate the layers that they
+// run along, by more than the layers themselves once those are thinner than a cell.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <morula/geometry/sphere.hpp>
+#include <vector>
+
+#include "generators/fit/object_lines.hpp"
+
+namespace morula {
+
+/// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are
+/// cells of this grid from its lower corner. For one thread at a time: lines are worked out when they are first needed.
+class OutsideGrid {
+ public:
+  /// box: where balls may be, mesh coordinates. cell_width: wanted, mesh units. lines: borrowed.
+  OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width);
+
+  double cell() const { return cell_; }
+  double cell_volume() const { return cell_ * cell_ * cell_; }
+  Vec3f to_grid(const Vec3& p) const;
+  Vec3 from_grid(const Vec3f& p) const;
+
+  /// Counts a ball as taken in, or no longer.
+  void add(const Spheref& ball) { change(ball, 1); }
+  void remove(const Spheref& ball) { change(ball, -1); }
+
+  /// Readies cost() for balls inside the ball of radius `reach` about `center`. taken: what space that a ball has taken
+  /// in still counts, 0…1.
+  void prepare(const Vec3f& center, float reach, float taken);
+  /// Whether cost() can answer for this ball.
+  bool is_prepared(const Vec3f& center, float radius) const;
+  bool is_inside(const Vec3f& center, float radius) const;  ///< the ball is inside the grid
+  /// Outside volume of a ball in cells. The ball must be inside what was prepared and inside the grid.
+  /// Costs above `enough` may come back as any number above it.
+  float cost(const Vec3f& center, float radius, float enough = std::numeric_limits<float>::infinity()) const;
+  /// The same for one ball without preparation, with taken = 0: slower than cost(), cheaper than prepare().
+  float new_outside(const Spheref& ball);
+
+ private:
+  struct Step {
+    float before, start, slope, after;  // min(before + slope · max(0, w − start), after) at w into the cell
+  };
+  struct Outside {
+    float start, slope, total;  // empty space on a cell's middle line: from `start`, `slope` a cell, up to `total`
+  };
+  struct Extent {
+    std::uint16_t begin = 0, end = 0;
+  };
+  struct Axis {
+    std::unique_ptr<Outside[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
+    std::unique_ptr<Step[]> steps;
+    std::vector<std::uint8_t> traced;  // per line: outside is known
+    std::vector<Extent> current;       // per line: where steps are up to date
+  };
+  void change(const Spheref& ball, int by);
+  void trace(std::size_t axis, int u, int v, std::size_t line);
+  void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
+  template <class Visit>
+  void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
+  template <class Visit>
+  void each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
+
+  const ObjectLines& lines_;
+  double cell_;
+  int stride_;                  // lattice cells to a cell
+  std::array<int, 3> first_{};  // lattice lines through the middles of the first cells
+  Vec3 lower_;                  // lattice coordinates of the grid's lower corner
+  std::array<int, 3> count_{};
+  std::array<std::size_t, 3> step_{};     // of balls_over_
+  std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
+  std::array<Axis, 3> axes_;
+  float taken_ = -1;
+  Vec3f prepared_center_{};
+  float prepared_reach_ = -1;
+};
+
+}  // namespace morula

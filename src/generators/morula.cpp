@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Method morula: the balls of each node are sought, from several starts, where they take in least empty space together.
+//
+//   starts   one ball over the region, split until there are enough; then what the paper's reducers propose
+//   seeds    inscribed balls that need to grow least, spread over the region
+//   changes  walls nudged, balls moved from where they are missed least to where they help most; kept when they help
+//   exact    the region divided by power, each ball fitted to exactly what it owns
+//   exchange nodes of a level hand parts to each other across parents
+//
+// A first, fast tree tells where the surface will need small spheres: since all nodes get equally many children, the
+// upper levels give each child an equal share of that demand, as far as their own fit allows.
+
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/sampling.hpp>
+#include <morula/medial/medial_balls.hpp>
+
+#include "generators/divide/demand.hpp"
+#include "generators/divide/exchange.hpp"
+#include "generators/divide/node_fit.hpp"
+#include "generators/fit/medial_seeds.hpp"
+#include "generators/reduce/reducers.hpp"
+
+namespace morula {
+namespace {
+
+// How much work goes where; levels of children 1, 2, and all below.
+struct Effort {
+  NodeFit::Settings fit;
+  double first_cell;  // of the grid for splitting, in parts of the region
+  int sweeps;
+  bool inscribed;              // seeds and sweeps by inscribed balls
+  std::size_t medial_samples;  // 0: no seeds
+  std::array<int, 3> starts;   // tries from the beginning, the best is kept
+  std::array<int, 3> changes;
+  std::array<float, 2> balance;  // on levels 1 and 2
+  int exchanges;                 // rounds per level
+};
+constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
+                      .first_cell = 0.45,
+                      .sweeps = 1,
+                      .inscribed = false,
+                      .medial_samples = 0,
+                      .starts = {1, 1, 1},
+                      .changes = {8, 0, 0},
+                      .balance = {0, 0},
+                      .exchanges = 0};
+// A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
+constexpr Effort draft = [] {
+  Effort effort = fast;
+  effort.first_cell = 0.6;
+  effort.sweeps = 0;
+  return effort;
+}();
+constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
+                          .first_cell = 0.35,
+                          .sweeps = 2,
+                          .inscribed = true,
+                          .medial_samples = 4000,
+                          .starts = {5, 3, 1},
+                          .changes = {100, 40, 4},
+                          .balance = {2.5F, 2.0F},
+                          .exchanges = 3};
+constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 5, .balance = 0, .exact_rounds = 4},
+                      .first_cell = 0.35,
+                      .sweeps = 3,
+                      .inscribed = true,
+                      .medial_samples = 12000,
+                      .starts = {8, 3, 2},
+                      .changes = {120, 80, 50},
+                      .balance = {2.5F, 2.0F},
+                      .exchanges = 5};
+
+const Effort& effort_of(Quality quality) {
+  if (quality == Quality::draft) return draft;
+  if (quality == Quality::fast) return fast;
+  return quality == Quality::best ? best : standard;
+}
+
+constexpr float while_splitting = 0.6F, afterwards = 0.15F;
+constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
+
+class OwnDivider {
+ public:
+  // balls: of the whole object. demand: none in the first tree.
+  OwnDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
+             Demand demand, Workers& workers)
+      : input_(input), run_(run), effort_(effort), balls_(balls), demand_(std::move(demand)), workers_(workers) {}
+
+  Division operator()(const BuildNode& node) const {
+    const auto level = static_cast<std::size_t>(std::min(node.level, 2));
+    const auto starts = static_cast<std::size_t>(effort_.starts[level]);
+    std::vector<BuildNode> nodes(starts, node);
+    Random seeds(node.seed);
+    for (BuildNode& n : nodes) n.seed = seeds.next();
+    const RegionPoints points =
+        region_points(input_, node, static_cast<std::size_t>(run_.branching), effort_.fit.spacing);
+    std::vector<NodeFit::Exact> results(starts);
+    const auto fit = [&](std::size_t k) {
+      run_.throw_if_stopped();
+      results[k] = attempt(nodes[k], points, level, k);
+    };
+    // Only the root has the workers to itself.
+    if (node.level == 0)
+      workers_.run(starts, fit);
+    else
+      for (std::size_t k = 0; k < starts; ++k) fit(k);
+    std::size_t least = 0;
+    for (std::size_t k = 1; k < starts; ++k)
+      if (results[k].cost < results[least].cost) least = k;
+    return division_of(std::move(results[least]));
+  }
+
+ private:
+  // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
+  std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
+    const auto most = static_cast<std::size_t>(run_.branching);
+    if (start > 0) {
+      std::vector<Sphere> proposed = proposed_spheres(node, further_starts[(start - 1) % further_starts.size()]);
+      if (!proposed.empty()) return proposed;
+    }
+    NodeFit::Settings settings = effort_.fit;
+    settings.cell = effort_.first_cell;
+    NodeFit fit(input_, node, points, most, 0, settings);
+    fit.group().split_from_one();
+    for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
+    return fit.group().spheres();
+  }
+
+  NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level,
+                         std::size_t start) const {
+    const auto most = static_cast<std::size_t>(run_.branching);
+    const std::vector<Sphere> spheres = first_spheres(node, points, start);
+    double mean_radius = 0;
+    for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
+    NodeFit::Settings settings = effort_.fit;
+    if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
+    NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
+    Group& group = fit.group();
+    group.take(spheres);
+    for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
+    if (effort_.inscribed) {
+      constexpr int inscribed_sweeps = 2, sweeps = 2;
+      if (!balls_.empty()) {
+        const GroupPoints few = some_of(fit.points());
+        const std::vector<GroupBall> candidates = touching(node, fit, few);
+        for (const Dilation d : {Dilation::length, Dilation::square})
+          group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, sweeps);
+      }
+      group.try_inscribed(2 * inscribed_sweeps, sweeps);
+    }
+    run_.throw_if_stopped();
+    constexpr int move_every = 5;
+    group.try_changes(effort_.changes[level], move_every);
+    NodeFit::Exact exact = fit.exact();
+    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+    if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
+    return exact;
+  }
+
+  // Of one of the paper's reducers; none when it has no proposal.
+  std::vector<Sphere> proposed_spheres(const BuildNode& node, Reduction kind) const {
+    const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
+    const Proposals proposals =
+        combined_reducer({kind}, BuildOptions{})({samples.points, samples.normals, node.sphere,
+                                                  static_cast<std::size_t>(run_.branching), node.seed, input_.shape});
+    return proposals.front().reducer == no_proposal ? std::vector<Sphere>{} : proposals.front().spheres;
+  }
+
+  static GroupPoints some_of(const GroupPoints& points) {
+    constexpr std::size_t enough = 300;
+    GroupPoints few;
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / enough) few.push_back(points[i]);
+    return few;
+  }
+
+  // Inscribed balls that touch the region, in grid coordinates; an even choice when they are many.
+  std::vector<GroupBall> touching(const BuildNode& node, const NodeFit& fit, const GroupPoints& points) const {
+    constexpr float near = 0.25F;  // parts of the region
+    constexpr std::size_t enough = 200;
+    const OutsideGrid& grid = const_cast<NodeFit&>(fit).grid();
+    std::vector<GroupBall> found;
+    for (const Sphere& ball : balls_) {
+      if (distance(ball.center, node.sphere.center) > node.sphere.radius) continue;
+      const Vec3f c = grid.to_grid(ball.center);
+      const float r = static_cast<float>(ball.radius / grid.cell());
+      const float reach = r + near * fit.part_width();
+      bool touches = false;
+      for (std::size_t i = 0; i < points.size() && !touches; ++i) {
+        const float dx = points.x[i] - c.x, dy = points.y[i] - c.y, dz = points.z[i] - c.z;
+        touches = dx * dx + dy * dy + dz * dz < reach * reach;
+      }
+      if (touches) found.push_back({c, r, 0});
+    }
+    if (found.size() <= enough) return found;
+    std::vector<GroupBall> some;
+    for (std::size_t k = 0; k < enough; ++k) some.push_back(found[k * found.size() / enough]);
+    return some;
+  }
+
+  const FitInput& input_;
+  const BuildRun& run_;
+  const Effort& effort_;
+  const std::vector<Sphere>& balls_;
+  Demand demand_;
+  Workers& workers_;
+};
+
+std::vector<Sphere> medial_set(const Mesh& mesh, const SignedDistance& shape, std::size_t count, std::uint64_t seed,
+                               Workers& workers) {
+  if (count == 0 || !shape.has_volume()) return {};
+  std::vector<Vec3> points, normals;
+  for (const SurfacePoint& s : sample_surface(mesh, count, seed)) {
+    const Triangle t = mesh.corners(s.facet);
+    points.push_back(s.point);
+    normals.push_back(normalized(cross(t[1] - t[0], t[2] - t[0])) * shape.orientation());
+  }
+  return shrinking_balls(shape, points, normals, workers).balls;
+}
+
+}  // namespace
+
+Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
+  const std::vector<Sphere> none;
+  BuildRun deep = run;
+  deep.spheres = 0;
+  deep.max_protrusion = 0;
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
+}
+
+Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  const SignedDistance shape(mesh, workers);
+  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), workers);
+  const FitInput input = fit_input(mesh, shape, lines);
+  const Effort& effort = effort_of(run.quality);
+  const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
+  const auto exchange_parts = [&](int rounds) {
+    return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
+      if (nodes[0].level >= 2) exchange(mesh, lines, nodes, rounds, workers);
+    });
+  };
+  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
+  if (effort.balance[0] == 0 || run.depth < 2 || flat) {
+    const OwnDivider divide(input, run, effort, balls, {}, workers);
+    return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+  }
+  constexpr double first_share = 0.15;
+  Built first = fast_tree(input, run.pass(0, first_share), workers);
+  if (run.out_of_time()) return first;
+  const BuildRun second_run = run.pass(first_share, 1);
+  const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
+  return top_down(mesh, second_run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+}
+
+}  // namespace morula

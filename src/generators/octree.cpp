@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Octree [liu1988, hubbard1993]: a cube is halved on each axis, and cells that the surface enters become children. Each
+// sphere is then the smallest around what its cell holds, which the circumspheres of the literature are not.
+
+#include <algorithm>
+#include <morula/geometry/enclosing_sphere.hpp>
+
+#include "generators/driver/top_down.hpp"
+#include "generators/fit/partition.hpp"
+
+namespace morula {
+namespace {
+
+// Axes nearly as long as the longest are halved, so that cells become cubes; a cube falls into eight.
+constexpr double near_longest = 0.75;
+
+std::vector<Box> sub_cells(const Box& cell) {
+  const Vec3 extent = cell.extent();
+  const double longest = extent[cell.longest_axis()];
+  std::array<int, 3> count{};
+  for (int axis = 0; axis < 3; ++axis) count[axis] = extent[axis] > near_longest * longest ? 2 : 1;
+  std::vector<Box> cells;
+  for (int z = 0; z < count[2]; ++z)
+    for (int y = 0; y < count[1]; ++y)
+      for (int x = 0; x < count[0]; ++x) {
+        const std::array<int, 3> at{x, y, z};
+        Box sub = cell;
+        const Vec3 middle = cell.center();
+        for (int axis = 0; axis < 3; ++axis)
+          if (count[axis] == 2) (at[axis] == 0 ? sub.upper : sub.lower)[axis] = middle[axis];
+        cells.push_back(sub);
+      }
+  return cells;
+}
+
+// Cells of one size in a lattice have equal circumspheres, and the power diagram of equal spheres is the lattice: the
+// common partition cuts exactly along the cell walls. A hair larger, so that rounding leaves no corner of a cell
+// outside.
+Sphere circumsphere(const Box& cell) {
+  return {cell.center(), 0.5 * (1 + 1e-9) * cell.diagonal()};
+}
+
+class OctreeDivider {
+ public:
+  OctreeDivider(const Mesh& mesh, const BuildOptions& options)
+      : mesh_(mesh), branching_(static_cast<std::size_t>(options.branching)), pad_(largest_coordinate(mesh)) {}
+
+  Division operator()(const BuildNode& node) const {
+    std::vector<BuildNode> cells = occupied(node);
+    // A cell whose content lies in one sub-cell stands for that one: chains of single children waste levels.
+    // As long as it does lie there: a facet that cannot be cut goes whole to one sub-cell, and halving that would end
+    // in cells far smaller than what they hold, which cut the rest to slivers.
+    constexpr int most_halvings = 60;
+    for (int i = 0; i < most_halvings && cells.size() == 1 && holds_content(cells[0]); ++i) cells = occupied(cells[0]);
+    // More children than eight allow: look one or two halvings deeper, then join what belongs together.
+    for (int i = 0; i < 2 && cells.size() > 1 && 2 * cells.size() <= branching_; ++i) {
+      std::vector<BuildNode> finer;
+      for (const BuildNode& cell : cells)
+        for (BuildNode& sub : occupied(cell)) finer.push_back(std::move(sub));
+      cells = std::move(finer);
+    }
+    while (cells.size() > branching_) join_closest(cells);
+    return {std::move(cells), 0};
+  }
+
+ private:
+  BuildNode made(Region region, const Box& cell) const {
+    std::vector<Vec3> points;
+    corner_positions(mesh_, region, points);
+    const Sphere smallest = enclosing_sphere(points);
+    const double radius = rounded_up_radius(smallest.radius, std::max(pad_, largest_component(smallest.center)));
+    return {std::move(region), {smallest.center, radius}, cell, {}, {}, {}, {}};
+  }
+
+  // Does what the cell stands for lie in it, to within rounding?
+  bool holds_content(const BuildNode& node) const {
+    std::vector<Vec3> points;
+    corner_positions(mesh_, node.region, points);
+    const double slack = 0x1p-40 * pad_;
+    const Box& cell = node.cell;
+    return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(cell.lower[axis] - slack <= p[axis] && p[axis] <= cell.upper[axis] + slack)) return false;
+      return true;
+    });
+  }
+
+  std::vector<BuildNode> occupied(const BuildNode& node) const {
+    const std::vector<Box> cells = sub_cells(node.cell);
+    std::vector<Sphere> spheres;
+    for (const Box& cell : cells) spheres.push_back(circumsphere(cell));
+    Partition parts = partition(mesh_, node.region, spheres);
+    std::vector<BuildNode> children;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (!parts.regions[i].empty()) children.push_back(made(std::move(parts.regions[i]), cells[i]));
+    return children;
+  }
+
+  // Joins the two whose common sphere is smallest.
+  void join_closest(std::vector<BuildNode>& cells) const {
+    std::size_t first = 0, second = 1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      for (std::size_t j = i + 1; j < cells.size(); ++j) {
+        const Sphere &a = cells[i].sphere, &b = cells[j].sphere;
+        const double radius =
+            std::max({a.radius, b.radius, 0.5 * (a.radius + b.radius + distance(a.center, b.center))});
+        if (radius < least) least = radius, first = i, second = j;
+      }
+    Region joined = std::move(cells[first].region);
+    const Region& other = cells[second].region;
+    for (std::size_t k = 0; k < other.size(); ++k) joined.add(other.facet[k], other.polygon(k));
+    Box cell = cells[first].cell;
+    cell.add(cells[second].cell);
+    cells[first] = made(std::move(joined), cell);
+    cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(second));
+  }
+
+  const Mesh& mesh_;
+  std::size_t branching_;
+  double pad_;
+};
+
+}  // namespace
+
+Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+  const Box box = bounding_box(mesh);
+  const double half = 0.5 * largest_component(box.extent());
+  const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
+  return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
+}
+
+}  // namespace morula

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Many balls over a node's samples, and the three ways of making few of them [bradshaw2004]: merge, burst, expand.
+#pragma once
+
+#include <morula/query/signed_distance.hpp>
+#include <span>
+#include <vector>
+
+#include "generators/reduce/sample_set.hpp"
+
+namespace morula {
+
+/// Balls with what the reductions ask of them again and again.
+class BallSet {
+ public:
+  /// balls, distances: equally many; distances are the signed ones of the centres. All copied.
+  BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::span<const Vec3> samples);
+
+  std::size_t size() const { return balls_.size(); }
+  const Sphere& ball(std::size_t i) const { return balls_[i]; }
+  /// Signed distance of the centre of ball i to the object.
+  double distance(std::size_t i) const { return distances_[i]; }
+  const std::vector<Vec3>& samples() const { return samples_; }
+  /// Distances of the centre of ball i to all samples.
+  std::span<const double> to_samples(std::size_t i) const {
+    return std::span(to_samples_).subspan(i * samples_.size(), samples_.size());
+  }
+  /// Radius that ball i needs to contain these samples.
+  double reach(std::size_t i, const SampleSet& of) const {
+    double farthest = 0;
+    of.for_each([&](std::size_t k) { farthest = std::max(farthest, to_samples(i)[k]); });
+    return farthest;
+  }
+  /// Bound of how far ball i sticks out when it reaches `radius`: (r + φ(c))⁺.
+  double protrusion(std::size_t i, double radius) const { return std::max(0.0, radius + distances_[i]); }
+
+ private:
+  std::vector<Sphere> balls_;
+  std::vector<double> distances_;
+  std::vector<Vec3> samples_;
+  std::vector<double> to_samples_;  // one row per ball
+};
+
+/// Of each ball, the samples inside it; samples in none are strays and belong to the ball with the nearest surface.
+std::vector<SampleSet> samples_inside(const BallSet& set);
+/// Of each ball, the samples that are its own: those inside that are deepest in it by power; strays as above.
+std::vector<SampleSet> samples_owned(const BallSet& set);
+
+/// Pairs of balls that are side by side somewhere on the samples: at some sample, one is the nearest by power and the
+/// other the second or third. i < j, ascending, each pair once.
+struct BallPair {
+  std::uint32_t i, j;
+  bool operator==(const BallPair&) const = default;
+  bool operator<(const BallPair& other) const { return i != other.i ? i < other.i : j < other.j; }
+};
+std::vector<BallPair> neighbor_pairs(const BallSet& set);
+
+/// How balls grow out of the object, from the largest that fits about their centre.
+enum class Growth {
+  protrusion,  ///< equally far: r = s − φ(c), so of all radii that contain the samples the worst protrusion is least
+  power,       ///< by equal power: r² = s − φ(c)·|φ(c)|, so balls of all sizes come to touch equally large spots
+};
+/// The s from which on a ball with its centre `distance` from the object contains a point `away` from the centre.
+double growth_to_contain(Growth growth, double distance, double away);
+double grown_radius(Growth growth, double distance, double s);
+
+/// The spheres' centres with the radii of the least growth at which they contain all samples together: by power, such
+/// spheres relieve one another, because one that could reach further takes samples off one that sticks out more. Those
+/// that no sample needs are left out. distances: signed ones of the centres.
+std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres, std::span<const double> distances,
+                                  std::span<const Vec3> samples);
+
+/// What a reduction leaves: balls that together contain all samples, at most `branching`, and their signed distances.
+struct Reduced {
+  std::vector<Sphere> balls;
+  std::vector<double> distances;
+};
+// Each reduction returns nothing for no balls or samples.
+
+/// Joins two balls again and again. The joint ball is the one that sticks out least among the smallest around the
+/// samples of both and those about either centre. First choice: a neighbour of the ball that sticks out most, if the
+/// joint ball sticks out less than it; else the pair whose joint ball sticks out least.
+/// Cost: some ten thousand small steps and one closest-point query a pair, for 300 balls.
+Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& shape);
+
+/// Removes a ball again and again and gives its samples to its neighbours, which are fitted to them. First choice: the
+/// ball that sticks out most among those whose neighbours then all stick out less; else the least sum of sixth powers.
+Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
+
+/// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth growth);
+
+}  // namespace morula

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Grid [bradshaw2002]: per node, the finest oriented lattice whose occupied cells, or fewer circumspheres of them that
+// still contain all samples, number at most the branching.
+//
+// Departures: a lattice repeats, so shifts within one cell are all there are and a coordinate search over them replaces
+// the simplex search, whose objective is piecewise constant; orientations are the principal axes, the coordinate axes
+// and their 45° turns; cells need not be cubes.
+
+#include <algorithm>
+
+#include "generators/fit/lattice.hpp"
+#include "generators/reduce/reducers.hpp"
+
+namespace morula {
+namespace {
+
+struct Candidate {
+  std::vector<Vec3> centers;  // frame coordinates
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+class LatticeSearch {
+ public:
+  LatticeSearch(std::span<const Vec3> points, std::size_t branching) : points_(points), branching_(branching) {
+    for (const Vec3& p : points) box_.add(p);
+  }
+
+  // The box of the points divided evenly, cells of any proportion: the smallest cells of which at most `branching` are
+  // occupied.
+  Candidate even_division() const {
+    Candidate best;
+    const Vec3 extent = box_.extent();
+    const double least_edge = 1e-9 * largest_component(extent);
+    const int most = static_cast<int>(std::min<std::size_t>(2 * branching_, 32));
+    std::vector<Vec3> centers;
+    for (int nx = 1; nx <= most; ++nx)
+      for (int ny = 1; ny <= most; ++ny)
+        for (int nz = 1; nz <= most; ++nz) {
+          if (static_cast<std::size_t>(nx) * ny * nz > 8 * branching_) break;
+          // A hair larger than the box, so that points on its upper faces stay in the last cells.
+          const Vec3 edge{std::max(extent.x, least_edge) * (1 + 1e-9) / nx,
+                          std::max(extent.y, least_edge) * (1 + 1e-9) / ny,
+                          std::max(extent.z, least_edge) * (1 + 1e-9) / nz};
+          const Lattice lattice{box_.lower, edge};
+          if (lattice.cell_radius() >= best.radius) continue;
+          if (occupied_cells(lattice, points_, branching_, centers)) best = {centers, lattice.cell_radius()};
+        }
+    return best;
+  }
+
+  // Cubic cells, smaller and smaller by a twentieth of the first size, until no shift works.
+  Candidate shifted_cubes(double first_edge) const {
+    Candidate best;
+    Vec3 shift{0, 0, 0};  // shares of a cell
+    constexpr int steps = 19;
+    int failures = 0;
+    for (int step = 0; step < steps && failures < 2; ++step) {
+      const double edge = first_edge * (1 - 0.05 * step);
+      if (try_size(edge, shift, best))
+        failures = 0;
+      else
+        ++failures;
+    }
+    return best;
+  }
+
+ private:
+  struct Count {
+    std::size_t cells;
+    std::size_t spheres;  // after greedy cover; only looked for when near enough to matter
+    std::vector<Vec3> centers;
+  };
+  // most_cells: more are not worth looking at.
+  Count count(double edge, const Vec3& shift, std::size_t most_cells) const {
+    const Lattice lattice{box_.lower - shift * edge, {edge, edge, edge}};
+    Count result{};
+    if (!occupied_cells(lattice, points_, most_cells, result.centers)) {
+      result.cells = result.spheres = most_cells + 1;
+      return result;
+    }
+    result.cells = result.spheres = result.centers.size();
+    if (result.cells > branching_) {
+      const std::vector<std::uint32_t> chosen = greedy_cover(result.centers, lattice.cell_radius(), points_);
+      std::vector<Vec3> kept;
+      for (const std::uint32_t c : chosen) kept.push_back(result.centers[c]);
+      result.centers = std::move(kept);
+      result.spheres = result.centers.size();
+    }
+    return result;
+  }
+
+  // Coordinate search over the shift, from the one that worked before.
+  bool try_size(double edge, Vec3& shift, Candidate& best) const {
+    Count least = count(edge, shift, 2 * branching_);
+    constexpr int shifts_per_axis = 6;
+    for (int sweep = 0; sweep < 2 && least.spheres > branching_; ++sweep) {
+      const std::size_t before = least.spheres + least.cells;
+      for (int axis = 0; axis < 3 && least.spheres > branching_; ++axis)
+        for (int k = 1; k < shifts_per_axis && least.spheres > branching_; ++k) {
+          Vec3 trial_shift = shift;
+          trial_shift[axis] += static_cast<double>(k) / shifts_per_axis;
+          trial_shift[axis] -= std::floor(trial_shift[axis]);
+          Count trial = count(edge, trial_shift, std::min(least.cells, 2 * branching_));
+          if (trial.spheres < least.spheres || (trial.spheres == least.spheres && trial.cells < least.cells)) {
+            least = std::move(trial);
+            shift = trial_shift;
+          }
+        }
+      if (least.spheres + least.cells == before) break;
+    }
+    if (least.spheres > branching_) return false;
+    best = {std::move(least.centers), 0.5 * edge * std::sqrt(3.0)};
+    return true;
+  }
+
+  std::span<const Vec3> points_;
+  std::size_t branching_;
+  Box box_;
+};
+
+}  // namespace
+
+Proposals propose_grid(const ReducerInput& node) {
+  if (node.samples.empty()) return {};
+  const Frame principal = principal_axes(node.samples);
+  const Frame coordinate{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  std::vector<Frame> frames{principal, coordinate};
+  for (int axis = 0; axis < 3; ++axis) frames.push_back(turned_by_45_degrees(principal, axis));
+
+  struct Placed {
+    Candidate candidate;
+    std::size_t frame;
+  };
+  std::vector<Placed> found;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const std::vector<Vec3> local = in_frame(frames[f], node.samples);
+    const LatticeSearch search(local, node.branching);
+    found.push_back({search.even_division(), f});
+    found.push_back({search.shifted_cubes(node.sphere.radius), f});
+  }
+  std::erase_if(found, [](const Placed& p) { return p.candidate.centers.empty(); });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Placed& a, const Placed& b) { return a.candidate.radius < b.candidate.radius; });
+  constexpr std::size_t most_proposals = 3;
+  Proposals proposals;
+  for (std::size_t i = 0; i < found.size() && i < most_proposals; ++i) {
+    std::vector<Sphere> spheres;
+    for (const Vec3& c : found[i].candidate.centers)
+      spheres.push_back({out_of_frame(frames[found[i].frame], c), found[i].candidate.radius});
+    proposals.push_back({"grid", std::move(spheres)});
+  }
+  return proposals;
+}
+
+}  // namespace morula

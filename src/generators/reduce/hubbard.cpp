@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Hubbard's generator [hubbard1996]: Voronoi balls inside the object carry the samples that form them; two are merged
+// into the smallest ball around the samples of both, the cheapest pair first, until few enough are left.
+//
+// Departures: the balls are those of the node's own samples, so every level is as finely described as the first, where
+// the published one has a single set for all; where a ball reaches the surface outside the node, points of that surface
+// are added to keep it inside; the cheapest merge comes out of a heap instead of a search through all.
+
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <queue>
+#include <tuple>
+
+#include "generators/reduce/ball_set.hpp"
+#include "generators/reduce/reducers.hpp"
+#include "medial/voronoi_balls.hpp"
+
+namespace morula {
+namespace {
+
+struct Group {
+  SampleSet samples;
+  Sphere ball;
+  bool alive = true;
+  std::vector<std::uint32_t> neighbors;
+};
+
+class Hubbard {
+ public:
+  explicit Hubbard(const ReducerInput& node) : node_(node) {
+    const std::size_t most = std::clamp<std::size_t>(20 * node.branching, 48, 256);
+    const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);
+    for (std::size_t k = 0; k < node.samples.size(); k += step) {
+      points_.push_back(node.samples[k]);
+      normals_.push_back(node.normals[k]);
+    }
+  }
+
+  std::vector<Sphere> run() {
+    collect();
+    if (alive_ > node_.branching) {
+      for (std::uint32_t a = 0; a < groups_.size(); ++a)
+        for (const std::uint32_t b : groups_[a].neighbors)
+          if (a < b) consider(a, b);
+      for (std::uint32_t a = 0; a < groups_.size(); ++a)
+        if (groups_[a].neighbors.empty()) consider_overlapping(a);
+    }
+    while (alive_ > node_.branching) {
+      if (heap_.empty()) consider_all();
+      const Entry top = heap_.top();
+      heap_.pop();
+      if (groups_[top.a].alive && groups_[top.b].alive) join(top.a, top.b);
+    }
+    Reduced result;
+    for (const Group& g : groups_)
+      if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape(g.ball.center));
+    return equally_grown(Growth::power, result.balls, result.distances, node_.samples);
+  }
+
+ private:
+  // Interior Voronoi balls of the points, with the points that form them.
+  void collect() {
+    const double reach = 2 * node_.sphere.radius;
+    Box box;
+    box.add(node_.sphere.center - Vec3{reach, reach, reach});
+    box.add(node_.sphere.center + Vec3{reach, reach, reach});
+    VoronoiBalls diagram(box, node_.shape);
+    diagram.insert(points_);
+    // The diagram keeps some of the points, in order.
+    std::vector<std::uint32_t> point_of = numbered(diagram.samples());
+    diagram.insert(std::span<const Vec3>(guards(diagram, box)));
+    point_of.resize(diagram.samples().size(), no_sample);
+
+    std::vector<std::uint32_t> group_of(diagram.balls().size(), no_ball);
+    for (std::size_t s = 0; s < diagram.balls().size(); ++s) {
+      const VoronoiBall& b = diagram.balls()[s];
+      if (!b.alive || !(b.distance < 0)) continue;
+      Group group{SampleSet(points_.size()), b.ball, true, {}};
+      for (const std::uint32_t sample : b.samples)
+        if (point_of[sample] != no_sample) group.samples.add(point_of[sample]);
+      if (group.samples.empty()) continue;
+      group_of[s] = static_cast<std::uint32_t>(groups_.size());
+      groups_.push_back(std::move(group));
+    }
+    for (std::size_t s = 0; s < diagram.balls().size(); ++s) {
+      if (group_of[s] == no_ball) continue;
+      for (const std::uint32_t n : diagram.balls()[s].neighbors)
+        if (n != no_ball && group_of[n] != no_ball) groups_[group_of[s]].neighbors.push_back(group_of[n]);
+    }
+    alive_ = groups_.size();
+  }
+
+  // Samples of the diagram are points, some left out; both in the same order, moved by no more than the lattice does.
+  std::vector<std::uint32_t> numbered(const std::vector<Vec3>& samples) const {
+    std::vector<std::uint32_t> numbers;
+    const double near = 1e-5 * node_.sphere.radius;
+    std::uint32_t next = 0;
+    for (const Vec3& s : samples) {
+      while (next < points_.size() && squared_distance(points_[next], s) > near * near) ++next;
+      if (next == points_.size()) break;
+      numbers.push_back(next++);
+    }
+    numbers.resize(samples.size(), no_sample);
+    return numbers;
+  }
+
+  // Closest surface points of the balls that stick out furthest.
+  std::vector<Vec3> guards(const VoronoiBalls& diagram, const Box& box) const {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t s = 0; s < diagram.balls().size(); ++s) {
+      const VoronoiBall& b = diagram.balls()[s];
+      if (b.alive && b.distance < 0 && b.ball.radius + b.distance > 0.1 * b.ball.radius)
+        order.emplace_back(-(b.ball.radius + b.distance), s);
+    }
+    std::sort(order.begin(), order.end());
+    const std::size_t most = points_.size() / 3;
+    std::vector<Vec3> result;
+    for (const auto& [negative, s] : order) {
+      if (result.size() >= most) break;
+      const Vec3 p = node_.shape.at(diagram.balls()[s].ball.center).closest.point;
+      bool inside = true;
+      for (int axis = 0; axis < 3; ++axis) inside = inside && p[axis] >= box.lower[axis] && p[axis] <= box.upper[axis];
+      if (inside) result.push_back(p);
+    }
+    return result;
+  }
+
+  // How far a sample, going along its normal, travels inside the ball; the most of all.
+  double exit_distance(const SampleSet& samples, const Sphere& ball) const {
+    double most = 0;
+    samples.for_each([&](std::size_t k) {
+      const Vec3 offset = points_[k] - ball.center;
+      const double h = dot(offset, normals_[k]);
+      const double inside = ball.radius * ball.radius - (squared_length(offset) - h * h);
+      if (inside >= 0) most = std::max(most, std::sqrt(inside) - h);
+    });
+    return most;
+  }
+
+  Sphere around(const SampleSet& samples) {
+    scratch_.clear();
+    samples.for_each([&](std::size_t k) { scratch_.push_back(points_[k]); });
+    return enclosing_sphere(scratch_);
+  }
+
+  void consider(std::uint32_t a, std::uint32_t b) {
+    SampleSet both = groups_[a].samples;
+    both |= groups_[b].samples;
+    heap_.push({exit_distance(both, around(both)), std::min(a, b), std::max(a, b)});
+  }
+  void consider_overlapping(std::uint32_t a) {
+    for (std::uint32_t b = 0; b < groups_.size(); ++b)
+      if (b != a && groups_[b].alive &&
+          distance(groups_[a].ball.center, groups_[b].ball.center) < groups_[a].ball.radius + groups_[b].ball.radius)
+        consider(a, b);
+  }
+  void consider_all() {
+    for (std::uint32_t a = 0; a < groups_.size(); ++a)
+      for (std::uint32_t b = a + 1; b < groups_.size(); ++b)
+        if (groups_[a].alive && groups_[b].alive) consider(a, b);
+  }
+
+  void join(std::uint32_t a, std::uint32_t b) {
+    SampleSet both = std::move(groups_[a].samples);
+    both |= groups_[b].samples;
+    std::vector<std::uint32_t> neighbors = groups_[a].neighbors;
+    neighbors.insert(neighbors.end(), groups_[b].neighbors.begin(), groups_[b].neighbors.end());
+    std::sort(neighbors.begin(), neighbors.end());
+    neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+    groups_[a].alive = groups_[b].alive = false;
+    std::erase_if(neighbors, [&](std::uint32_t n) { return !groups_[n].alive; });
+    const auto made = static_cast<std::uint32_t>(groups_.size());
+    const Sphere ball = around(both);
+    groups_.push_back({std::move(both), ball, true, neighbors});
+    --alive_;
+    if (alive_ <= node_.branching) return;
+    for (const std::uint32_t n : neighbors) {
+      groups_[n].neighbors.push_back(made);
+      consider(n, made);
+    }
+    if (neighbors.empty()) consider_overlapping(made);
+  }
+
+  struct Entry {
+    double cost;
+    std::uint32_t a, b;
+    bool operator<(const Entry& other) const { return std::tie(other.cost, other.a, other.b) < std::tie(cost, a, b); }
+  };
+
+  const ReducerInput& node_;
+  std::vector<Vec3> points_, normals_;  // of the node's samples, as many as the diagram is made of
+  std::vector<Group> groups_;
+  std::size_t alive_ = 0;
+  std::priority_queue<Entry> heap_;
+  std::vector<Vec3> scratch_;
+};
+
+}  // namespace
+
+Proposals propose_hubbard(const ReducerInput& node) {
+  if (node.samples.size() < 4 || !(node.sphere.radius > 0)) return {};
+  std::vector<Sphere> spheres = Hubbard(node).run();
+  if (spheres.empty()) return {};
+  return {{"hubbard", std::move(spheres)}};
+}
+
+}  // namespace morula

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The reducers: what proposes spheres for a node. Each may return nothing; none fails.
+#pragma once
+
+#include "generators/reduce/reduce.hpp"
+
+namespace morula {
+
+Proposals propose_grid(const ReducerInput& node);
+Proposals propose_hubbard(const ReducerInput& node);
+Proposals propose_spawn(const ReducerInput& node);
+/// One adaptive medial axis of the node, reduced in each of these ways: merge, burst, expand.
+Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions);
+
+/// All of them, in this order, each proposal optimised as the options say. Nodes without any proposal get their own
+/// sphere, marked `no_proposal`: the fit halves it.
+Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options);
+
+}  // namespace morula

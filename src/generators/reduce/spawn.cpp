@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all
+// samples; the least s for which few enough do.
+//
+// Departures: a sphere has r = s − φ(c), so its centre is all there is to search; its gain is the number of new samples
+// with a soft edge, which has a slope where a plain count has none; every sphere must contain the remotest sample left,
+// so no stray is left behind for the end; it starts from the best of the medial balls there instead of the previous
+// sphere; s is bisected by its logarithm, and the spheres of the last success are tried again for the next. What is
+// handed over has radii by equal power: with those the spheres share the surface more evenly, which the levels below
+// gain from.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <morula/medial/medial_balls.hpp>
+
+#include "generators/reduce/ball_set.hpp"
+#include "generators/reduce/reducers.hpp"
+
+namespace morula {
+namespace {
+
+struct Seed {
+  Vec3 center;
+  double distance;  // signed
+};
+
+// Inscribed balls at an even choice of samples.
+std::vector<Seed> medial_seeds(const ReducerInput& node) {
+  constexpr std::size_t most = 96;
+  const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);
+  std::vector<Vec3> points, normals;
+  for (std::size_t k = 0; k < node.samples.size(); k += step) {
+    points.push_back(node.samples[k]);
+    normals.push_back(node.normals[k]);
+  }
+  std::vector<Seed> seeds;
+  for (const Sphere& ball : shrinking_balls(node.shape, points, normals).balls)
+    seeds.push_back({ball.center, node.shape(ball.center)});
+  return seeds;
+}
+
+class Spawn {
+ public:
+  explicit Spawn(const ReducerInput& node) : node_(node), seeds_(medial_seeds(node)) {
+    Vec3 mean{};
+    for (const Vec3& p : node.samples) mean += p;
+    mean = mean / static_cast<double>(node.samples.size());
+    for (const Vec3& p : node.samples) remoteness_.push_back(squared_distance(p, mean));
+  }
+
+  std::vector<Sphere> run() {
+    // The node's own sphere is a success.
+    double high = node_.shape.protrusion_bound(node_.sphere);
+    if (!(high > 0)) return {};
+    double low = high / 1024;
+    std::vector<Sphere> best;
+    constexpr double close_enough = 1.03;
+    while (high > close_enough * low) {
+      const double s = low * std::sqrt(high / low);
+      std::vector<Sphere> spheres = lay(s, best);
+      if (spheres.empty()) {
+        low = s;
+      } else {
+        high = s;
+        best = std::move(spheres);
+      }
+    }
+    return best;
+  }
+
+ private:
+  // At most `branching` spheres of this protrusion that contain all samples; none when it takes more.
+  std::vector<Sphere> lay(double s, std::span<const Sphere> previous) const {
+    std::vector<Sphere> spheres;
+    SampleSet left(node_.samples.size());
+    for (std::size_t k = 0; k < node_.samples.size(); ++k) left.add(k);
+    while (!left.empty()) {
+      if (spheres.size() == node_.branching) return {};
+      const std::size_t remotest = find_remotest(left);
+      const Sphere sphere = best_sphere(s, node_.samples[remotest], left, previous);
+      SampleSet next = left;
+      left.for_each([&](std::size_t k) {
+        if (squared_distance(node_.samples[k], sphere.center) <= sphere.radius * sphere.radius) next.remove(k);
+      });
+      next.remove(remotest);  // whatever rounding says
+      left = std::move(next);
+      spheres.push_back(sphere);
+    }
+    return spheres;
+  }
+
+  std::size_t find_remotest(const SampleSet& left) const {
+    std::size_t remotest = 0;
+    double most = -1;
+    left.for_each([&](std::size_t k) {
+      if (remoteness_[k] > most) most = remoteness_[k], remotest = k;
+    });
+    return remotest;
+  }
+
+  // How many samples the sphere would take; those just outside count for a part. Negative when it misses `must`.
+  double gain(const Sphere& sphere, const Vec3& must, const std::vector<Vec3>& left) const {
+    if (!(sphere.radius > 0) || squared_distance(must, sphere.center) > sphere.radius * sphere.radius) return -1;
+    constexpr double edge = 1.2, edge_worth = 0.3;  // shares of the radius and of a sample
+    const double inner = sphere.radius * sphere.radius, outer = edge * edge * inner;
+    double sum = 0;
+    for (const Vec3& p : left) {
+      const double d = squared_distance(p, sphere.center);
+      if (d <= inner)
+        sum += 1;
+      else if (d < outer)
+        sum += edge_worth * (outer - d) / (outer - inner);
+    }
+    return sum;
+  }
+
+  Sphere best_sphere(double s, const Vec3& must, const SampleSet& left, std::span<const Sphere> previous) const {
+    std::vector<Vec3> points;
+    left.for_each([&](std::size_t k) { points.push_back(node_.samples[k]); });
+    Sphere best{must, std::max(0.0, s - node_.shape(must))};
+    double most = gain(best, must, points);
+    const auto consider = [&](const Vec3& center, double radius) {
+      const double g = gain({center, radius}, must, points);
+      if (g > most) most = g, best = {center, radius};
+      return g;
+    };
+    for (const Seed& seed : nearest_seeds(s, must)) consider(seed.center, s - seed.distance);
+    for (const Sphere& old : previous)
+      if (squared_distance(old.center, must) <= old.radius * old.radius)
+        consider(old.center, s - node_.shape(old.center));
+
+    constexpr std::array<Vec3, 6> directions{Vec3{1, 0, 0},  Vec3{-1, 0, 0}, Vec3{0, 1, 0},
+                                             Vec3{0, -1, 0}, Vec3{0, 0, 1},  Vec3{0, 0, -1}};
+    constexpr double first_step = 0.3, last_step = 0.04;  // shares of the radius
+    double step = first_step;
+    std::size_t first = 0;
+    for (int evaluations = 0; step > last_step && evaluations < 60;) {
+      bool improved = false;
+      for (std::size_t k = 0; k < directions.size() && !improved; ++k, ++evaluations) {
+        const std::size_t d = (first + k) % directions.size();
+        const Vec3 center = best.center + directions[d] * (step * best.radius);
+        const double before = most;
+        consider(center, s - node_.shape(center));
+        if (most > before) improved = true, first = d;
+      }
+      if (!improved) step *= 0.5;
+    }
+    return best;
+  }
+
+  // The seeds whose spheres contain `must` earliest.
+  std::vector<Seed> nearest_seeds(double s, const Vec3& must) const {
+    constexpr std::size_t wanted = 16;
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < seeds_.size(); ++i) {
+      const double needed = distance(seeds_[i].center, must) + seeds_[i].distance;
+      if (needed <= s) order.emplace_back(needed, i);
+    }
+    const std::size_t count = std::min(wanted, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+    std::vector<Seed> seeds;
+    for (std::size_t i = 0; i < count; ++i) seeds.push_back(seeds_[order[i].second]);
+    return seeds;
+  }
+
+  const ReducerInput& node_;
+  std::vector<Seed> seeds_;
+  std::vector<double> remoteness_;  // of each sample from the mean, squared
+};
+
+}  // namespace
+
+Proposals propose_spawn(const ReducerInput& node) {
+  if (node.samples.empty()) return {};
+  const std::vector<Sphere> laid = Spawn(node).run();
+  if (laid.empty()) return {};
+  std::vector<double> distances;
+  for (const Sphere& s : laid) distances.push_back(node.shape(s.center));
+  return {{"spawn", equally_grown(Growth::power, laid, distances, node.samples)}};
+}
+
+}  // namespace morula

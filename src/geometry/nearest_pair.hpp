@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Two triangles, or a segment or a point and a triangle: where they are nearest, and bounds that hold in real numbers.
+#pragma once
+
+#include <morula/geometry/triangle.hpp>
+#include <morula/geometry/surface_point.hpp>
+#include <span>
+
+namespace morula {
+
+struct NearestPair {
+  Barycentric a{}, b{};
+  Vec3 point_a{}, point_b{};
+  /// lower <= distance of the two shapes <= upper, for corners as they are. 0 and 0 exactly when `crossing`.
+  double lower = 0, upper = 0;
+  /// The two have a point in common, decided exactly: touching and coplanar ones, too.
+  bool crossing = false;
+};
+
+/// a: the corners of a point, a segment or a triangle: 1, 2 or 3 of them.
+///
+/// Among pairs of features the nearest by computed distance, the first of equals [ericson2005, 5.1.9, 5.1.10]. upper is
+/// the distance of the points found, rounded up; lower the width of a slab between the shapes, across the line through
+/// them or where that is loose across directions of the features, rounded down: so whatever features are chosen, both
+/// hold.
+NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b);
+
+/// Width of the slab across `direction` (from a to b, any length but 0) that has all of a on one side and all of b on
+/// the other; negative when there is none. Rounded down.
+double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& direction);
+
+/// Parameter of the point of [p, q] nearest to x.
+double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x);
+
+}  // namespace morula

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "io/array/npy.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <morula/io/mesh_file.hpp>
+#include <vector>
+
+#include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::string_view magic = "\x93NUMPY";
+
+// The header is a Python dictionary of three entries, such as
+// {'descr': '<f4', 'fortran_order': False, 'shape': (25, 100, 3), }
+struct Dictionary {
+  std::string descr, fortran_order, shape;  // as written, quotes and brackets included
+};
+
+class DictionaryParser {
+ public:
+  DictionaryParser(const std::string& file, std::string_view text) : file_(file), text_(text) {}
+
+  Dictionary parse() {
+    Dictionary result;
+    take('{');
+    while (!next_is('}')) {
+      const std::string key = value();
+      take(':');
+      std::string* const place = key == "'descr'"           ? &result.descr
+                                 : key == "'fortran_order'" ? &result.fortran_order
+                                 : key == "'shape'"         ? &result.shape
+                                                            : nullptr;
+      if (!place) fail();
+      *place = value();
+      if (!next_is('}')) take(',');
+    }
+    return result;
+  }
+
+ private:
+  void skip_blanks() {
+    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\n')) ++at_;
+  }
+  bool next_is(char c) {
+    skip_blanks();
+    return at_ < text_.size() && text_[at_] == c;
+  }
+  void take(char c) {
+    if (!next_is(c)) fail();
+    ++at_;
+  }
+  // A quoted string, a bracketed list or a word; double quotes become single ones.
+  std::string value() {
+    skip_blanks();
+    const std::size_t begin = at_;
+    int depth = 0;
+    char quote = 0;
+    for (; at_ < text_.size(); ++at_) {
+      const char c = text_[at_];
+      if (quote) {
+        if (c == quote) quote = 0;
+      } else if (c == '\'' || c == '"') {
+        quote = c;
+      } else if (c == '(' || c == '[') {
+        ++depth;
+      } else if (depth > 0 && (c == ')' || c == ']')) {
+        --depth;
+      } else if (depth == 0 && (c == ',' || c == ':' || c == '}' || c == ' ' || c == '\n')) {
+        break;
+      }
+    }
+    if (at_ == begin || quote || depth > 0) fail();
+    std::string result(text_.substr(begin, at_ - begin));
+    std::replace(result.begin(), result.end(), '"', '\'');
+    return result;
+  }
+  [[noreturn]] void fail() const {
+    throw FileError(file_ + ": the .npy header " + in_quotes(text_) + " is malformed; save the array again");
+  }
+
+  const std::string& file_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+// The numbers of a tuple; nothing if there is anything else in it. Python 2 wrote 25L for 25.
+std::vector<std::uint64_t> tuple(std::string_view text) {
+  std::vector<std::uint64_t> numbers;
+  if (text.size() < 2 || text.front() != '(' || text.back() != ')') return {};
+  text = text.substr(1, text.size() - 2);
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    if (text.empty()) return numbers;
+    std::uint64_t number = 0;
+    const std::from_chars_result parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (parsed.ec != std::errc()) return {};
+    text.remove_prefix(static_cast<std::size_t>(parsed.ptr - text.data()));
+    if (!text.empty() && text[0] == 'L') text.remove_prefix(1);
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    if (!text.empty() && text[0] != ',') return {};
+    if (!text.empty()) text.remove_prefix(1);
+    numbers.push_back(number);
+  }
+}
+
+// Whether the product of the shape is `count`. Divided, not multiplied: no number overflows.
+bool holds(const std::vector<std::uint64_t>& shape, std::uint64_t count) {
+  if (std::count(shape.begin(), shape.end(), std::uint64_t{0}) > 0) return count == 0;
+  for (const std::uint64_t size : shape) {
+    if (count % size != 0) return false;
+    count /= size;
+  }
+  return count == 1;
+}
+
+template <class Value>
+std::string array_bytes(std::string_view descr, std::span<const Value> values, std::span<const std::size_t> shape) {
+  std::string bytes = npy_start(descr, shape);
+  bytes.reserve(bytes.size() + values.size_bytes());
+  for (const Value value : values) store(bytes, value);
+  return bytes;
+}
+
+}  // namespace
+
+NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
+  const std::string file = source.name().string();
+  const std::uintmax_t size = source.size();
+  constexpr std::size_t longest_start =
+      12 + 65536;  // what version 1 allows; longer ones are of tables with many columns
+  const std::string start = source.read(0, std::min<std::uintmax_t>(size, longest_start));
+  ByteReader in(source.name(), start, std::endian::little);
+  if (start.substr(0, magic.size()) != magic) in.fail("not a NumPy file; write one with numpy.save");
+  in.skip(magic.size(), "the .npy header");
+  const int version = in.read<std::uint8_t>("the .npy header");
+  in.skip(1, "the .npy header");
+  if (version < 1 || version > 3)
+    in.fail("version " + std::to_string(version) + " of the .npy format is not read; 1, 2 and 3 are");
+  const std::size_t length =
+      version == 1 ? in.read<std::uint16_t>("the .npy header") : in.read<std::uint32_t>("the .npy header");
+  const std::size_t begin = start.size() - in.bytes_left();
+  in.skip(length, "the .npy header");
+  const std::string_view text = std::string_view(start).substr(begin, length);
+  const Dictionary dictionary = DictionaryParser(file, text).parse();
+
+  NpyArray array;
+  array.is_double = dictionary.descr == "'<f8'";
+  if (!array.is_double && dictionary.descr != "'<f4'")
+    throw FileError(file + ": the array's type is " + in_quotes(dictionary.descr) +
+                    ", but '<f4' or '<f8' is needed; save array.astype('<f8')");
+  if (dictionary.fortran_order != "False")
+    throw FileError(file + ": the array is in Fortran order; save numpy.ascontiguousarray(array)");
+  array.shape = tuple(dictionary.shape);
+  array.shape_text = in_quotes(dictionary.shape);
+  if (array.shape.size() != needed.dimensions || (needed.last != 0 && array.shape.back() != needed.last))
+    throw FileError(file + ": the array's shape is " + array.shape_text + ", but " + std::string(needed.words) +
+                    " is needed; reshape it");
+  array.data_offset = begin + length;
+
+  const std::uint64_t data = size - array.data_offset;
+  if (data % array.scalar_size() != 0 || !holds(array.shape, data / array.scalar_size()))
+    throw FileError(file + ": " + std::to_string(data) + " bytes follow the header, which is not what shape " +
+                    array.shape_text + " takes; the file was cut short, or holds more than one array");
+  return array;
+}
+
+std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& array, std::uint64_t first,
+                                    std::size_t count) {
+  const std::size_t scalar = array.scalar_size();
+  const std::string bytes = source.read(array.data_offset + first * scalar, count * scalar);
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const char* const at = bytes.data() + i * scalar;
+    values[i] = array.is_double ? load<double>(at) : static_cast<double>(load<float>(at));
+  }
+  return values;
+}
+
+std::string npy_start(std::string_view descr, std::span<const std::size_t> shape) {
+  std::string dictionary = "{'descr': '" + std::string(descr) + "', 'fortran_order': False, 'shape': (";
+  for (std::size_t i = 0; i < shape.size(); ++i) dictionary += (i > 0 ? ", " : "") + std::to_string(shape[i]);
+  dictionary += shape.size() == 1 ? ",), }" : "), }";
+  // Blanks and a newline at the end bring the data to a multiple of 64 bytes, as the format asks.
+  constexpr std::size_t before = 10;
+  while ((before + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
+  dictionary += '\n';
+  std::string bytes(magic);
+  bytes += '\x01';
+  bytes += '\x00';
+  store(bytes, static_cast<std::uint16_t>(dictionary.size()));
+  return bytes + dictionary;
+}
+
+std::string npy_bytes(std::span<const double> values, std::span<const std::size_t> shape) {
+  return array_bytes("<f8", values, shape);
+}
+
+std::string npy_bytes(std::span<const std::int32_t> values, std::span<const std::size_t> shape) {
+  return array_bytes("<i4", values, shape);
+}
+
+}  // namespace morula

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+
+#include "io/mesh/formats.hpp"
+#include "io/number_text.hpp"
+#include "io/text_scanner.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+// The vertex number that a face corner such as "7", "7/1", "7//3" or "-2/1/3" begins with; the rest is ignored, but
+// must look like what it is.
+std::int64_t vertex_number(const TextScanner& in, std::string_view corner) {
+  std::string_view digits = corner.substr(0, corner.find('/'));
+  const std::string_view rest = corner.substr(digits.size());
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  std::int64_t number = 0;
+  const char* const end = digits.data() + digits.size();
+  const std::from_chars_result parsed = std::from_chars(digits.data(), end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end ||
+      rest.find_first_not_of("/+-0123456789") != std::string_view::npos)
+    in.fail(in_quotes(corner) + " is not a face corner; v, v/t, v//n or v/t/n with whole numbers are");
+  return number;
+}
+
+}  // namespace
+
+Mesh read_obj(const std::filesystem::path& path, std::string_view text) {
+  Mesh mesh;
+  TextScanner in(path, text, {'#', true});
+  // Faces may come before their vertices: the largest number is checked when all vertices are known.
+  std::int64_t largest_number = 0;
+  std::size_t line_of_largest = 0;
+  while (in.next_line()) {
+    const std::string_view keyword = in.word();
+    if (keyword == "v") {
+      // Braces: evaluated from left to right. Weights and colours after the third number are ignored.
+      mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
+    } else if (keyword == "f") {
+      const auto known = static_cast<std::int64_t>(mesh.vertex_count());
+      FanBuilder fan(mesh.facets);
+      for (std::string_view corner = in.word(); !corner.empty(); corner = in.word()) {
+        const std::int64_t number = vertex_number(in, corner);
+        if (number == 0) in.fail("a face refers to vertex 0, but OBJ counts from 1; add 1 to all indices");
+        if (number < -known)
+          in.fail("a face refers to vertex " + std::to_string(number) + ", but only " + std::to_string(known) +
+                  " vertices come before it");
+        if (number > largest_number) {
+          largest_number = number;
+          line_of_largest = in.line();
+        }
+        fan.add(static_cast<std::uint32_t>(number > 0 ? number - 1 : known + number));
+      }
+      if (fan.corners() < 3)
+        in.fail("a face has " + std::to_string(fan.corners()) + " corners, fewer than 3; remove it or complete it");
+    }
+  }
+  if (largest_number > static_cast<std::int64_t>(mesh.vertex_count()))
+    in.fail_at(line_of_largest, "a face refers to vertex " + std::to_string(largest_number) + ", but the file has " +
+                                    std::to_string(mesh.vertex_count()) + " vertices");
+  return mesh;
+}
+
+std::string obj_text(std::span<const Vec3> positions, std::span<const Facet> facets) {
+  std::string text;
+  text.reserve(positions.size() * 64 + facets.size() * 24);
+  for (const Vec3& p : positions) {
+    text += 'v';
+    for (int axis = 0; axis < 3; ++axis) {
+      text += ' ';
+      append_number(text, p[axis]);
+    }
+    text += '\n';
+  }
+  for (const Facet& f : facets) {
+    text += 'f';
+    for (const std::uint32_t v : f) {
+      text += ' ';
+      append_number(text, std::uint64_t{v} + 1);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace morula

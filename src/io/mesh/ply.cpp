@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "io/byte_reader.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/mesh/ply_header.hpp"
+#include "io/text_scanner.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+// Rows of a text PLY: one line each.
+class TextRows {
+ public:
+  TextRows(TextScanner& in) : in_(in) {}
+  void begin_row(std::uint64_t row, const PlyElement& element) {
+    element_ = &element;
+    in_.require_line(row, element.count, "rows of element " + in_quotes(element.name));
+  }
+  double value(PlyType type, std::string_view what) {
+    return is_integer(type) ? static_cast<double>(in_.integer(what)) : in_.number(what);
+  }
+  void skip(PlyType, std::uint64_t count) {
+    for (std::uint64_t k = 0; k < count; ++k)
+      if (in_.word().empty()) in_.fail("the line ends inside the row of element " + in_quotes(element_->name));
+  }
+  void end_row() { in_.require_line_end("the last property of element " + in_quotes(element_->name)); }
+  void end_file() {
+    if (in_.next_line())
+      in_.fail(in_quotes(in_.word()) + " follows the last element; correct the counts in the header");
+  }
+  std::uint64_t bytes_left() const { return in_.bytes_left(); }
+  [[noreturn]] void fail(const std::string& problem) const { in_.fail(problem); }
+
+ private:
+  TextScanner& in_;
+  const PlyElement* element_ = nullptr;
+};
+
+class BinaryRows {
+ public:
+  BinaryRows(ByteReader in) : in_(in) {}
+  void begin_row(std::uint64_t row, const PlyElement& element) {
+    row_ = row;
+    element_ = &element;
+  }
+  double value(PlyType type, std::string_view what) {
+    if (byte_size(type) > in_.bytes_left()) cut_short();
+    switch (type) {
+      case PlyType::int8:
+        return in_.read<std::int8_t>(what);
+      case PlyType::uint8:
+        return in_.read<std::uint8_t>(what);
+      case PlyType::int16:
+        return in_.read<std::int16_t>(what);
+      case PlyType::uint16:
+        return in_.read<std::uint16_t>(what);
+      case PlyType::int32:
+        return in_.read<std::int32_t>(what);
+      case PlyType::uint32:
+        return in_.read<std::uint32_t>(what);
+      case PlyType::float32:
+        return finite(in_.read<float>(what), what);
+      case PlyType::float64:
+        return finite(in_.read<double>(what), what);
+    }
+    return 0;
+  }
+  void skip(PlyType type, std::uint64_t count) {
+    if (count > in_.bytes_left() / byte_size(type)) cut_short();
+    in_.skip(count * byte_size(type), element_->name);
+  }
+  void end_row() {}
+  void end_file() {
+    if (in_.bytes_left() > 0)
+      in_.fail(std::to_string(in_.bytes_left()) + " bytes follow the last element; correct the counts in the header");
+  }
+  std::uint64_t bytes_left() const { return in_.bytes_left(); }
+  [[noreturn]] void fail(const std::string& problem) const { in_.fail(problem); }
+
+ private:
+  [[noreturn]] void cut_short() const {
+    in_.fail("the file ends inside row " + std::to_string(row_) + " of " + std::to_string(element_->count) +
+             " of element " + in_quotes(element_->name) + "; it was cut short, or its counts are wrong");
+  }
+  double finite(double number, std::string_view what) const {
+    if (!std::isfinite(number))
+      in_.fail(std::string(what) + " is not finite; remove or repair it where the file was made");
+    return number;
+  }
+
+  ByteReader in_;
+  std::uint64_t row_ = 0;
+  const PlyElement* element_ = nullptr;
+};
+
+// The shortest row in bytes; in text each value takes a digit and what separates it.
+std::uint64_t shortest_row(const PlyElement& element, bool is_text) {
+  std::uint64_t bytes = 0;
+  for (const PlyProperty& property : element.properties)
+    bytes += is_text ? 2 : byte_size(property.is_list ? property.count_type : property.type);
+  return bytes;
+}
+
+template <class Rows>
+std::uint64_t list_length(Rows& rows, const PlyProperty& property) {
+  const double length = rows.value(property.count_type, "a list's length");
+  // A list's entries take at least a byte each: no length gets past the end of the file.
+  if (length < 0 || length > static_cast<double>(rows.bytes_left()))
+    rows.fail("a list of property " + in_quotes(property.name) + " claims " +
+              std::to_string(static_cast<std::int64_t>(length)) + " entries, but " + std::to_string(rows.bytes_left()) +
+              " bytes are left; it was cut short, or the length is wrong");
+  return static_cast<std::uint64_t>(length);
+}
+
+template <class Rows>
+void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh) {
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(row, element);
+    Vec3 position;
+    for (const PlyProperty& property : element.properties) {
+      if (property.is_list)
+        rows.skip(property.type, list_length(rows, property));
+      else if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
+        position[property.name[0] - 'x'] = rows.value(property.type, "a coordinate");
+      else
+        rows.skip(property.type, 1);
+    }
+    rows.end_row();
+    mesh.positions.push_back(position);
+  }
+}
+
+template <class Rows>
+void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(row, element);
+    for (const PlyProperty& property : element.properties) {
+      if (!property.is_list) {
+        rows.skip(property.type, 1);
+        continue;
+      }
+      const std::uint64_t length = list_length(rows, property);
+      if (!is_vertex_list(property)) {
+        rows.skip(property.type, length);
+        continue;
+      }
+      if (length < 3)
+        rows.fail("a face has " + std::to_string(length) + " corners, fewer than 3; remove it or complete it");
+      FanBuilder fan(mesh.facets);
+      for (std::uint64_t k = 0; k < length; ++k) {
+        const double vertex = rows.value(property.type, "a vertex index");
+        if (vertex < 0 || vertex >= static_cast<double>(vertex_count))
+          rows.fail("a face refers to vertex " + std::to_string(static_cast<std::int64_t>(vertex)) +
+                    ", but the file has " + std::to_string(vertex_count) + " vertices, counted from 0");
+        fan.add(static_cast<std::uint32_t>(vertex));
+      }
+    }
+    rows.end_row();
+  }
+}
+
+template <class Rows>
+Mesh read_elements(Rows rows, const PlyHeader& header) {
+  Mesh mesh;
+  for (const PlyElement& element : header.elements) {
+    if (element.properties.empty()) continue;  // its rows take no space
+    const std::uint64_t at_most = rows.bytes_left() / shortest_row(element, header.is_text) + 1;
+    if (element.name == "vertex") {
+      mesh.positions.reserve(std::min(element.count, at_most));
+      read_vertices(rows, element, mesh);
+    } else if (element.name == "face") {
+      mesh.facets.reserve(std::min(element.count, at_most));
+      read_faces(rows, element, header.vertex_count, mesh);
+    } else {
+      for (std::uint64_t row = 0; row < element.count; ++row) {
+        rows.begin_row(row, element);
+        for (const PlyProperty& property : element.properties)
+          rows.skip(property.type, property.is_list ? list_length(rows, property) : 1);
+        rows.end_row();
+      }
+    }
+  }
+  rows.end_file();
+  return mesh;
+}
+
+}  // namespace
+
+Mesh read_ply(const std::filesystem::path& path, std::string_view bytes) {
+  TextScanner in(path, bytes);
+  const PlyHeader header = read_ply_header(in);
+  if (header.is_text) return read_elements(TextRows(in), header);
+  const std::string_view data = in.after_line();
+  return read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header);
+}
+
+std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> facets) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(positions.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+                      std::to_string(facets.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+  bytes.reserve(bytes.size() + positions.size() * 24 + facets.size() * 13);
+  for (const Vec3& p : positions)
+    for (int axis = 0; axis < 3; ++axis) store(bytes, p[axis]);
+  for (const Facet& f : facets) {
+    store(bytes, std::uint8_t{3});
+    for (const std::uint32_t v : f) store(bytes, v);
+  }
+  return bytes;
+}
+
+}  // namespace morula

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <bit>
+#include <unordered_map>
+
+#include "io/byte_reader.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/text_scanner.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t binary_header = 84;  // 80 bytes of anything, then the number of facets
+constexpr std::size_t binary_facet = 50;   // normal, three corners, two bytes of anything
+
+// Bitwise equal corners become one vertex; −0 equals 0.
+class Welder {
+ public:
+  explicit Welder(Mesh& mesh) : mesh_(mesh) {}
+  std::uint32_t vertex(const Vec3& p) {
+    const Key key{bits(p.x), bits(p.y), bits(p.z)};
+    const auto [entry, is_new] = vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.vertex_count()));
+    if (is_new) mesh_.positions.push_back(p);
+    return entry->second;
+  }
+
+ private:
+  using Key = std::array<std::uint64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Key& key) const {
+      std::uint64_t state = 0;
+      for (const std::uint64_t k : key) {
+        state = (state ^ k) * 0x9e3779b97f4a7c15u;
+        state ^= state >> 32;
+      }
+      return static_cast<std::size_t>(state);
+    }
+  };
+  static std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x + 0.0); }
+
+  Mesh& mesh_;
+  std::unordered_map<Key, std::uint32_t, Hash> vertices_;
+};
+
+Mesh read_binary(const std::filesystem::path& path, std::string_view bytes) {
+  ByteReader in(path, bytes, std::endian::little);
+  in.skip(80, "the header of a binary STL");
+  const auto count = in.read<std::uint32_t>("the header of a binary STL");
+  const std::uint64_t expected = binary_header + binary_facet * std::uint64_t{count};
+  if (bytes.size() != expected)
+    in.fail("the header counts " + std::to_string(count) + " facets, which take " + std::to_string(expected) +
+            " bytes, but the file has " + std::to_string(bytes.size()) + "; it was cut short, or the count is wrong");
+  Mesh mesh;
+  mesh.facets.reserve(count);
+  Welder welder(mesh);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    in.skip(12, "a normal");
+    Facet facet;
+    for (std::uint32_t& v : facet) {
+      float p[3];
+      for (float& coordinate : p) coordinate = in.read<float>("a corner");
+      const Vec3 corner(p[0], p[1], p[2]);
+      if (!is_finite(corner))
+        in.fail("a corner of facet " + std::to_string(f) +
+                " is not finite; remove or repair it where the file was made");
+      v = welder.vertex(corner);
+    }
+    in.skip(2, "a facet");
+    mesh.facets.push_back(facet);
+  }
+  return mesh;
+}
+
+bool equal_without_case(std::string_view word, std::string_view lower) {
+  if (word.size() != lower.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i)
+    if ((word[i] >= 'A' && word[i] <= 'Z' ? word[i] - 'A' + 'a' : word[i]) != lower[i]) return false;
+  return true;
+}
+
+Mesh read_text(const std::filesystem::path& path, std::string_view text) {
+  enum class Inside { file, solid, facet, loop };
+  // Each keyword is right in one place and leads to the next; what else is on its line (names, normals, which are often
+  // wrong or not a number) is ignored.
+  struct Step {
+    std::string_view keyword;
+    Inside where, next;
+  };
+  constexpr std::array<Step, 7> steps{{{"solid", Inside::file, Inside::solid},
+                                       {"facet", Inside::solid, Inside::facet},
+                                       {"outer", Inside::facet, Inside::loop},
+                                       {"vertex", Inside::loop, Inside::loop},
+                                       {"endloop", Inside::loop, Inside::facet},
+                                       {"endfacet", Inside::facet, Inside::solid},
+                                       {"endsolid", Inside::solid, Inside::file}}};
+  Mesh mesh;
+  Welder welder(mesh);
+  TextScanner in(path, text);
+  Inside inside = Inside::file;
+  std::size_t corners = 0;  // of the present facet
+  Facet facet{};
+  while (in.next_line()) {
+    const std::string_view keyword = in.word();
+    const Step* step = nullptr;
+    for (const Step& s : steps)
+      if (equal_without_case(keyword, s.keyword)) step = &s;
+    if (!step) in.fail(in_quotes(keyword) + " is not a keyword of STL");
+    if (step->where != inside) in.fail(in_quotes(keyword) + " is out of place; the file was cut or joined wrongly");
+    inside = step->next;
+    if (step->keyword == "facet") corners = 0;
+    if (step->keyword == "vertex") {
+      const Vec3 corner{in.number("x"), in.number("y"), in.number("z")};
+      in.require_line_end("a corner");
+      if (corners < 3) facet[corners] = welder.vertex(corner);
+      ++corners;
+    }
+    if (step->keyword == "endfacet") {
+      if (corners != 3) in.fail("a facet has " + std::to_string(corners) + " corners, not 3; split or remove it");
+      mesh.facets.push_back(facet);
+    }
+  }
+  if (inside != Inside::file) in.fail("the file ends inside a solid; it was cut short");
+  return mesh;
+}
+
+}  // namespace
+
+Mesh read_stl(const std::filesystem::path& path, std::string_view bytes) {
+  // Binary files may begin with "solid" too: only their size tells them apart, and zero bytes betray a wrong size.
+  bool is_binary = bytes.size() >= binary_header &&
+                   bytes.size() == binary_header + binary_facet * std::uint64_t{load<std::uint32_t>(bytes.data() + 80)};
+  if (!is_binary) {
+    const std::size_t word = bytes.find_first_not_of(" \t\r\n");
+    is_binary = word == std::string_view::npos || !equal_without_case(bytes.substr(word, 5), "solid") ||
+                bytes.find('\0') != std::string_view::npos;
+  }
+  return is_binary ? read_binary(path, bytes) : read_text(path, bytes);
+}
+
+}  // namespace morula

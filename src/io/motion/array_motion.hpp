@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Motions, modes and coordinates out of arrays, wherever the bytes of these are. Public headers read files.
+#pragma once
+
+#include <morula/io/modal_file.hpp>
+#include <vector>
+
+#include "io/array/npy.hpp"
+
+namespace morula {
+
+/// The array of a Motion's frames. Throws FileError unless it has a frame or more of so many vertices.
+NpyArray motion_array(const ByteSource& source, std::size_t vertex_count);
+/// One of them. Throws FileError for positions that are not finite.
+std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
+                               std::size_t frame);
+
+/// As read_modes and read_coordinates.
+Modes modes_of(const ByteSource& source, const Mesh& mesh);
+ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count);
+
+}  // namespace morula

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <morula/io/modal_file.hpp>
+
+#include "io/motion/array_motion.hpp"
+
+namespace morula {
+namespace {
+
+[[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const std::string& needed) {
+  throw FileError(source.name().string() + ": the array's shape is " + array.shape_text + ", but " + needed +
+                  " is needed");
+}
+
+}  // namespace
+
+Modes read_modes(const std::filesystem::path& path, const Mesh& mesh) {
+  return modes_of(path, mesh);
+}
+
+ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count) {
+  return coordinates_of(path, mode_count);
+}
+
+Modes modes_of(const ByteSource& source, const Mesh& mesh) {
+  const NpyArray array = read_npy_header(source, {3, 3, "(modes, vertices, 3)"});
+  if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
+    fail_shape(
+        source, array,
+        "(modes, " + std::to_string(mesh.vertex_count()) + ", 3) for the vertices of the mesh, one mode or more,");
+  Modes modes{mesh.vertex_count(), array.shape[0], {}};
+  modes.displacements.reserve(modes.mode_count * modes.vertex_count);
+  for (std::size_t j = 0; j < modes.mode_count; ++j) {
+    const std::size_t numbers = 3 * modes.vertex_count;
+    const std::vector<double> values = read_npy_values(source, array, j * numbers, numbers);
+    for (std::size_t v = 0; v < modes.vertex_count; ++v) {
+      modes.displacements.push_back({values[3 * v], values[3 * v + 1], values[3 * v + 2]});
+      if (!is_finite(modes.displacements.back()))
+        throw FileError(source.name().string() + ": mode " + std::to_string(j) + ": the displacement of vertex " +
+                        std::to_string(v) + " is not finite; repair it where the array was made");
+    }
+  }
+  return modes;
+}
+
+ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count) {
+  const NpyArray array = read_npy_header(source, {2, 0, "(frames, modes)"});
+  if (array.shape[0] == 0 || array.shape[1] != mode_count)
+    fail_shape(source, array, "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,");
+  ModalCoordinates result{mode_count, read_npy_values(source, array, 0, array.shape[0] * mode_count)};
+  for (std::size_t i = 0; i < result.coordinates.size(); ++i)
+    if (!std::isfinite(result.coordinates[i]))
+      throw FileError(source.name().string() + ": frame " + std::to_string(i / mode_count) + ": coordinate " +
+                      std::to_string(i % mode_count) + " is not finite; repair it where the array was made");
+  return result;
+}
+
+}  // namespace morula

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <morula/io/frame_files.hpp>
+#include <morula/io/motion_file.hpp>
+#include <set>
+
+#include "io/byte_reader.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/motion/array_motion.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::set<std::string> mesh_extensions{".obj", ".off", ".ply", ".stl"};
+
+std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& asked) {
+  std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions);
+  if (files.empty())
+    throw FileError(asked.string() + ": no mesh file is there; a motion needs files ending in " +
+                    readable_mesh_extensions());
+  for (const fs::path& file : files)
+    if (lower_extension(file) != lower_extension(files.front()))
+      throw FileError(asked.string() + ": holds meshes of several kinds (" + files.front().filename().string() + ", " +
+                      file.filename().string() + "); name one kind, such as " +
+                      (folder / ("*" + files.front().extension().string())).string());
+  return files;
+}
+
+std::string frame_file_name(std::size_t frame, const std::string& extension) {
+  const std::string digits = std::to_string(frame);
+  return std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + extension;
+}
+
+bool is_frame_of(const std::string& name, std::size_t frame_count, const std::string& extension) {
+  std::size_t frame = 0;
+  const char* const end = name.data() + name.size();
+  if (std::from_chars(name.data(), end, frame).ec != std::errc() || frame >= frame_count) return false;
+  return name == frame_file_name(frame, extension);
+}
+
+}  // namespace
+
+Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
+  std::error_code ignored;
+  const std::string name = path.filename().string();
+  if (fs::is_directory(path, ignored)) {
+    files_ = frames_in(path, "*", path);
+  } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != std::string::npos) {
+    files_ = frames_in(path.parent_path(), name, path);
+  } else {
+    is_npy_ = lower_extension(path) == ".npy";
+    if (!is_npy_ && !is_readable_mesh_extension(lower_extension(path)))
+      throw FileError(path.string() +
+                      ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
+                      "ending in .npy " + readable_mesh_extensions());
+    size_of_file(path);
+    files_ = {path};
+  }
+  frame_count_ = files_.size();
+  if (!is_npy_) return;
+
+  const NpyArray array = motion_array(path, vertex_count_);
+  npy_is_double_ = array.is_double;
+  npy_data_offset_ = array.data_offset;
+  frame_count_ = array.shape[0];
+}
+
+std::vector<Vec3> Motion::frame(std::size_t i) const {
+  assert(i < frame_count_);
+  if (!is_npy_) {
+    Mesh mesh = read_mesh(files_[i]);
+    const auto differs = [&](const std::string& how) {
+      throw FileError(files_[i].string() + ": " + how +
+                      (lower_extension(files_[i]) == ".stl"
+                           ? "; STL frames lose their vertices, write them as .obj, .off or .ply"
+                           : "; all frames need the vertices and facets of the mesh at rest, in the same order"));
+    };
+    if (mesh.vertex_count() != vertex_count_)
+      differs("has " + std::to_string(mesh.vertex_count()) + " vertices, but the mesh has " +
+              std::to_string(vertex_count_));
+    if (mesh.facet_count() != facets_.size())
+      differs("has " + std::to_string(mesh.facet_count()) + " facets, but the mesh has " +
+              std::to_string(facets_.size()));
+    const auto [own, rest] = std::mismatch(mesh.facets.begin(), mesh.facets.end(), facets_.begin());
+    if (own != mesh.facets.end())
+      differs("facet " + std::to_string(rest - facets_.begin()) +
+              ", counted from 0, has other vertices than the mesh's");
+    return std::move(mesh.positions);
+  }
+
+  return motion_frame(files_[0], {.is_double = npy_is_double_, .data_offset = npy_data_offset_}, vertex_count_, i);
+}
+
+NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
+  NpyArray array = read_npy_header(source, {3, 3, "(frames, vertices, 3)"});
+  const std::string name = source.name().string();
+  if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
+  if (array.shape[1] != vertex_count)
+    throw FileError(name + ": the array has " + std::to_string(array.shape[1]) +
+                    " vertices a frame, but the mesh has " + std::to_string(vertex_count));
+  return array;
+}
+
+std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
+                               std::size_t frame) {
+  const std::size_t numbers = 3 * vertex_count;
+  const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
+  std::vector<Vec3> positions(vertex_count);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
+    if (!is_finite(positions[v]))
+      throw FileError(source.name().string() + ": frame " + std::to_string(frame) + ": vertex " + std::to_string(v) +
+                      " has a coordinate that is not finite; repair it where the array was made");
+  }
+  return positions;
+}
+
+std::string Motion::frame_name(std::size_t i) const {
+  assert(i < frame_count_);
+  if (is_npy_) return files_[0].filename().string() + " frame " + std::to_string(i);
+  return files_[i].filename().string();
+}
+
+MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t frame_count,
+                           const std::string& extension)
+    : path_(path), extension_(extension), mesh_(mesh), frame_count_(frame_count) {
+  require_usable(mesh);
+  if (frame_count == 0) throw std::invalid_argument("a motion has at least one frame");
+  if (!is_writable_mesh_extension(extension))
+    throw std::invalid_argument("frames are written as .obj, .off or .ply, not as " + in_quotes(extension));
+  const std::string own_extension = lower_extension(path);
+  std::error_code error;
+  if (own_extension == ".npy") {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder, error)) throw FileError(path.string() + ": there is no such folder; make it first");
+    const std::string start = npy_start("<f8", std::array{frame_count, mesh.vertex_count(), std::size_t{3}});
+    const std::uint64_t frame_bytes = 24 * std::uint64_t{mesh.vertex_count()};
+    if (frame_count > (std::uint64_t{1} << 62) / frame_bytes)
+      throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames are too many for any disk");
+    require_room(path, start.size() + frame_bytes * frame_count);
+    npy_.emplace(path);
+    npy_->write(start);
+    return;
+  }
+  if (fs::exists(path, error) ? !fs::is_directory(path, error) : is_readable_mesh_extension(own_extension))
+    throw FileError(path.string() + ": a motion is written into a folder or a .npy file, not into one mesh file");
+  // Frames of a longer motion that was here before would be read as part of this one.
+  for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name[0] != '.' && is_readable_mesh_extension(lower_extension(name)) &&
+        !is_frame_of(name, frame_count, extension))
+      throw FileError(entry->path().string() + ": would be read as part of this motion of " +
+                      std::to_string(frame_count) + " frames; empty the folder, or choose another");
+  }
+  const fs::path parent = (path.has_filename() ? path : path.parent_path()).parent_path();
+  if (!parent.empty()) fs::create_directories(parent, error);
+  folder_.emplace(path);
+}
+
+void MotionWriter::write(std::span<const Vec3> positions) {
+  if (written_ == frame_count_)
+    throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
+  const std::string frame = "frame " + std::to_string(written_);
+  if (positions.size() != mesh_.vertex_count())
+    throw std::invalid_argument(frame + " has " + std::to_string(positions.size()) + " positions, but the mesh has " +
+                                std::to_string(mesh_.vertex_count()) + " vertices");
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    if (!is_finite(positions[v]))
+      throw std::invalid_argument(frame + ": vertex " + std::to_string(v) + " has a coordinate that is not finite");
+
+  if (npy_) {
+    chunk_.clear();
+    for (const Vec3& p : positions)
+      for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
+    npy_->write(chunk_);
+  } else {
+    const std::string bytes = mesh_bytes(extension_, positions, mesh_.facets);
+    // Frames are about as long as the first: half of that is plainly needed.
+    if (written_ == 0) require_room(path_, bytes.size() / 2 * frame_count_);
+    write_whole(folder_->path() / frame_file_name(written_, extension_), bytes);
+  }
+  ++written_;
+}
+
+void MotionWriter::finish() {
+  if (written_ < frame_count_)
+    throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
+                    " frames were written; the motion is incomplete");
+  if (npy_)
+    npy_->commit();
+  else
+    folder_->commit();
+}
+
+}  // namespace morula

@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "geometry/hash.hpp"
+#include "io/array/array_table.hpp"
+#include "io/byte_reader.hpp"
+#include "io/json_checks.hpp"
+#include "io/tree/formats.hpp"
+
+namespace morula {
+namespace {
+
+// magic, version (uint32), length of the JSON header (uint32), size of the file (uint64), header, arrays, checksum.
+// The magic's line end is destroyed by programs that take the file for text.
+constexpr std::string_view magic = "MORULA\r\n";
+constexpr std::uint32_t format_version = 1;
+constexpr std::size_t before_header = 24;
+constexpr std::size_t checksum_size = 8;
+
+std::uint64_t checksum(std::string_view bytes) {
+  Hasher hash;
+  for (const char c : bytes) hash.add(static_cast<std::uint8_t>(c));
+  return hash.value();
+}
+
+std::string hex(std::uint64_t value) {
+  std::string digits(16, '0');
+  for (std::size_t i = 0; i < 16; ++i) digits[15 - i] = "0123456789abcdef"[(value >> (4 * i)) & 15];
+  return digits;
+}
+
+std::uint64_t from_hex(const JsonFile& file, const nlohmann::json& text) {
+  const std::string digits = text.is_string() ? text.get<std::string>() : "";
+  std::uint64_t value = 0;
+  const char* const end = digits.data() + digits.size();
+  const std::from_chars_result parsed = std::from_chars(digits.data(), end, value, 16);
+  if (digits.size() != 16 || parsed.ec != std::errc() || parsed.ptr != end)
+    file.fail("the mesh hash is not a string of 16 hexadecimal digits");
+  return value;
+}
+
+// JSON has no infinities, but a growth factor over a minute radius may be one.
+nlohmann::ordered_json number_json(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+double number_member(const JsonFile& file, const nlohmann::json& object, const char* key) {
+  const nlohmann::json& value = file.member(object, key, "the report");
+  if (value.is_number()) return value.get<double>();
+  if (value == "inf") return std::numeric_limits<double>::infinity();
+  if (value == "-inf") return -std::numeric_limits<double>::infinity();
+  if (value == "nan") return std::numeric_limits<double>::quiet_NaN();
+  file.fail("\"" + std::string(key) + "\" of the report is not a number");
+}
+
+std::uint32_t index_member(const JsonFile& file, const nlohmann::json& object, const char* key,
+                           const std::string& owner) {
+  const std::uint64_t value = file.unsigned_member(object, key, owner);
+  if (value > 0xffffffffu) file.fail("\"" + std::string(key) + "\" of " + owner + " does not fit 32 bits");
+  return static_cast<std::uint32_t>(value);
+}
+
+std::string text_member(const JsonFile& file, const nlohmann::json& value, const std::string& what) {
+  if (!value.is_string()) file.fail(what + " is not a string");
+  return value.get<std::string>();
+}
+
+nlohmann::ordered_json report_json(const BuildReport& report) {
+  nlohmann::ordered_json json;
+  json["method"] = report.method;
+  json["branching"] = report.branching;
+  json["depth"] = report.depth;
+  json["seed"] = report.seed;
+  json["early_leaves"] = report.early_leaves;
+  json["leftover_patches"] = report.leftover_patches;
+  json["dropped_spheres"] = report.dropped_spheres;
+  json["growth"] = nlohmann::ordered_json::array();
+  for (const LevelGrowth& level : report.growth) {
+    nlohmann::ordered_json entry;
+    entry["grown"] = level.grown;
+    entry["largest_factor"] = number_json(level.largest_factor);
+    entry["largest_growth"] = number_json(level.largest_growth);
+    json["growth"].push_back(std::move(entry));
+  }
+  json["notes"] = report.notes;
+  return json;
+}
+
+BuildReport read_report(const JsonFile& file, const nlohmann::json& json) {
+  const std::string owner = "the report";
+  BuildReport report;
+  report.method = text_member(file, file.member(json, "method", owner), "the method");
+  report.branching = index_member(file, json, "branching", owner);
+  report.depth = index_member(file, json, "depth", owner);
+  report.seed = file.unsigned_member(json, "seed", owner);
+  report.early_leaves = file.unsigned_member(json, "early_leaves", owner);
+  report.leftover_patches = file.unsigned_member(json, "leftover_patches", owner);
+  report.dropped_spheres = file.unsigned_member(json, "dropped_spheres", owner);
+  const nlohmann::json& growth = file.member(json, "growth", owner);
+  const nlohmann::json& notes = file.member(json, "notes", owner);
+  if (!growth.is_array() || !notes.is_array()) file.fail("\"growth\" or \"notes\" of the report is not a list");
+  for (const nlohmann::json& level : growth)
+    report.growth.push_back({file.unsigned_member(level, "grown", owner), number_member(file, level, "largest_factor"),
+                             number_member(file, level, "largest_growth")});
+  for (const nlohmann::json& note : notes) report.notes.push_back(text_member(file, note, "a note"));
+  return report;
+}
+
+// Child counts and levels say all that the tree's other arrays repeat; these are made again, so they cannot disagree.
+SphereTree read_nodes(const std::filesystem::path& path, const JsonFile& file, const ArrayReader& arrays,
+                      std::uint32_t branching) {
+  const std::vector<double> numbers = arrays.numbers("spheres", 4);
+  const std::vector<std::uint32_t> child_count = arrays.indices("child_count", 1);
+  const std::vector<std::uint32_t> level_begin = arrays.indices("level_begin", 1);
+  const std::size_t nodes = numbers.size() / 4;
+  if (child_count.size() != nodes) file.fail("spheres and child_count differ in length");
+  if (level_begin.size() < 2 || level_begin.size() > max_depth + 2 || level_begin.front() != 0 || level_begin[1] != 1 ||
+      level_begin.back() != nodes)
+    file.fail("level_begin does not lead from a single root to the last node in at most " +
+              std::to_string(max_depth + 1) + " levels");
+  std::vector<Sphere> spheres(nodes);
+  for (std::size_t i = 0; i < nodes; ++i)
+    spheres[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, numbers[4 * i + 3]};
+
+  SphereTree tree;
+  tree.branching = branching;
+  std::span<const std::uint32_t> parents;  // child counts of the level above
+  for (std::size_t level = 0; level + 1 < level_begin.size(); ++level) {
+    const std::uint32_t begin = level_begin[level], end = level_begin[level + 1];
+    if (begin >= end || end > nodes) file.fail("level " + std::to_string(level) + " is empty or out of order");
+    if (level > 0 && std::accumulate(parents.begin(), parents.end(), std::uint64_t{0}) != end - begin)
+      file.fail("the child counts above level " + std::to_string(level) + " do not add up to its nodes");
+    tree.append_level(parents, std::span(spheres).subspan(begin, end - begin));
+    parents = std::span(child_count).subspan(begin, end - begin);
+  }
+  for (const std::uint32_t count : parents)
+    if (count != 0) file.fail("a node of the last level has children");
+  require_valid(path, tree);
+  return tree;
+}
+
+Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const nlohmann::json& mesh) {
+  Cover cover;
+  cover.vertex_count = index_member(file, mesh, "vertices", "the mesh");
+  cover.facet_count = index_member(file, mesh, "facets", "the mesh");
+  const std::vector<std::uint32_t> vertices = arrays.indices("cut_point_vertices", 3);
+  const std::vector<double> weights = arrays.numbers("cut_point_weights", 3);
+  if (vertices.size() != weights.size()) file.fail("cut_point_vertices and cut_point_weights differ in length");
+  cover.cut_points.resize(vertices.size() / 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    cover.cut_points[i / 3].vertex[i % 3] = vertices[i];
+    cover.cut_points[i / 3].weight[i % 3] = weights[i];
+  }
+  cover.patch_facet = arrays.indices("patch_facet", 1);
+  cover.corner_begin = arrays.indices("corner_begin", 1);
+  cover.corners = arrays.indices("corners", 1);
+  cover.region_begin = arrays.indices("region_begin", 1);
+  cover.region_end = arrays.indices("region_end", 1);
+  return cover;
+}
+
+}  // namespace
+
+std::string native_bytes(const Built& built) {
+  const Cover& cover = built.cover;
+  ArrayWriter arrays;
+  std::vector<double> numbers;
+  for (const Sphere& s : built.tree.spheres)
+    numbers.insert(numbers.end(), {s.center.x, s.center.y, s.center.z, s.radius});
+  arrays.add("spheres", 4, numbers);
+  arrays.add("child_count", 1, built.tree.child_count);
+  arrays.add("level_begin", 1, built.tree.level_begin);
+  std::vector<std::uint32_t> vertices;
+  numbers.clear();
+  for (const CutPoint& point : cover.cut_points) {
+    vertices.insert(vertices.end(), point.vertex.begin(), point.vertex.end());
+    numbers.insert(numbers.end(), point.weight.begin(), point.weight.end());
+  }
+  arrays.add("cut_point_vertices", 3, vertices);
+  arrays.add("cut_point_weights", 3, numbers);
+  arrays.add("patch_facet", 1, cover.patch_facet);
+  arrays.add("corner_begin", 1, cover.corner_begin);
+  arrays.add("corners", 1, cover.corners);
+  arrays.add("region_begin", 1, cover.region_begin);
+  arrays.add("region_end", 1, cover.region_end);
+
+  nlohmann::ordered_json json;
+  json["mesh"]["hash"] = hex(built.report.mesh_hash);
+  json["mesh"]["vertices"] = cover.vertex_count;
+  json["mesh"]["facets"] = cover.facet_count;
+  json["tree"]["branching"] = built.tree.branching;
+  json["report"] = report_json(built.report);
+  json["arrays"] = arrays.table();
+  // Notes are free text; a byte that is not UTF-8 is no reason to lose the tree.
+  std::string header = json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  header.resize((header.size() + 7) / 8 * 8, ' ');
+
+  std::string bytes(magic);
+  store(bytes, format_version);
+  store(bytes, static_cast<std::uint32_t>(header.size()));
+  store(bytes, std::uint64_t{before_header + header.size() + arrays.bytes().size() + checksum_size});
+  bytes += header;
+  bytes += arrays.bytes();
+  store(bytes, checksum(bytes));
+  return bytes;
+}
+
+TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) {
+  ByteReader in(path, bytes, std::endian::little);
+  if (bytes.substr(0, magic.size()) != magic)
+    in.fail("not a .morula file, or changed by a program that took it for text; build the tree again");
+  in.skip(magic.size(), "the header");
+  if (const auto version = in.read<std::uint32_t>("the header"); version != format_version)
+    in.fail("format version " + std::to_string(version) + ", but this library reads version " +
+            std::to_string(format_version) + "; build the tree again, or use the library that wrote it");
+  const std::size_t header_size = in.read<std::uint32_t>("the header");
+  const auto file_size = in.read<std::uint64_t>("the header");
+  if (file_size != bytes.size())
+    in.fail("the file has " + std::to_string(bytes.size()) + " bytes instead of " + std::to_string(file_size) +
+            "; copy it again, or build the tree again");
+  if (header_size > in.bytes_left() || in.bytes_left() - header_size < checksum_size)
+    in.fail("the header claims " + std::to_string(header_size) + " bytes, more than there are; build the tree again");
+  const std::string_view covered = bytes.substr(0, bytes.size() - checksum_size);
+  if (checksum(covered) != load<std::uint64_t>(covered.data() + covered.size()))
+    throw FileError(path.string() + ": the checksum does not match, the file was damaged; build the tree again");
+
+  const JsonFile file(path, bytes.substr(before_header, header_size));
+  const ArrayReader arrays(file, file.member(file.root(), "arrays", "the header"),
+                           covered.substr(before_header + header_size));
+  TreeFile result;
+  const nlohmann::json& mesh = file.member(file.root(), "mesh", "the header");
+  result.tree = read_nodes(path, file, arrays,
+                           index_member(file, file.member(file.root(), "tree", "the header"), "branching", "the tree"));
+  result.cover = read_cover(file, arrays, mesh);
+  if (const std::string fault = cover_fault(result.tree, *result.cover); !fault.empty()) file.fail(fault);
+  result.report = read_report(file, file.member(file.root(), "report", "the header"));
+  result.report.mesh_hash = from_hex(file, file.member(mesh, "hash", "the mesh"));
+  return result;
+}
+
+}  // namespace morula

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <morula/io/spheres_file.hpp>
+#include <stdexcept>
+
+#include "io/array/npy.hpp"
+#include "io/array/stored_zip.hpp"
+#include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula {
+namespace {
+
+// no_node becomes -1.
+std::string index_array(std::span<const std::uint32_t> indices) {
+  std::vector<std::int32_t> values;
+  for (const std::uint32_t i : indices) values.push_back(static_cast<std::int32_t>(i));
+  return npy_bytes(values, std::array{values.size()});
+}
+
+}  // namespace
+
+SphereFramesWriter::~SphereFramesWriter() = default;
+
+SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const SphereTree& tree,
+                                       std::size_t frame_count)
+    : path_(path), tree_(tree), frame_count_(frame_count) {
+  if (lower_extension(path) != ".npz") throw std::invalid_argument(path.string() + " does not end in .npz");
+  std::error_code error;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, error))
+    throw FileError(path.string() + ": there is no such folder; make it first");
+  // The headers and the arrays of the tree take less than 40 bytes a node and a few thousand more.
+  const std::uint64_t nodes = tree.node_count();
+  const std::uint64_t room = StoredZip::largest - (1u << 16) - 40 * nodes;
+  if (frame_count > room / (32 * nodes))
+    throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames of " + std::to_string(nodes) +
+                    " spheres do not fit the 4 GiB of an archive; write fewer frames at a time, or a folder");
+  const std::string start = npy_start("<f8", std::array<std::size_t, 3>{frame_count, tree.node_count(), 4});
+  const std::uint64_t size = start.size() + 32 * nodes * frame_count;
+  require_room(path, size);
+  archive_ = std::make_unique<StoredZip>(path);
+  archive_->begin("spheres.npy", size);
+  archive_->append(start);
+}
+
+void SphereFramesWriter::write(std::span<const Sphere> spheres) {
+  if (written_ == frame_count_)
+    throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
+  if (spheres.size() != tree_.node_count())
+    throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +
+                                " spheres, but the tree has " + std::to_string(tree_.node_count()) + " nodes");
+  chunk_.clear();
+  for (const Sphere& s : spheres)
+    for (const double number : {s.center.x, s.center.y, s.center.z, s.radius}) store(chunk_, number);
+  archive_->append(chunk_);
+  ++written_;
+}
+
+void SphereFramesWriter::finish() {
+  if (written_ < frame_count_)
+    throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
+                    " frames were written; the file is incomplete");
+  archive_->end();
+  archive_->add("level_begin.npy", index_array(tree_.level_begin));
+  archive_->add("parent.npy", index_array(tree_.parent));
+  archive_->add("first_child.npy", index_array(tree_.first_child));
+  archive_->add("child_count.npy", index_array(tree_.child_count));
+  archive_->commit();
+}
+
+}  // namespace morula

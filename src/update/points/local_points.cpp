@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/points/local_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "update/points/kernels.hpp"
+#include "update/points/narrow.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t blocks_per_chunk = 32;
+constexpr std::size_t cut_points_per_chunk = 4096;
+
+bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
+  for (std::uint32_t i = 0; i < items.size(); ++i)
+    if (items[i] != i) return false;
+  return true;
+}
+
+}  // namespace
+
+LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership)
+    : vertex_count_(ownership.vertices.size()), mesh_order_(is_ascending_from_zero(ownership.vertices)) {
+  if (!mesh_order_) {
+    vertices_ = ownership.vertices;
+    point_of_.assign(rest.vertex_count(), 0xffffffffu);
+    for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[vertices_[i]] = i;
+  }
+  for (const std::uint32_t k : ownership.cut_points) {
+    const CutPoint& c = cover.cut_points[k];
+    // Heaviest first, then in order; weights 0 last.
+    std::array<int, 3> by_weight{0, 1, 2};
+    std::stable_sort(by_weight.begin(), by_weight.end(), [&](int i, int j) { return c.weight[i] > c.weight[j]; });
+    const auto point = [&](int rank) { return point_of(c.vertex[by_weight[rank]]); };
+    const auto weight = [&](int rank) { return static_cast<float>(c.weight[by_weight[rank]]); };
+    // A vertex without weight may be anything, even one that no facet uses.
+    if (is_on_edge(c))
+      edge_cuts_.push_back({{point(0), point(c.weight[by_weight[1]] == 0 ? 0 : 1)}, weight(1)});
+    else
+      inner_cuts_.push_back({{point(0), point(1), point(2)}, weight(1), weight(2)});
+  }
+  // Over all cut points: a certificate looks at those that no leaf has to test as well.
+  for (const CutPoint& c : cover.cut_points)
+    weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
+  points_.resize(vertex_count_ + cut_point_count());
+  block_largest_.resize((vertex_count_ + vertices_per_block - 1) / vertices_per_block);
+  block_changed_.resize(block_count());
+  changed_blocks_.resize(block_count());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
+  for (std::uint32_t cut = 0; cut < cut_point_count(); ++cut)
+    each_block(static_cast<std::uint32_t>(vertex_count_) + cut,
+               [&](std::uint32_t block) { cuts.emplace_back(block, cut); });
+  cuts_of_block_ = BlockLists(std::move(cuts), block_count());
+  const Box box = bounding_box(rest);
+  rest_origin_ = box.center();
+  size_ = largest_component(box.extent());
+  guide_ = *std::min_element(ownership.vertices.begin(), ownership.vertices.end());
+  guide_rest_ = rest.positions[guide_];
+}
+
+Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
+  return origin_near(rest_origin_ + (positions[guide_] - guide_rest_), size_);
+}
+
+LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
+  origin_ = origin_of(positions);
+  parallel_for(workers, block_count(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = begin; block < end; ++block) narrow_block(positions, block);
+  });
+  const Frame frame = finished_frame(positions);
+  if (frame.finite) move_cut_points(workers);
+  return frame;
+}
+
+LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
+                                             std::span<const VertexRange> changed) noexcept {
+  for (const std::uint32_t block : changed_blocks()) block_changed_[block] = 0;
+  changed_block_count_ = 0;
+  for (const VertexRange& range : changed)
+    for (std::uint32_t v = range.begin; v < range.end; ++v) {
+      const std::size_t block = point_of(v) / vertices_per_block;
+      if (block >= block_count() || block_changed_[block] != 0) continue;  // beyond: no facet uses the vertex
+      block_changed_[block] = 1;
+      changed_blocks_[changed_block_count_++] = static_cast<std::uint32_t>(block);
+      narrow_block(positions, block);
+    }
+  const Frame frame = finished_frame(positions);
+  if (!frame.finite) return frame;
+  for (const std::uint32_t block : changed_blocks())
+    for (const std::uint32_t cut : cuts_of_block_.of(block)) move_cut_point(cut);
+  return frame;
+}
+
+void LocalPoints::narrow_block(const PositionView& positions, std::size_t block) noexcept {
+  const std::size_t begin = block * vertices_per_block;
+  const std::size_t count = std::min(vertices_per_block, vertex_count_ - begin);
+  block_largest_[block] = mesh_order_
+                              ? narrow_run(positions, begin, count, origin_, &points_[begin])
+                              : narrow(positions, std::span(vertices_).subspan(begin, count), origin_, &points_[begin]);
+}
+
+std::size_t LocalPoints::changed_vertices() const noexcept {
+  std::size_t count = 0;
+  for (const std::uint32_t block : changed_blocks())
+    count += std::min(vertices_per_block, vertex_count_ - block * vertices_per_block);
+  return count;
+}
+
+std::size_t LocalPoints::changed_cut_points() const noexcept {
+  std::size_t count = 0;
+  for (const std::uint32_t block : changed_blocks()) count += cuts_of_block_.of(block).size();
+  return count;
+}
+
+// What is to be said of the points when all vertices are narrowed.
+LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) const noexcept {
+  Frame frame;
+  frame.origin = origin_;
+  const float largest = *std::max_element(block_largest_.begin(), block_largest_.end());
+  if (!(largest <= largest_local_coordinate && largest_component(origin_) <= largest_origin_coordinate)) {
+    frame.finite = false;
+    frame.first_bad_vertex = first_bad_vertex(positions, origin_);
+    return frame;
+  }
+  frame.rounding = {static_cast<double>(largest), largest_component(origin_), weight_slack_};
+  return frame;
+}
+
+// Arrays are named outside of these loops: a store of floats may change anything as far as the compiler knows.
+void LocalPoints::move_cut_points(Workers& workers) noexcept {
+  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_edge_cuts(begin, end); });
+  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_inner_cuts(begin, end); });
+}
+
+void LocalPoints::move_edge_cuts(std::size_t begin, std::size_t end) noexcept {
+  LocalPoint* const points = points_.data();
+  LocalPoint* const out = points + vertex_count_;
+  const EdgeCut* const cuts = edge_cuts_.data();
+  for (std::size_t i = begin; i < end; ++i) {
+    const EdgeCut& cut = cuts[i];
+    const Float4 v0 = Float4::load(points[cut.point[0]]), v1 = Float4::load(points[cut.point[1]]);
+    (v0 + Float4(cut.weight) * (v1 - v0)).store(out[i]);
+  }
+}
+
+void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
+  LocalPoint* const points = points_.data();
+  LocalPoint* const out = points + vertex_count_ + edge_cuts_.size();
+  const InnerCut* const cuts = inner_cuts_.data();
+  for (std::size_t i = begin; i < end; ++i) {
+    const InnerCut& cut = cuts[i];
+    const Float4 v0 = Float4::load(points[cut.point[0]]);
+    const Float4 v1 = Float4::load(points[cut.point[1]]), v2 = Float4::load(points[cut.point[2]]);
+    (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(out[i]);
+  }
+}
+
+void LocalPoints::move_cut_point(std::size_t cut) noexcept {
+  if (cut < edge_cuts_.size()) return move_edge_cuts(cut, cut + 1);
+  move_inner_cuts(cut - edge_cuts_.size(), cut - edge_cuts_.size() + 1);
+}
+
+// The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.
+std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept {
+  std::size_t first = positions.size();
+  for (std::size_t point = 0; point < vertex_count_; ++point) {
+    const std::uint32_t v = vertex_of(point);
+    const Vec3f p(positions[v] - origin);
+    const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
+                      std::abs(p.z) <= largest_local_coordinate;
+    if (!good || !(largest_component(origin) <= largest_origin_coordinate)) first = std::min<std::size_t>(first, v);
+  }
+  return first;
+}
+
+}  // namespace morula

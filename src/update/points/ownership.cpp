@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/points/ownership.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "update/points/facet_hull.hpp"
+
+namespace morula {
+namespace {
+
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw std::invalid_argument("mesh and tree do not belong together: " + otherwise);
+}
+
+void require_array_sizes(const Mesh& mesh, const Built& built) {
+  const Cover& cover = built.cover;
+  require(cover.vertex_count == mesh.vertex_count(), "the cover is for " + std::to_string(cover.vertex_count) +
+                                                         " vertices, the mesh has " +
+                                                         std::to_string(mesh.vertex_count()));
+  require(cover.facet_count == mesh.facet_count(), "the cover is for " + std::to_string(cover.facet_count) +
+                                                       " facets, the mesh has " + std::to_string(mesh.facet_count()));
+  const std::size_t nodes = built.tree.node_count();
+  require(cover.region_begin.size() == nodes && cover.region_end.size() == nodes,
+          "the cover is for " + std::to_string(cover.region_begin.size()) + " nodes, the tree has " +
+              std::to_string(nodes));
+  require(cover.corner_begin.size() == cover.patch_count() + 1 && cover.corner_begin.front() == 0 &&
+              cover.corner_begin.back() == cover.corners.size() &&
+              std::is_sorted(cover.corner_begin.begin(), cover.corner_begin.end()),
+          "the patches do not span the corners");
+}
+
+void require_corners(const Cover& cover) {
+  for (const std::uint32_t corner : cover.corners)
+    require(corner < cover.vertex_count + cover.cut_points.size(),
+            "corner " + std::to_string(corner) + " does not exist");
+  for (std::size_t i = 0; i < cover.cut_points.size(); ++i) {
+    const CutPoint& c = cover.cut_points[i];
+    double sum = 0;
+    bool in_range = true;
+    for (int k = 0; k < 3; ++k) {
+      in_range = in_range && c.vertex[k] < cover.vertex_count && c.weight[k] >= 0 && c.weight[k] <= 1;
+      sum += c.weight[k];
+    }
+    require(in_range && std::abs(sum - 1) < 1e-9, "cut point " + std::to_string(i) + " is not on a facet");
+  }
+}
+
+void require_regions(const SphereTree& tree, const Cover& cover) {
+  require(cover.region_begin[0] == 0 && cover.region_end[0] == cover.patch_count(),
+          "the root does not own all patches");
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    require(cover.region_begin[node] < cover.region_end[node], "node " + std::to_string(node) + " owns no patch");
+    if (tree.is_leaf(node)) continue;
+    std::uint32_t next = cover.region_begin[node];
+    for (std::uint32_t c = 0; c < tree.child_count[node]; ++c) {
+      const std::uint32_t child = tree.first_child[node] + c;
+      require(cover.region_begin[child] == next,
+              "the region of node " + std::to_string(child) + " does not follow its sibling's");
+      next = cover.region_end[child];
+    }
+    require(next == cover.region_end[node],
+            "the region of node " + std::to_string(node) + " is not the union of its children's");
+  }
+}
+
+// Where a corner lies in the plane of a facet. Nothing for a corner that is not on it, which only a cover made
+// elsewhere can have, and on a facet with a repeated vertex, whose plane has no such weights: these are never left out.
+std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  if (facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0]) return std::nullopt;
+  FacetPoint p{corner, 0, 0};
+  bool on_facet = true;
+  const auto add = [&](std::uint32_t vertex, double weight) {
+    if (vertex == facet[1])
+      p.x += weight;
+    else if (vertex == facet[2])
+      p.y += weight;
+    else
+      on_facet = on_facet && (vertex == facet[0] || weight == 0);
+  };
+  if (corner < cover.vertex_count) {
+    add(corner, 1);
+  } else {
+    const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
+    for (int k = 0; k < 3; ++k) add(cut.vertex[k], cut.weight[k]);
+  }
+  if (!on_facet) return std::nullopt;
+  return p;
+}
+
+// Finds the cut corners that a leaf has to test.
+class NeededCuts {
+ public:
+  NeededCuts(const Mesh& mesh, const Cover& cover, double tolerance)
+      : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
+
+  // owns(v): whether the leaf owns a vertex. Each is named once.
+  template <class Owns>
+  const std::vector<std::uint32_t>& of(std::uint32_t leaf, const Owns& owns) {
+    patches_.clear();
+    for (std::uint32_t p = cover_.region_begin[leaf]; p < cover_.region_end[leaf]; ++p) patches_.push_back(p);
+    std::sort(patches_.begin(), patches_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::tie(cover_.patch_facet[a], a) < std::tie(cover_.patch_facet[b], b);
+    });
+    needed_.clear();
+    for (std::size_t i = 0; i < patches_.size();) {
+      const std::uint32_t f = cover_.patch_facet[patches_[i]];
+      const Facet& facet = mesh_.facets[f];
+      points_.clear();
+      for (; i < patches_.size() && cover_.patch_facet[patches_[i]] == f; ++i)
+        for (const std::uint32_t c : cover_.patch(patches_[i])) {
+          if (c < cover_.vertex_count) continue;
+          if (const auto p = in_facet(cover_, facet, c))
+            points_.push_back(*p);
+          else
+            needed_.push_back(c);
+        }
+      if (points_.empty()) continue;
+      for (const std::uint32_t v : facet)
+        if (owns(v)) points_.push_back(*in_facet(cover_, facet, v));
+      for (const FacetPoint& p : hull_.surround(points_, tolerance_))
+        if (p.corner >= cover_.vertex_count) needed_.push_back(p.corner);
+    }
+    std::sort(needed_.begin(), needed_.end());
+    needed_.erase(std::unique(needed_.begin(), needed_.end()), needed_.end());
+    return needed_;
+  }
+
+ private:
+  const Mesh& mesh_;
+  const Cover& cover_;
+  double tolerance_;
+  std::vector<std::uint32_t> patches_, needed_;
+  std::vector<FacetPoint> points_;
+  FacetHull hull_;
+};
+
+}  // namespace
+
+bool is_on_edge(const CutPoint& c) {
+  return std::count(c.weight.begin(), c.weight.end(), 0.0) > 0;
+}
+
+void require_belonging(const Mesh& mesh, const Built& built) {
+  require_usable(mesh);
+  if (const auto faults = validate(built.tree); !faults.empty())
+    throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
+  require_array_sizes(mesh, built);
+  require_corners(built.cover);
+  require_regions(built.tree, built.cover);
+  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
+  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
+    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
+}
+
+LeafOrder depth_first_leaves(const SphereTree& tree) {
+  LeafOrder order;
+  order.begin.resize(tree.node_count());
+  order.end.resize(tree.node_count());
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const std::uint32_t node = open.back();
+    open.pop_back();
+    order.begin[node] = static_cast<std::uint32_t>(order.leaves.size());
+    if (tree.is_leaf(node)) order.leaves.push_back(node);
+    for (std::uint32_t c = tree.child_count[node]; c-- > 0;) open.push_back(tree.first_child[node] + c);
+  }
+  // Children have higher numbers than their parent.
+  for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;)
+    order.end[node] =
+        tree.is_leaf(node) ? order.begin[node] + 1 : order.end[tree.first_child[node] + tree.child_count[node] - 1];
+  return order;
+}
+
+Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance) {
+  constexpr std::uint32_t none = 0xffffffffu;
+  Ownership result;
+  result.begin.push_back(0);
+  std::vector<std::uint32_t> number(mesh.vertex_count() + cover.cut_points.size(), none);
+  std::vector<std::uint32_t> owner(mesh.vertex_count(), none);  // last leaf seen to own a vertex
+  NeededCuts needed_cuts(mesh, cover, tolerance);
+  std::vector<std::uint32_t> cuts, cut_begin{0};  // cover corners, leaf after leaf
+  std::vector<std::uint32_t> vertices;            // of one leaf
+
+  // Vertices first: cut points get the numbers after the last of them.
+  for (std::uint32_t k = 0; k < order.leaves.size(); ++k) {
+    vertices.clear();
+    const auto corners = cover.region_corners(order.leaves[k]);
+    for (const std::uint32_t c : corners)
+      if (c < cover.vertex_count && owner[c] != k) owner[c] = k, vertices.push_back(c);
+    if (needs_cut_points[k]) {
+      const auto& needed = needed_cuts.of(order.leaves[k], [&](std::uint32_t v) { return owner[v] == k; });
+      cuts.insert(cuts.end(), needed.begin(), needed.end());
+    }
+    cut_begin.push_back(static_cast<std::uint32_t>(cuts.size()));
+    std::sort(vertices.begin(), vertices.end());
+    for (const std::uint32_t v : vertices) {
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.push_back(v);
+      }
+      result.points.push_back(number[v]);
+    }
+    result.begin.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  // Vertices of facets that no patch has as a corner: cut points and links may still refer to them.
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f)
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.push_back(v);
+      }
+
+  for (const bool on_edge : {true, false})
+    for (const std::uint32_t c : cuts)
+      if (number[c] == none && is_on_edge(cover.cut_points[c - cover.vertex_count]) == on_edge) {
+        number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
+        result.cut_points.push_back(c - cover.vertex_count);
+      }
+
+  std::vector<std::uint32_t> merged, merged_begin{0};
+  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+    const auto owned = result.of_leaf(k);
+    merged.insert(merged.end(), owned.begin(), owned.end());
+    for (std::uint32_t i = cut_begin[k]; i < cut_begin[k + 1]; ++i) merged.push_back(number[cuts[i]]);
+    std::sort(merged.begin() + merged_begin.back(), merged.end());
+    merged_begin.push_back(static_cast<std::uint32_t>(merged.size()));
+  }
+  result.points = std::move(merged);
+  result.begin = std::move(merged_begin);
+  return result;
+}
+
+}  // namespace morula

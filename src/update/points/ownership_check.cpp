@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/points/ownership_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace morula {
+namespace {
+
+using Real = long double;
+
+struct Weights {
+  std::array<Real, 3> of_vertex{};  // of the facet's vertices
+  bool on_facet = true;
+};
+
+Weights weights_of(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  Weights result;
+  const auto add = [&](std::uint32_t vertex, Real weight) {
+    if (weight == 0) return;
+    const auto found = std::find(facet.begin(), facet.end(), vertex);
+    if (found == facet.end())
+      result.on_facet = false;
+    else
+      result.of_vertex[static_cast<std::size_t>(found - facet.begin())] += weight;
+  };
+  if (corner < cover.vertex_count) {
+    add(corner, 1);
+  } else {
+    const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
+    for (int k = 0; k < 3; ++k) add(cut.vertex[k], cut.weight[k]);
+  }
+  return result;
+}
+
+struct Direction {
+  Real x, y;
+};
+
+// By how much a line can separate a point from all of `others`, at most; not positive inside their hull.
+Real separation(const Weights& point, const std::vector<Weights>& others) {
+  const auto x = [](const Weights& w) { return w.of_vertex[1]; };
+  const auto y = [](const Weights& w) { return w.of_vertex[2]; };
+  Real most = -1;
+  const auto try_direction = [&](Direction d) {
+    const Real length = std::hypot(d.x, d.y);
+    if (!(length > 0)) return;
+    Real gap = 4;
+    for (const Weights& o : others) gap = std::min(gap, (d.x * (x(point) - x(o)) + d.y * (y(point) - y(o))) / length);
+    most = std::max(most, gap);
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    try_direction({x(point) - x(others[i]), y(point) - y(others[i])});
+    for (std::size_t j = 0; j < i; ++j) {
+      const Direction along{x(others[j]) - x(others[i]), y(others[j]) - y(others[i])};
+      try_direction({along.y, -along.x});
+      try_direction({-along.y, along.x});
+    }
+  }
+  return most;
+}
+
+// What a leaf tests, as corners of the cover, ascending.
+std::vector<std::uint32_t> tested_corners(const Cover& cover, const Ownership& ownership, std::size_t leaf) {
+  std::vector<std::uint32_t> tested;
+  const std::size_t vertices = ownership.vertices.size();
+  for (const std::uint32_t point : ownership.of_leaf(leaf))
+    tested.push_back(point < vertices ? ownership.vertices[point]
+                                      : cover.vertex_count + ownership.cut_points[point - vertices]);
+  std::sort(tested.begin(), tested.end());
+  return tested;
+}
+
+}  // namespace
+
+std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tree, const Cover& cover,
+                                          const LeafOrder& order, const Ownership& ownership,
+                                          std::span<const std::uint8_t> needs_cut_points, double tolerance) {
+  std::vector<std::string> faults;
+  // What a node tests is what the leaves of its range test: so the range has to have all leaves below it.
+  for (std::uint32_t k = 0; k < order.leaves.size(); ++k)
+    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node])
+      if (k < order.begin[node] || order.end[node] <= k)
+        faults.push_back("node " + std::to_string(node) + " does not look at leaf " + std::to_string(order.leaves[k]));
+
+  std::map<std::uint32_t, std::vector<std::uint32_t>> owned_in_facet;
+  std::vector<Weights> surrounding;
+  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+    if (needs_cut_points[k] == 0) continue;
+    const std::uint32_t leaf = order.leaves[k];
+    const std::vector<std::uint32_t> tested = tested_corners(cover, ownership, k);
+    const auto is_tested = [&](std::uint32_t c) { return std::binary_search(tested.begin(), tested.end(), c); };
+    owned_in_facet.clear();
+    for (std::uint32_t p = cover.region_begin[leaf]; p < cover.region_end[leaf]; ++p) {
+      std::vector<std::uint32_t>& owned = owned_in_facet[cover.patch_facet[p]];
+      owned.insert(owned.end(), cover.patch(p).begin(), cover.patch(p).end());
+    }
+    for (auto& [f, owned] : owned_in_facet) {
+      std::sort(owned.begin(), owned.end());
+      owned.erase(std::unique(owned.begin(), owned.end()), owned.end());
+      if (std::all_of(owned.begin(), owned.end(), is_tested)) continue;
+      const Facet& facet = mesh.facets[f];
+      surrounding.clear();
+      for (const std::uint32_t c : owned)
+        if (is_tested(c)) surrounding.push_back(weights_of(cover, facet, c));
+      for (const std::uint32_t v : facet)
+        if (is_tested(v)) surrounding.push_back(weights_of(cover, facet, v));
+      std::erase_if(surrounding, [](const Weights& w) { return !w.on_facet; });
+      for (const std::uint32_t c : owned) {
+        if (is_tested(c)) continue;
+        const Weights at = weights_of(cover, facet, c);
+        // Extended precision rounds far less than a double's last place.
+        if (!at.on_facet || surrounding.empty() ||
+            separation(at, surrounding) > static_cast<Real>(tolerance) + 0x1p-58L)
+          faults.push_back("leaf " + std::to_string(leaf) + " owns corner " + std::to_string(c) + " of facet " +
+                           std::to_string(f) + ", which lies outside the hull of what it tests");
+      }
+    }
+  }
+  return faults;
+}
+
+}  // namespace morula

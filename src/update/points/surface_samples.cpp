@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/points/surface_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/sampling.hpp>
+#include <morula/geometry/trigonometry.hpp>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+
+namespace morula {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// Halved along the longest side until parts are blocks, so that every block is compact.
+void sort_compactly(std::span<std::uint32_t> order, std::span<const Vec3f> points) {
+  if (order.size() <= block_size) return;
+  Box box;
+  for (const std::uint32_t i : order) box.add(Vec3(points[i]));
+  const int axis = box.longest_axis();
+  const std::size_t blocks = (order.size() + block_size - 1) / block_size;
+  const std::size_t half = blocks / 2 * block_size;
+  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return points[a][axis] != points[b][axis] ? points[a][axis] < points[b][axis] : a < b;
+                   });
+  sort_compactly(order.first(half), points);
+  sort_compactly(order.subspan(half), points);
+}
+
+// A view with its scalar type decided once, not per vertex.
+template <class Scalar>
+struct ReaderOf {
+  const PositionView& view;
+  Vec3 operator[](std::size_t vertex) const {
+    Scalar s[3];
+    std::memcpy(s, view.address(vertex), sizeof s);
+    return {static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])};
+  }
+};
+
+}  // namespace
+
+SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(rest.facets) {
+  const MeshReport report = inspect(rest);
+  if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
+  has_volume_ = report.has_volume() && report.volume != 0;
+  inside_out_ = report.volume < 0;
+  const double size = largest_component(report.box.extent());
+  constexpr int ordinary = 20;  // sizes from 2^-20 to 2^20 keep cubes of a millionth of them within float
+  if (std::abs(std::ilogb(size)) > ordinary) per_mesh_unit_ = std::ldexp(1.0, -std::ilogb(size));
+  count = (count + block_size - 1) / block_size * block_size;
+  const double each = report.area / static_cast<double>(count);
+  std::vector<Vec3f> points;
+  for (const SurfacePoint& s : sample_surface(rest, count)) {
+    const auto [a, b, c] = rest.corners(s.facet);
+    sites_.push_back({rest.facets[s.facet], s.barycentric, 2 * each / length(cross(b - a, c - a))});
+    points.emplace_back((s.point - report.box.center()) * per_mesh_unit_);
+  }
+  sort_into_blocks(std::move(points));
+  const PositionView positions = rest.positions;
+  place(ReaderOf<double>{positions});
+  bound_blocks();
+  choose_rings(std::sqrt(each) * per_mesh_unit_);
+  move(positions);
+}
+
+void SurfaceSamples::sort_into_blocks(std::vector<Vec3f> points) {
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  sort_compactly(order, points);
+  std::vector<Site> sorted;
+  for (const std::uint32_t i : order) sorted.push_back(sites_[i]);
+  sites_ = std::move(sorted);
+  blocks_.resize(sites_.size() / block_size);
+  bounds_.resize(blocks_.size());
+  group_bounds_.resize((blocks_.size() + group_size - 1) / group_size);
+  for (std::vector<Vec3f>* v : {&point_, &normal_, &direction_}) v->resize(sites_.size());
+  area_.resize(sites_.size());
+}
+
+void SurfaceSamples::choose_rings(double spacing) {
+  for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing);
+}
+
+// One neighbour in each of six sectors about the normal: the nearest that is not so near that rounding and facets
+// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbour.
+std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample,
+                                                                             double spacing) const {
+  constexpr double near = 1.5, far = 4.0;  // spacings
+  constexpr float other_side = -0.2f;      // cosine between normals
+  const Vec3f normal = normal_[sample];
+  const Vec3f u = normalized(cross(normal, std::abs(normal.x) < 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}));
+  const Vec3f v = cross(normal, u);
+  constexpr std::uint32_t none = 0xffffffffu;
+  std::array<std::uint32_t, ring_size> ring;
+  std::array<double, ring_size> best;
+  ring.fill(none);
+  best.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    if (distance(bounds_[b].places.center, point_[sample]) >
+        static_cast<double>(bounds_[b].places.radius) + far * spacing)
+      continue;
+    for (auto other = static_cast<std::uint32_t>(b * block_size); other < (b + 1) * block_size; ++other) {
+      const Vec3f offset = point_[other] - point_[sample];
+      const double gap = length(offset);
+      if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
+      const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
+      const auto sector =
+          std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));
+      // Too near is worse than far away, the nearer the worse.
+      const double rank = gap >= near * spacing ? gap : (far + near) * spacing - gap;
+      if (rank < best[sector]) best[sector] = rank, ring[sector] = other;
+    }
+  }
+  std::uint32_t last = sample;
+  for (const std::uint32_t other : ring) last = other != none ? other : last;
+  for (std::uint32_t& other : ring) other = last = other != none ? other : last;
+  return ring;
+}
+
+void SurfaceSamples::move(const PositionView& positions) noexcept {
+  const auto read = [this](const auto& reader) {
+    place(reader);
+    measure_volume(reader);
+  };
+  if (positions.is_double())
+    read(ReaderOf<double>{positions});
+  else
+    read(ReaderOf<float>{positions});
+  average_directions();
+  measure_curvature();
+  bound_blocks();
+  bound_groups();
+}
+
+template <class Reader>
+void SurfaceSamples::place(const Reader& positions) noexcept {
+  origin_ = positions[facets_[0][0]];
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    const Site& s = sites_[i];
+    const Vec3 a = (positions[s.facet[0]] - origin_) * per_mesh_unit_,
+               b = (positions[s.facet[1]] - origin_) * per_mesh_unit_,
+               c = (positions[s.facet[2]] - origin_) * per_mesh_unit_;
+    const Vec3 twice_area = cross(b - a, c - a);
+    const double size = length(twice_area);
+    point_[i] = Vec3f(a * s.barycentric[0] + b * s.barycentric[1] + c * s.barycentric[2]);
+    normal_[i] = size > 0 ? Vec3f(twice_area / (inside_out_ ? -size : size)) : Vec3f{};
+    area_[i] = static_cast<float>(0.5 * size * s.share);
+  }
+}
+
+void SurfaceSamples::bound_blocks() noexcept {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const std::span points(point_.data() + b * block_size, block_size);
+    const std::span directions(direction_.data() + b * block_size, block_size);
+    Vec3f lower = points[0], upper = points[0], sum;
+    for (const Vec3f& p : points) lower = min(lower, p), upper = max(upper, p);
+    for (const Vec3f& d : directions) sum += d;
+    BlockBound& bound = bounds_[b];
+    bound.places.center = (lower + upper) * 0.5f;
+    bound.axis = normalized(sum);
+    float squared = 0, cosine = 1;
+    for (const Vec3f& p : points) squared = std::max(squared, squared_distance(p, bound.places.center));
+    for (const Vec3f& d : directions) cosine = std::min(cosine, dot(d, bound.axis));
+    bound.places.radius = std::sqrt(squared);
+    bound.cosine = std::max(-1.0f, cosine);
+    bound.sine = std::sqrt(1 - bound.cosine * bound.cosine);
+  }
+}
+
+void SurfaceSamples::bound_groups() noexcept {
+  for (std::size_t g = 0; g < group_bounds_.size(); ++g) {
+    const std::size_t begin = g * group_size, end = std::min(bounds_.size(), begin + group_size);
+    Vec3f lower = bounds_[begin].places.center, upper = lower;
+    for (std::size_t b = begin; b < end; ++b)
+      lower = min(lower, bounds_[b].places.center), upper = max(upper, bounds_[b].places.center);
+    const Vec3f center = (lower + upper) * 0.5f;
+    float radius = 0;
+    for (std::size_t b = begin; b < end; ++b)
+      radius = std::max(radius, distance(center, bounds_[b].places.center) + bounds_[b].places.radius);
+    group_bounds_[g] = {center, radius};
+  }
+}
+
+// Along the facets' own normals, rays would leave gaps outside sharp edges and cross in a rough surface.
+void SurfaceSamples::average_directions() noexcept {
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    Vec3f sum = normal_[i];
+    for (const std::uint32_t neighbor : sites_[i].ring) sum += normal_[neighbor];
+    direction_[i] = normalized(sum, normal_[i]);
+    SampleBlock& block = blocks_[i / block_size];
+    const std::size_t lane = i % block_size;
+    block.x[lane] = point_[i].x, block.y[lane] = point_[i].y, block.z[lane] = point_[i].z;
+    block.dx[lane] = direction_[i].x, block.dy[lane] = direction_[i].y, block.dz[lane] = direction_[i].z;
+    block.flux[lane] = area_[i] * std::max(0.0f, dot(direction_[i], normal_[i]));
+  }
+}
+
+// The ring moved out along the directions, p + t d, encloses the area a0 + a1 t + a2 t².
+void SurfaceSamples::measure_curvature() noexcept {
+  constexpr float flat = 0.02f;  // of the squared distances: rings of less area say nothing
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    const auto& ring = sites_[i].ring;
+    Vec3f a0, a1, a2;
+    float squared_distances = 0;
+    Vec3f p = point_[ring.back()] - point_[i], d = direction_[ring.back()] - direction_[i];
+    for (const std::uint32_t neighbor : ring) {
+      const Vec3f q = point_[neighbor] - point_[i], e = direction_[neighbor] - direction_[i];
+      a0 += cross(p, q);
+      a1 += cross(p, e) + cross(d, q);
+      a2 += cross(d, e);
+      squared_distances += squared_length(q);
+      p = q, d = e;
+    }
+    const float area = dot(direction_[i], a0);
+    const bool usable = area > flat * squared_distances;
+    SampleBlock& block = blocks_[i / block_size];
+    block.growth1[i % block_size] = usable ? dot(direction_[i], a1) / area : 0.0f;
+    block.growth2[i % block_size] = usable ? dot(direction_[i], a2) / area : 0.0f;
+  }
+}
+
+template <class Reader>
+void SurfaceSamples::measure_volume(const Reader& positions) noexcept {
+  if (!has_volume_) {
+    const double area = std::accumulate(area_.begin(), area_.end(), 0.0) / (per_mesh_unit_ * per_mesh_unit_);
+    volume_ = area * std::sqrt(area / pi) / 6;
+    return;
+  }
+  double six_times = 0;
+  for (const Facet& f : facets_)
+    six_times += dot(positions[f[0]] - origin_, cross(positions[f[1]] - origin_, positions[f[2]] - origin_));
+  volume_ = std::abs(six_times) / 6;
+}
+
+}  // namespace morula

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/rebuild/rebuild_job.hpp"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+#ifdef MORULA_THREADS
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#else
+#include <stdexcept>
+#endif
+
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+namespace {
+
+// Where a point goes on to that was at a, b, c: with the last speed, turning as it turned. Straight lines and circles
+// are gone on with exactly: v_{k+1} = 2 cos θ v_k − v_{k−1} turns by θ in the plane of the last two.
+Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
+  const Vec3 last = c - b, first = b - a;
+  const double speed = length(last), first_speed = length(first);
+  if (!(speed > 0)) return c;
+  Vec3 before = first_speed > 0 ? first * (speed / first_speed) : last, velocity = last, point = c;
+  const double twice_cosine = 2 * dot(before, velocity) / (speed * speed);
+  for (int k = 0; k < steps; ++k) {
+    const Vec3 next = velocity * twice_cosine - before;
+    before = velocity;
+    velocity = next;
+    point += velocity;
+  }
+  return point;
+}
+
+}  // namespace
+
+RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels)
+    : snapshot_(home), build_(build), estimator_(home, sample_count), levels_(levels) {
+  earlier_.fill(home.positions);
+}
+
+void RebuildJob::set_pose(std::size_t which, const PositionView& positions) {
+  std::vector<Vec3>& pose = which < earlier_.size() ? earlier_[which] : snapshot_.positions;
+  for (std::size_t v = 0; v < pose.size(); ++v) pose[v] = positions[v];
+}
+
+void RebuildJob::queue(int steps, Quality quality) {
+  if (build_.method == Method::morula) build_.quality = quality;
+  steps_ = steps;
+  stop_ = std::stop_source();
+  build_.stop = stop_.get_token();
+  stage_.store(Stage::queued, std::memory_order_release);
+}
+
+RebuildJob::Result RebuildJob::take() {
+  stage_.store(Stage::idle, std::memory_order_relaxed);
+  return std::exchange(result_, {});
+}
+
+void RebuildJob::run() noexcept {
+  const StandardFloats standard;
+  if (stage() != Stage::queued) return;
+  const auto start = std::chrono::steady_clock::now();
+  retired_.reset();
+  result_ = {};
+  try {
+    result_.epoch = rebuilt();
+  } catch (const BuildStopped&) {
+  } catch (const std::exception& error) {
+    result_.failure = error.what();
+  }
+  result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  stage_.store(Stage::done, std::memory_order_release);
+}
+
+std::unique_ptr<Epoch> RebuildJob::rebuilt() {
+  Workers one;  // the shared one may be at work on the caller's thread
+  if (steps_ > 0)
+    for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
+      snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
+  Built built = build(snapshot_, build_, one);
+  if (build_.stop.stop_requested()) throw BuildStopped();
+  auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, std::move(built), {}, one), std::vector<double>(levels_)});
+  estimator_.pose(snapshot_.positions);
+  estimator_.estimate(epoch->body, epoch->looseness_at_build);
+  return epoch;
+}
+
+#ifdef MORULA_THREADS
+
+struct RebuildThread::State {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::shared_ptr<RebuildJob> waiting;
+  std::jthread thread;
+
+  void serve(const std::stop_token& quit) {
+    std::unique_lock lock(mutex);
+    while (wake.wait(lock, quit, [this] { return waiting != nullptr; })) {
+      const std::shared_ptr<RebuildJob> job = std::exchange(waiting, nullptr);
+      lock.unlock();
+      job->run();
+      lock.lock();
+    }
+  }
+};
+
+RebuildThread::RebuildThread() : state_(std::make_unique<State>()) {
+  state_->thread = std::jthread([s = state_.get()](const std::stop_token& quit) { s->serve(quit); });
+}
+
+void RebuildThread::run(std::shared_ptr<RebuildJob> job) {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->waiting = std::move(job);
+  }
+  state_->wake.notify_one();
+}
+
+#else
+
+struct RebuildThread::State {};
+RebuildThread::RebuildThread() {
+  throw std::invalid_argument("refit: no background thread in a library built without threads");
+}
+void RebuildThread::run(std::shared_ptr<RebuildJob>) {}
+
+#endif
+
+RebuildThread::~RebuildThread() = default;
+
+}  // namespace morula

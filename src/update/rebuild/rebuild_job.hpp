@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// One rebuild at a time: a pose goes in, a body made for that pose comes out, on whatever thread runs it.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <morula/generators/build.hpp>
+#include <morula/update/body.hpp>
+#include <morula/update/looseness_estimate.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace morula {
+
+/// A body, and how loose it was at the pose it was made for, per level set.
+struct Epoch {
+  Body body;
+  std::vector<double> looseness_at_build;
+};
+
+/// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
+/// while idle or done, the runner's while queued; whoever hands over does so by writing it.
+class RebuildJob {
+ public:
+  /// levels: figures of looseness wanted.
+  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels);
+
+  enum class Stage : std::uint8_t { idle, queued, done };
+  Stage stage() const { return stage_.load(std::memory_order_acquire); }
+
+  // Owner.
+  static constexpr std::size_t pose_count = 3;
+  /// Poses of a motion, the last one the latest, equally far apart in time.
+  void set_pose(std::size_t which, const PositionView& positions);
+  /// The runner frees it: that takes as long as a frame.
+  void retire(std::unique_ptr<Epoch> old) { retired_ = std::move(old); }
+  /// steps: how many such intervals after the last pose is the one to build for; 0: the last pose itself, the only one
+  /// that has to be set.
+  void queue(int steps, Quality quality);
+  void request_stop() { stop_.request_stop(); }
+  struct Result {
+    std::unique_ptr<Epoch> epoch;  ///< nothing: stopped or failed
+    std::string failure{};         ///< empty: stopped
+    double seconds = 0;
+  };
+  Result take();
+
+  // Runner.
+  void run() noexcept;
+
+ private:
+  std::unique_ptr<Epoch> rebuilt();
+
+  Mesh snapshot_;  // the last pose, then the one to build for
+  std::array<std::vector<Vec3>, pose_count - 1> earlier_;
+  int steps_ = 0;
+  BuildOptions build_;
+  LoosenessEstimator estimator_;
+  std::size_t levels_;
+  std::stop_source stop_;
+  std::unique_ptr<Epoch> retired_{};
+  Result result_{};
+  std::atomic<Stage> stage_{Stage::idle};
+};
+
+/// A thread that waits for jobs; none where the library is built without threads.
+class RebuildThread {
+ public:
+  RebuildThread();
+  ~RebuildThread();
+  void run(std::shared_ptr<RebuildJob> job);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morula

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Centres of the exact rule: each is tied to a few points of the surface, its anchors, and moves with them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <morula/geometry/vector.hpp>
+#include <span>
+#include <vector>
+
+#include "simd/float4.hpp"
+
+namespace morula {
+
+/// A centre c as a function of its anchors x, with weights w that add up to 1:
+///   c = c0 + (sum w x - sum w x0) + (turned(e) - e)      x0: at rest
+/// Where the weights reproduce c0, e is zero and any affine motion of the anchors moves the centre along.
+/// Where it is not, e = c0 - sum w x0 is carried by a frame of three anchors, so that at least rigid motion does. The
+/// frame is built anew from positions alone; nothing remembers the frame before.
+struct CenterTie {
+  Vec3f rest_center;
+  Vec3f rest_sum;                        ///< sum w x0, by the very routine that runs per frame
+  std::uint32_t begin = 0, end = 0;      ///< range in points and weights
+  bool carries = false;                  ///< e is not zero
+  bool degenerate = false;               ///< as in AnchorChoice
+  std::array<std::uint32_t, 3> frame{};  ///< anchors; repeated ones where they are collinear or fewer
+  Vec3f in_frame;                        ///< e in the frame's coordinates
+  Vec3f rest_carried;                    ///< e, by the very routine that runs per frame
+};
+
+/// Ties of many centres, with what they share.
+class Anchors {
+ public:
+  /// Adds a tie to some of the candidates (choose_anchors); without any the centre stays where it is.
+  void tie(const Vec3f& center, float radius, std::span<const LocalPoint> rest_points,
+           std::span<const std::uint32_t> candidates);
+
+  /// Adds the ties of another, in order.
+  void append(const Anchors& others);
+
+  std::size_t size() const { return ties_.size(); }
+  const CenterTie& operator[](std::size_t k) const { return ties_[k]; }
+  std::span<const std::uint32_t> points(std::size_t k) const {
+    return std::span(points_).subspan(ties_[k].begin, ties_[k].end - ties_[k].begin);
+  }
+  /// Where centre k is now. At rest exactly rest_center, because both differences are.
+  Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
+
+ private:
+  Vec3f weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept;
+
+  std::vector<CenterTie> ties_;
+  std::vector<std::uint32_t> points_;
+  std::vector<float> weights_;
+};
+
+}  // namespace morula

@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/rules/corner_walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "update/points/point_runs.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t leaves_per_chunk = 16;
+constexpr double unknown = -1;
+
+// What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
+// (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
+// distance in float 3.5 e, a distance of centres the same, a way since less: each step is taken in double and narrowed,
+// e, steps are added up upwards, and their sum is narrowed, e. Two sums e each, the product e. Together below
+// 10 e. Allowed: 2^-20 = 16 e. Squares below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed:
+// 2^-60.
+constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
+
+}  // namespace
+
+CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
+                       std::span<const std::uint8_t> measured) {
+  std::vector<std::uint32_t> number(tree.node_count()), above(tree.node_count());  // above: measured ones
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    if (const std::uint32_t parent = tree.parent[node]; parent != no_node)
+      above[node] = above[parent] + measured[parent];
+    if (measured[node] == 0) continue;
+    number[node] = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back(node);
+    below_.push_back({order.begin[node], order.end[node], above[node]});
+  }
+
+  std::vector<std::uint32_t> chain;
+  run_begin_.push_back(0);
+  point_begin_.push_back(0);
+  chain_begin_.push_back(0);
+  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
+    chain.clear();
+    for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node])
+      if (measured[node] != 0) chain.push_back(number[node]);
+    chain_.insert(chain_.end(), chain.rbegin(), chain.rend());
+    chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
+    const auto owned = ownership.of_leaf(k);
+    owned_by_leaf_.push_back(static_cast<std::uint32_t>(owned.size()));
+    if (!chain.empty()) {
+      owned_points_ += owned.size();
+      tested_points_ += owned.size() * chain.size();
+      append_in_runs(owned, runs_, points_);
+    }
+    run_begin_.push_back(static_cast<std::uint32_t>(runs_.size()));
+    point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
+  }
+  squared_.resize(chain_.size());
+  path_then_.resize(chain_.size());
+  path_.resize(nodes_.size());
+  squared_reach_.resize(nodes_.size());
+}
+
+void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                               Workers& workers) noexcept {
+  std::fill(path_.begin(), path_.end(), 0.0);
+  parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t leaf = begin; leaf < end; ++leaf) {
+      std::size_t chain_end = chain_begin_[leaf + 1];
+      while (chain_end > chain_begin_[leaf] && chain_[chain_end - 1] >= count) --chain_end;
+      for (std::size_t entry = chain_begin_[leaf]; entry < chain_end; entry += most_centers)
+        walk(leaf, entry, std::min(most_centers, chain_end - entry), points, spheres);
+    }
+  });
+  for (std::size_t k = 0; k < count; ++k) squared_reach_[k] = farthest(k);
+}
+
+void CornerWalk::measure_one(std::size_t k, std::span<const LocalPoint> points,
+                             std::span<const Spheref> spheres) noexcept {
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+    walk(leaf, chain_begin_[leaf] + below_[k].slot, 1, points, spheres);
+  squared_reach_[k] = farthest(k);
+}
+
+std::size_t CornerWalk::points_of(std::size_t k) const noexcept {
+  std::size_t count = 0;
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf) count += owned_by_leaf_[leaf];
+  return count;
+}
+
+// Of what was measured last of each leaf below.
+float CornerWalk::farthest(std::size_t k) const noexcept {
+  float farthest = 0;
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+    farthest = std::max(farthest, squared_[chain_begin_[leaf] + below_[k].slot]);
+  return farthest;
+}
+
+std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+                             std::span<const Spheref> spheres) noexcept {
+  std::array<Vec3f, most_centers> centers;
+  for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[nodes_[chain_[entry + i]]].center;
+  const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
+  const auto index = std::span(points_).subspan(point_begin_[leaf], point_begin_[leaf + 1] - point_begin_[leaf]);
+  kernels().farthest(points.data(), runs, index, std::span(centers).first(count), &squared_[entry]);
+  for (std::size_t i = 0; i < count; ++i) path_then_[entry + i] = path_[chain_[entry + i]];
+  return count * owned_by_leaf_[leaf];
+}
+
+std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                                      std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept {
+  std::size_t tested = 0;
+  // Rounded up, so that every move makes it longer.
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    if (moved[k] >= 0)
+      path_[k] = std::nextafter(path_[k] + static_cast<double>(moved[k]), std::numeric_limits<double>::infinity());
+  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
+    if (leaf_changed[leaf] == 0 && moved[chain_[own]] < 0) continue;
+    tested += walk(leaf, own, 1, points, spheres);
+    if (leaf_changed[leaf] == 0) continue;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry < own; ++entry) path_then_[entry] = unknown;
+    for (std::uint32_t entry = chain_begin_[leaf]; entry <= own; ++entry)
+      moved[chain_[entry]] = std::max(moved[chain_[entry]], 0.0f);
+  }
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    if (moved[k] >= 0) tested += search(k, points, spheres);
+  return tested;
+}
+
+// Walks the leaves that may hold a node's farthest point. No leaf reaches farther than its own sphere, and none that
+// has not changed farther than before plus the node's way since.
+std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points,
+                               std::span<const Spheref> spheres) noexcept {
+  const Below& below = below_[k];
+  const Vec3f& center = spheres[nodes_[k]].center;
+  const auto entry = [&](std::uint32_t leaf) { return chain_begin_[leaf] + below.slot; };
+  const auto is_known = [&](std::uint32_t leaf) { return path_then_[entry(leaf)] == path_[k]; };
+  const auto bound = [&](std::uint32_t leaf) {
+    if (const double then = path_then_[entry(leaf)]; then != unknown)
+      return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(path_[k] - then)) * rounding + underflow;
+    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
+    return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding + underflow;
+  };
+  float farthest = 0;  // known
+  float highest = -1;  // of the bounds of leaves not walked
+  std::uint32_t most_promising = below.leaf_end;
+  for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
+    if (is_known(leaf)) {
+      farthest = std::max(farthest, squared_[entry(leaf)]);
+    } else if (const float b = bound(leaf); b > highest) {
+      highest = b, most_promising = leaf;
+    }
+  }
+  std::size_t tested = 0;
+  if (most_promising != below.leaf_end && highest * highest >= farthest) {
+    tested += walk(most_promising, entry(most_promising), 1, points, spheres);
+    farthest = std::max(farthest, squared_[entry(most_promising)]);
+    for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
+      if (is_known(leaf)) continue;
+      const float b = bound(leaf);
+      if (b * b < farthest) continue;
+      tested += walk(leaf, entry(leaf), 1, points, spheres);
+      farthest = std::max(farthest, squared_[entry(leaf)]);
+    }
+  }
+  squared_reach_[k] = farthest;
+  return tested;
+}
+
+}  // namespace morula

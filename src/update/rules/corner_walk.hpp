@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// How far nodes must reach: every leaf walks its points once, for itself and for all nodes above it, whose regions are
+// unions of leaves' regions.
+#pragma once
+
+#include <morula/geometry/sphere.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/tree/sphere_tree.hpp>
+#include <span>
+#include <vector>
+
+#include "update/points/kernels.hpp"
+#include "update/points/ownership.hpp"
+
+namespace morula {
+
+class CornerWalk {
+ public:
+  /// measured: one flag per node of the tree.
+  CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
+             std::span<const std::uint8_t> measured);
+
+  /// Takes the largest squared distance from the centre of each node to a point that it owns.
+  void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept {
+    measure_first(nodes_.size(), points, spheres, workers);
+  }
+  /// Of the first `count` of nodes() alone: whole levels.
+  void measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                     Workers& workers) noexcept;
+  /// Of nodes()[k] alone.
+  void measure_one(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
+
+  /// The same after a change, where every leaf is measured. leaf_changed: leaves, by their order, that own points
+  /// which moved. moved: how far the centre of each of nodes() has moved, negative where it has not; not negative on
+  /// return for all whose reach may differ. Leaves that cannot decide the reach of a node above are not walked for it.
+  /// Returns how many points were tested.
+  std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                            std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
+
+  /// The nodes that are measured, ascending.
+  std::span<const std::uint32_t> nodes() const { return nodes_; }
+  std::size_t leaf_count() const { return chain_begin_.size() - 1; }
+  /// Of nodes()[k], as measured last.
+  float squared_reach(std::size_t k) const noexcept { return squared_reach_[k]; }
+
+  /// Those that nodes()[k] owns.
+  std::size_t points_of(std::size_t k) const noexcept;
+  std::size_t owned_points() const { return owned_points_; }
+  std::size_t tested_points() const { return tested_points_; }
+
+ private:
+  // The leaves below a node, and its place in their chains: the same in all of them.
+  struct Below {
+    std::uint32_t leaf_begin, leaf_end, slot;
+  };
+  // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
+  std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+                   std::span<const Spheref> spheres) noexcept;
+  float farthest(std::size_t k) const noexcept;
+  std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
+
+  std::vector<std::uint32_t> nodes_;
+  std::vector<Below> below_;
+  // Leaf k: how many points it owns, and which, in runs where they lie one after the other, else by index, padded to
+  // whole groups.
+  std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
+  std::vector<PointRun> runs_;
+  std::vector<std::uint32_t> chain_begin_, chain_;
+  // How far the leaf's points reach from a node, parallel to chain_, as measured when the node's path was path_then_;
+  // of points that have moved since, path_then_ is unknown. Of the leaf's own node always measured.
+  std::vector<float> squared_;
+  std::vector<double> path_then_;
+  std::vector<float> squared_reach_;  // of each node
+  std::vector<double> path_;          // of each node's centre, through all updates since all was measured
+  std::size_t owned_points_ = 0, tested_points_ = 0;
+};
+
+}  // namespace morula

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "update/rules/exact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "update/points/kernels.hpp"
+#include "update/points/nearby_points.hpp"
+#include "update/points/outermost.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t nodes_per_chunk = 64;
+
+// One flag per node.
+std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule rule) {
+  std::vector<std::uint8_t> flags;
+  for (const Rule r : rule_of_node) flags.push_back(r == rule ? 1 : 0);
+  return flags;
+}
+
+}  // namespace
+
+ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership)
+    : walk_(binding.tree, order, ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+  // Nodes are independent, so they are looked at side by side; ties are stored in node order.
+  const std::size_t node_count = walk_.nodes().size();
+  core_.resize(core_size * node_count);
+  core_radius_.resize(node_count);
+  std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
+  const NearbyPoints nearby(binding.mesh, binding.tree, order, ownership);
+  parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    PointSet points(binding.local.points().size());
+    std::vector<std::uint32_t> candidates;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t node = walk_.nodes()[k];
+      const std::uint32_t first = ownership.begin[order.begin[node]], last = ownership.begin[order.end[node]];
+      const auto owned = std::span(ownership.points).subspan(first, last - first);
+      choose_core(k, binding, owned);
+      // What the node owns, and vertices not much farther off than its sphere reaches, so that a centre inside the body
+      // finds anchors on all sides.
+      constexpr double reach = 1.3;
+      const Sphere& at_rest = binding.tree.spheres[node];
+      for (const std::uint32_t p : owned) points.add(p);
+      nearby.add({at_rest.center, reach * at_rest.radius}, points);
+      points.take(candidates);
+      const Spheref& rest = binding.rest_spheres[node];
+      chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
+    }
+  });
+  for (const Anchors& chunk : chunks) anchors_.append(chunk);
+  find_dependents(binding, ownership);
+}
+
+void ExactRule::choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned) {
+  const std::span<std::uint32_t> core = std::span(core_).subspan(core_size * k, core_size);
+  const Vec3f& center = binding.rest_spheres[walk_.nodes()[k]].center;
+  outermost(binding.local.points(), owned, center, core);
+  float squared = 0;
+  kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
+  core_radius_[k] = std::sqrt(squared);
+}
+
+void ExactRule::find_dependents(const Binding& binding, const Ownership& ownership) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> leaves, nodes;
+  for (std::uint32_t leaf = 0; leaf < walk_.leaf_count(); ++leaf)
+    for (const std::uint32_t p : ownership.of_leaf(leaf))
+      binding.local.each_block(p, [&](std::uint32_t block) {
+        if (leaves.empty() || leaves.back() != std::pair(block, leaf)) leaves.emplace_back(block, leaf);
+      });
+  for (std::uint32_t k = 0; k < walk_.nodes().size(); ++k) {
+    const auto depends_on = [&](std::uint32_t p) {
+      binding.local.each_block(p, [&](std::uint32_t block) { nodes.emplace_back(block, k); });
+    };
+    for (const std::uint32_t p : anchors_.points(k)) depends_on(p);
+    for (std::size_t i = 0; i < core_size; ++i) depends_on(core_[core_size * k + i]);
+  }
+  leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
+  nodes_of_block_ = BlockLists(std::move(nodes), binding.local.block_count());
+  leaf_changed_.resize(walk_.leaf_count());
+  moved_.resize(walk_.nodes().size());
+}
+
+void ExactRule::update_first(std::size_t count, std::span<const LocalPoint> points, const Rounding& rounding,
+                             std::span<Spheref> spheres, Workers& workers) noexcept {
+  parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, points);
+  });
+  walk_.measure_first(count, points, spheres, workers);
+  rounding_ = rounding;
+  parallel_for(workers, count, 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding, spheres);
+  });
+}
+
+void ExactRule::update_one(std::size_t k, std::span<const LocalPoint> points, std::span<Spheref> spheres) noexcept {
+  spheres[walk_.nodes()[k]].center = center(k, points);
+  walk_.measure_one(k, points, spheres);
+  set_radius(k, rounding_, spheres);
+}
+
+std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
+                                      const Rounding& rounding, std::span<Spheref> spheres) noexcept {
+  constexpr float hangs_on_a_block = 0, stays = -1;
+  const bool rounding_changed = rounding != rounding_;
+  rounding_ = rounding;
+  std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
+  std::fill(moved_.begin(), moved_.end(), stays);
+  for (const std::uint32_t block : changed_blocks) {
+    for (const std::uint32_t leaf : leaves_of_block_.of(block)) leaf_changed_[leaf] = 1;
+    for (const std::uint32_t k : nodes_of_block_.of(block)) moved_[k] = hangs_on_a_block;
+  }
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    if (moved_[k] == stays) continue;
+    Vec3f& kept = spheres[walk_.nodes()[k]].center;
+    const Vec3f now = center(k, points);
+    // In double, where no square vanishes; the walk's bounds pay for narrowing it (corner_walk.cpp).
+    moved_[k] = now == kept ? stays : static_cast<float>(distance(Vec3(now), Vec3(kept)));
+    kept = now;
+  }
+  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, moved_);
+  for (std::size_t k = 0; k < moved_.size(); ++k)
+    if (moved_[k] >= 0 || rounding_changed) set_radius(k, rounding, spheres);
+  return tested;
+}
+
+// Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
+// they were at rest are good already.
+Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
+  constexpr float most_growth = 1.01f;
+  const float enough = most_growth * core_radius_[k];
+  return kernels().pull(points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]},
+                        anchors_.center(k, points));
+}
+
+void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept {
+  Spheref& sphere = spheres[walk_.nodes()[k]];
+  sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
+}
+
+}  // namespace morula

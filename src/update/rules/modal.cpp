@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two bounds of a node's corners, both of [james2004]'s form. With c the centre and y a corner's place about it at
+// rest, the corner is at c + y + sum q_j u_j. With u_j = s_j + e_j, |e_j| <= stray:
+//   shifts      |corner - (c + sum q_j s_j)| <= |y| + sum |q_j| stray_j, which is the paper's
+// With u_j = G_j y + s_j + e_j and F = 1 + sum q_j G_j:
+//   gradients   |corner - (c + sum q_j s_j)| <= |F| |y| + sum |q_j| stray_j
+// The second lets strain and turning act together instead of adding their lengths, and its strays are of second order
+// in the size of the node; the first is better where displacements are rough. The smaller sphere is taken, node by
+// node.
+//
+// Rounding, all in double, e = 2^-53. m modes; Z bounds |coordinates| of everything that is added up: rest positions
+// and centres, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
+//   the caller's own sum rest + U q, and ours of shifts               2 x 1.8 (m + 1) e Z
+//   the entries of F, times |y| <= 3.5 Z                              10.4 (m + 1) e Z
+//   cut corners as weighted sums, of rows here and of positions there     10.4 e Z
+//   reading: origin + centre, distances of a certificate              below 10 e Z
+// Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of others are left out (exactly in it: facet_hull.hpp with
+// tolerance 0). Where weights add up to 1 +- s, the first weights of a corner and of what surrounds it differ by up to
+// 2 s, which is below 3.5 s Z as a length; allowed: 4 s Z. What binding a node rounds is in its strays and its radius
+// (rounded_up_radius), what narrowing the centre to float moves is measured.
+#include "update/rules/modal.hpp"
+
+#include <cassert>
+#include <stdexcept>
+#include <string>
+
+#include "update/points/narrow.hpp"
+#include "update/points/ownership.hpp"
+#include "update/points/ownership_check.hpp"
+#include "update/points/rounding.hpp"
+
+namespace morula {
+namespace {
+
+constexpr std::size_t nodes_per_chunk = 32;
+
+// Displacements add up to less than this; with a rest body within largest_local_coordinate, all that is computed from
+// them stays far inside the range of float.
+constexpr double largest_displacement = 0x1p55;
+
+// Corners of the cover that a node has to contain, each once.
+std::vector<std::uint32_t> corners_of(const Ownership& ownership, const Cover& cover, std::uint32_t first_leaf,
+                                      std::uint32_t end_leaf) {
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t i = ownership.begin[first_leaf]; i < ownership.begin[end_leaf]; ++i) {
+    const std::uint32_t point = ownership.points[i];
+    const std::size_t vertices = ownership.vertices.size();
+    corners.push_back(point < vertices ? ownership.vertices[point]
+                                       : cover.vertex_count + ownership.cut_points[point - vertices]);
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+}  // namespace
+
+void require_modes(const Modes& modes, const Mesh& mesh) {
+  if (modes.vertex_count != mesh.vertex_count())
+    throw std::invalid_argument("the modes are for " + std::to_string(modes.vertex_count) +
+                                " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
+  // Divided, not multiplied: no count overflows. A usable mesh has vertices.
+  if (modes.displacements.size() % modes.vertex_count != 0 ||
+      modes.displacements.size() / modes.vertex_count != modes.mode_count)
+    throw std::invalid_argument(std::to_string(modes.mode_count) + " modes of " + std::to_string(modes.vertex_count) +
+                                " vertices need a displacement each, but there are " +
+                                std::to_string(modes.displacements.size()));
+  for (std::size_t i = 0; i < modes.displacements.size(); ++i)
+    if (!is_finite(modes.displacements[i]))
+      throw std::invalid_argument("mode " + std::to_string(i / modes.vertex_count) + ": the displacement of vertex " +
+                                  std::to_string(i % modes.vertex_count) + " is not finite");
+}
+
+ModalMotion::ModalMotion(const Mesh& mesh, const Built& built, const Modes& modes,
+                         std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
+    : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
+  const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
+  guide_rest_ = mesh.positions[guide];
+  for (const std::uint32_t v : used_vertices) rest_reach_ = std::max(rest_reach_, largest_component(mesh.positions[v]));
+  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, largest_component(s.center));
+  for (const CutPoint& c : built.cover.cut_points)
+    weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
+  for (std::size_t j = 0; j < modes.mode_count; ++j) {
+    const std::span<const Vec3> mode = modes.mode(j);
+    guide_.push_back(mode[guide]);
+    for (const std::uint32_t v : used_vertices) reach_[j] = std::max(reach_[j], largest_component(mode[v]));
+  }
+  largest_row_ = reach_;
+}
+
+bool ModalMotion::accepts(std::span<const double> coordinates, std::size_t& first_bad) const noexcept {
+  double sum = 0, most = -1;
+  first_bad = 0;
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+    if (!std::isfinite(coordinates[j])) {
+      first_bad = j;
+      return false;
+    }
+    const double displacement = std::abs(coordinates[j]) * reach_[j];
+    sum += displacement;
+    if (displacement > most) most = displacement, first_bad = j;
+  }
+  return sum <= largest_displacement;
+}
+
+ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept {
+  // As move_by_modes moves the guide.
+  Vec3 guide = guide_rest_;
+  double largest = rest_reach_;
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+    if (coordinates[j] == 0) continue;
+    guide += coordinates[j] * guide_[j];
+    largest += std::abs(coordinates[j]) * largest_row_[j];
+  }
+  const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
+  const double share = 0x1p-49 * (static_cast<double>(coordinates.size()) + 16) + 4 * weight_slack_;
+  return {coordinates, origin, share * (largest + largest_component(origin))};
+}
+
+ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule> rule_of_level,
+                     const UpdateOptions& options, ModalMotion& motion, Workers& workers)
+    : mode_count_(options.modes.mode_count), slot_(built.tree.node_count(), no_node) {
+  const SphereTree& tree = built.tree;
+  for (std::size_t level = 0; level < tree.level_count(); ++level)
+    if (rule_of_level[level] == Rule::modal)
+      for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
+        slot_[node] = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.push_back({node});
+      }
+  rows_.resize(nodes_.size() * mode_count_);
+  if (options.details.modal_bound == RuleOptions::ModalBound::gradient) linear_rows_.resize(rows_.size());
+
+  // Its own list of points: those of the other rules leave out cut corners that only this one has to contain.
+  const LeafOrder order = depth_first_leaves(tree);
+  const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
+  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
+  assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
+  parallel_for(workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
+    const std::uint32_t node = nodes_[slot].node;
+    nodes_[slot].rest.center = tree.spheres[node].center;
+    bind(slot, mesh, built.cover, options.modes,
+         corners_of(ownership, built.cover, order.begin[node], order.end[node]));
+  });
+  for (std::size_t i = 0; i < linear_rows_.size(); ++i) {
+    const LinearModeRow& row = linear_rows_[i];
+    double steepest = 0;
+    for (const Vec3& column : row.gradient) steepest = std::max(steepest, largest_component(column));
+    const double across = 3 * steepest * nodes_[i / mode_count_].rest.radius;
+    motion.add_row(i % mode_count_, std::max(largest_component(row.shift), across));
+  }
+}
+
+void ModalRule::bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
+                     std::span<const std::uint32_t> corners) {
+  Sphere& rest = nodes_[slot].rest;
+  std::vector<Vec3> places;
+  double farthest = 0, largest = 0;
+  for (const std::uint32_t c : corners) {
+    const Vec3 corner = corner_position(cover, c, mesh.positions);
+    places.push_back(corner - rest.center);
+    farthest = std::max(farthest, safe_length(places.back()));
+    largest = std::max(largest, largest_component(corner));
+  }
+  const double extent = largest + largest_component(rest.center);
+  rest.radius = rounded_up_radius(farthest, extent);
+
+  const LinearFit fit(std::move(places), extent);
+  std::vector<Vec3> displacements(corners.size());
+  for (std::size_t j = 0; j < mode_count_; ++j) {
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      displacements[i] = corner_position(cover, corners[i], modes.mode(j));
+    rows_[slot * mode_count_ + j] = mode_row(displacements);
+    if (!linear_rows_.empty()) linear_rows_[slot * mode_count_ + j] = fit.row(displacements);
+  }
+}
+
+void ModalRule::update(const ModalPose& pose, std::span<Spheref> spheres, Workers& workers) const noexcept {
+  parallel_for(workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) spheres[nodes_[slot].node] = sphere_of(slot, pose);
+  });
+}
+
+Spheref ModalRule::sphere_of(std::size_t slot, const ModalPose& pose) const noexcept {
+  Sphere s = by_shifts(slot, pose.coordinates);
+  if (!linear_rows_.empty())
+    if (const Sphere other = by_gradients(slot, pose.coordinates); other.radius < s.radius) s = other;
+  const Vec3 center = s.center - pose.origin;
+  // Adding zero makes a negative zero positive, as the other rules do.
+  const Vec3f nearest = Vec3f(center) + Vec3f{};
+  return {nearest, rounded_up((s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + pose.pad)};
+}
+
+Sphere ModalRule::by_shifts(std::size_t slot, std::span<const double> coordinates) const noexcept {
+  Sphere s = nodes_[slot].rest;
+  const ModeRow* row = rows_.data() + slot * mode_count_;
+  for (const double q : coordinates) {
+    s.center += q * row->shift;
+    s.radius += std::abs(q) * row->stray;
+    ++row;
+  }
+  return s;
+}
+
+Sphere ModalRule::by_gradients(std::size_t slot, std::span<const double> coordinates) const noexcept {
+  const Sphere& rest = nodes_[slot].rest;
+  std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  Vec3 center = rest.center;
+  double stray = 0;
+  const LinearModeRow* row = linear_rows_.data() + slot * mode_count_;
+  for (const double q : coordinates) {
+    for (int k = 0; k < 3; ++k) columns[k] += q * row->gradient[k];
+    center += q * row->shift;
+    stray += std::abs(q) * row->stray;
+    ++row;
+  }
+  return {center, largest_stretch(columns) * rest.radius + stray};
+}
+
+}  // namespace morula

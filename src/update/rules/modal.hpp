@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The rule `modal`: spheres that follow the coordinates of a modal model and look at no vertex [james2004].
+#pragma once
+
+#include <algorithm>
+#include <morula/parallel/workers.hpp>
+#include <morula/tree/cover.hpp>
+#include <morula/update/rules.hpp>
+#include <span>
+#include <vector>
+
+#include "update/rules/mode_rows.hpp"
+
+namespace morula {
+
+/// Throws std::invalid_argument unless the modes have the mesh's vertices, one displacement each, all finite.
+void require_modes(const Modes& modes, const Mesh& mesh);
+
+/// What is common to all nodes at some coordinates.
+struct ModalPose {
+  std::span<const double> coordinates;
+  Vec3 origin;     ///< of the spheres, as LocalPoints has it for the moved positions, bit for bit
+  double pad = 0;  ///< what radii are rounded up by (modal.cpp)
+};
+
+class ModalMotion {
+ public:
+  /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
+  ModalMotion(const Mesh& mesh, const Built& built, const Modes& modes, std::span<const std::uint32_t> used_vertices,
+              const Vec3& rest_origin, double size);
+
+  std::size_t mode_count() const { return reach_.size(); }
+  /// Whether the coordinates are finite and move nothing farther than spheres in single precision can follow. If not,
+  /// first_bad is the lowest that is not finite or, when all are, the one that moves the body most.
+  bool accepts(std::span<const double> coordinates, std::size_t& first_bad) const noexcept;
+  /// coordinates must be accepted; they are not copied.
+  ModalPose pose(std::span<const double> coordinates) const noexcept;
+
+  /// Rows of nodes, unlike those of vertices, may be longer than what they bound; they enter pads alone.
+  void add_row(std::size_t j, double largest) { largest_row_[j] = std::max(largest_row_[j], largest); }
+
+ private:
+  // Per mode, the largest |component| of a vertex' displacement, and of anything that its coordinate is multiplied
+  // with.
+  std::vector<double> reach_, largest_row_;
+  std::vector<Vec3> guide_;  // per mode, the displacement of the vertex that the origin moves with
+  Vec3 guide_rest_, rest_origin_;
+  double size_;
+  double rest_reach_ = 0;  // largest |coordinate| at rest, of vertices and centres
+  double weight_slack_ = 0;
+};
+
+class ModalRule {
+ public:
+  /// Binds every node on a level with this rule: reads the rows of its owned corners, for each such level again.
+  ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule> rule_of_level, const UpdateOptions& options,
+            ModalMotion& motion, Workers& workers);
+
+  bool serves(std::uint32_t node) const { return slot_[node] != no_node; }
+  /// The sphere of a node that the rule serves, about the pose's origin.
+  Spheref sphere(std::uint32_t node, const ModalPose& pose) const noexcept { return sphere_of(slot_[node], pose); }
+  /// Writes the spheres of all its nodes.
+  void update(const ModalPose& pose, std::span<Spheref> spheres, Workers& workers) const noexcept;
+
+ private:
+  struct Node {
+    std::uint32_t node;
+    Sphere rest{};  // the tree's centre, and the radius that contains the owned corners
+  };
+  void bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
+            std::span<const std::uint32_t> corners);
+  Spheref sphere_of(std::size_t slot, const ModalPose& pose) const noexcept;
+  Sphere by_shifts(std::size_t slot, std::span<const double> coordinates) const noexcept;
+  Sphere by_gradients(std::size_t slot, std::span<const double> coordinates) const noexcept;
+
+  std::size_t mode_count_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> slot_;         // of a node in nodes_; no_node where another rule serves
+  std::vector<ModeRow> rows_;               // slot after slot, mode_count_ each
+  std::vector<LinearModeRow> linear_rows_;  // likewise; none with ModalBound::shift
+};
+
+}  // namespace morula

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The rules of the paper and of those before it: traditional, weighted, approach 1, approach 2 [garcia2005, sec. 3].
+#pragma once
+
+#include <morula/update/body.hpp>
+#include <span>
+#include <vector>
+
+#include "update/rules/exact.hpp"
+
+namespace morula {
+
+class PaperRules {
+ public:
+  /// spheres: about the rest origin; where a node follows a rule of this class the tree's sphere, else what its rule
+  /// makes of the rest positions. Spheres of traditional and weighted nodes are replaced by what they are at rest.
+  /// Counts void and unlinked spheres in the report.
+  PaperRules(const Binding& binding, const RuleOptions& options, std::span<Spheref> spheres, BindReport& report);
+
+  /// Writes the spheres of one level, those of this class's rules. Deeper levels must have been written: approaches 1
+  /// and 2 read the children, whatever rule made them.
+  void update_level(std::size_t level, std::span<const LocalPoint> points, const Rounding& rounding,
+                    std::span<Spheref> spheres, Workers& workers) const noexcept;
+
+  std::size_t tested_points() const { return tested_points_; }
+  /// No node of any other rule.
+  bool only_wraps() const { return only_wraps_; }
+
+ private:
+  struct Node {
+    std::uint32_t node;
+    Rule rule;
+    bool keeps_radius = false;  // traditional: a void sphere
+    bool has_ratio = false;     // approach 1: some distance at rest is large enough to divide by
+    std::uint32_t first_child = no_node, child_count = 0;
+    std::uint32_t link_begin = 0,
+                  link_end = 0;     // in points_ and weights_; empty where children take the place of vertices
+    std::uint32_t ratio_begin = 0;  // approach 1: in divisors_ and raises_, one per link or per child
+    Spheref rest{};                 // the tree's sphere
+    Vec3 rest_sum{};                // of the weighted links
+    Vec3f rest_box_center{};        // approach 2
+    float rest_reach = 0;           // approach 2: of the farthest box corner
+  };
+  struct Boxf {
+    Vec3f lower, upper;
+    Vec3f center() const { return (lower + upper) * 0.5f; }
+  };
+  void bind_links(const Binding& binding, const RuleOptions& options, BindReport& report);
+  void bind_rest(const Binding& binding, Node& n);
+  void add_ratio(Node& n, float rest_distance);
+
+  std::span<const std::uint32_t> links(const Node& n) const {
+    return std::span(points_).subspan(n.link_begin, n.link_end - n.link_begin);
+  }
+  Vec3 weighted_sum(const Node& n, std::span<const LocalPoint> points) const noexcept;
+  Vec3f moved_by_links(const Node& n, std::span<const LocalPoint> points) const noexcept;
+  Spheref traditional(const Node& n, std::span<const LocalPoint> points, const Rounding& rounding) const noexcept;
+  Spheref wrapped(const Node& n, const Rounding& rounding, std::span<const Spheref> spheres) const noexcept;
+  Vec3f moved_by_children(const Node& n, std::span<const Spheref> spheres) const noexcept;
+  Spheref approach1(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
+  Spheref approach2(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
+  Boxf box_of(const Node& n, std::span<const LocalPoint> points, std::span<const Spheref> spheres) const noexcept;
+
+  std::vector<Node> nodes_;                 // ascending
+  std::vector<std::uint32_t> level_begin_;  // in nodes_, one more than levels
+  // Links, padded to whole groups: the last one again, with no weight.
+  std::vector<std::uint32_t> points_;
+  std::vector<float> weights_;
+  std::vector<float> divisors_, raises_;  // d + k and k of (d' + k) / (d + k)
+  std::vector<Spheref> rest_spheres_;     // of all nodes: what each rule makes of the rest positions
+  bool boxes_of_centers_ = false, only_wraps_ = true;
+  double distance_floor_ = 0;
+  std::size_t tested_points_ = 0;
+};
+
+}  // namespace morula

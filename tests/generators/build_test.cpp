@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What every generator promises, on every kind of mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/generators/build.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/sampling.hpp>
+#include <support/meshes.hpp>
+
+#include "same_bits.hpp"
+
+namespace morula {
+namespace {
+
+// Promises do not depend on the quality: method morula keeps them at its fastest here, and at the others in own_test.
+Quality quick(Method method) {
+  return method == Method::morula ? Quality::fast : Quality::standard;
+}
+
+std::string described(Method method, const std::string& mesh, int branching, int depth) {
+  return std::string(name(method)) + " on " + mesh + ", branching " + std::to_string(branching) + ", depth " +
+         std::to_string(depth);
+}
+
+void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
+  const Built built = build(mesh, options);
+  const auto faults = validate(mesh, built);
+  EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
+  EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(options.depth) + 1) << what;
+  EXPECT_EQ(built.tree.branching, static_cast<std::uint32_t>(options.branching)) << what;
+  EXPECT_EQ(built.report.mesh_hash, mesh_hash(mesh)) << what;
+  // The certificate's claim, seen from outside: samples of the surface in plain arithmetic.
+  for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
+    const std::vector<Sphere> spheres = level_set_spheres(built.tree, level);
+    for (const SurfacePoint& s : sample_surface(mesh, 200, 4)) {
+      const bool inside = std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& b) {
+        return distance(b.center, s.point) <= b.radius * (1 + 1e-12);
+      });
+      ASSERT_TRUE(inside) << what << ", level " << level;
+    }
+  }
+}
+
+TEST(Build, covers_every_kind_of_mesh_with_every_method) {
+  for (const Method method : all_methods())
+    for (const test::NamedMesh& named : test::all_meshes())
+      expect_promises_kept(named.mesh, {.method = method, .depth = 2, .quality = quick(method)},
+                           described(method, named.name, 8, 2));
+}
+
+TEST(Build, keeps_its_promises_for_every_branching_and_depth) {
+  const Mesh mesh = sample_body("limb", 8);
+  for (const Method method : all_methods()) {
+    // Those that make medial balls take some 20 ms per node.
+    const bool slow = method == Method::hubbard || method == Method::medial || method == Method::combined;
+    const auto expect = [&](int branching, int depth) {
+      expect_promises_kept(mesh, {.method = method, .branching = branching, .depth = depth, .quality = quick(method)},
+                           described(method, "limb", branching, depth));
+    };
+    for (const int branching : {2, 3, 5, 8, 13}) expect(branching, slow ? 1 : 2);
+    expect(64, slow ? 1 : 2);
+    for (const int depth : {0, 1, slow ? 2 : 4}) expect(4, depth);
+    expect(2, slow ? 4 : 8);
+  }
+}
+
+TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
+  const Mesh mesh = sample_body("blob", 16);
+  std::vector<BuildOptions> runs;
+  for (const Method method : all_methods()) runs.push_back({.method = method, .depth = 2, .quality = quick(method)});
+  runs.push_back({.method = Method::morula, .depth = 2});
+  for (const BuildOptions& options : runs) test::expect_same_bits_for_any_number_of_workers(mesh, options);
+}
+
+TEST(Build, makes_the_golden_trees) {
+  // Changes when a generator changes; must not change with compiler, processor or build type.
+  const Mesh mesh = sample_body("limb", 16);
+  const auto hash = [&](Method method, Quality quality = Quality::standard) {
+    return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
+  };
+  EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
+  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
+  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
+  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
+  EXPECT_EQ(hash(Method::medial), 0xa00f07a7c6b99dbcu);
+  EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
+  EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
+}
+
+TEST(Build, moves_and_scales_with_its_input) {
+  const Mesh mesh = sample_body("limb", 16);
+  const Vec3 offset{3, -7, 11};
+  for (const Method method : all_methods()) {
+    const SphereTree here = build(mesh, {.method = method, .depth = 2, .quality = quick(method)}).tree;
+    // Powers of two scale every number of the computation exactly.
+    const SphereTree larger =
+        build(test::scaled(mesh, 4), {.method = method, .depth = 2, .quality = quick(method)}).tree;
+    ASSERT_EQ(larger.node_count(), here.node_count());
+    for (std::size_t i = 0; i < here.node_count(); ++i) {
+      EXPECT_NEAR(larger.spheres[i].radius, 4 * here.spheres[i].radius, 1e-9) << name(method);
+      EXPECT_LT(distance(larger.spheres[i].center, here.spheres[i].center * 4.0), 1e-9) << name(method);
+    }
+    // Elsewhere coordinates are rounded differently, and a search may end at another optimum that is as good.
+    const Mesh moved = test::translated(mesh, offset);
+    const SphereTree there = build(moved, {.method = method, .depth = 2, .quality = quick(method)}).tree;
+    for (std::size_t level = 1; level <= 2; ++level) {
+      const double here_loose = looseness(mesh, level_set_spheres(here, level)).looseness.value();
+      const double there_loose = looseness(moved, level_set_spheres(there, level)).looseness.value();
+      EXPECT_NEAR(there_loose / here_loose, 1, 0.25) << name(method) << ", level " << level;
+    }
+  }
+}
+
+TEST(Build, gets_tighter_with_depth) {
+  const Mesh mesh = sample_body("torus", 24);
+  for (const Method method : all_methods()) {
+    const SphereTree tree = build(mesh, {.method = method, .quality = quick(method)}).tree;
+    const auto loose = [&](std::size_t level) {
+      return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
+    };
+    // The first division may be looser than the root: eight spheres around the octants of a flat body stick out of it.
+    for (std::size_t level = 2; level < tree.level_count(); ++level)
+      EXPECT_LT(loose(level), loose(level - 1)) << name(method) << " level " << level;
+    EXPECT_LT(loose(2), loose(0)) << name(method);
+  }
+}
+
+TEST(Build, ends_early_where_there_is_nothing_to_divide) {
+  Mesh point;
+  point.positions.assign(3, Vec3{1, 2, 3});
+  point.facets = {{0, 1, 2}};
+  for (const Method method : all_methods()) {
+    const Built built = build(point, {.method = method});
+    EXPECT_EQ(built.tree.node_count(), 1u);
+    EXPECT_FALSE(built.report.notes.empty());
+    EXPECT_TRUE(validate(point, built).empty());
+  }
+}
+
+TEST(Build, reports_progress_that_never_goes_back) {
+  for (const Method method : all_methods()) {
+    std::vector<double> seen;
+    build(sample_body("bar", 8),
+          {.method = method, .depth = 2, .progress = [&](const BuildProgress& p) { seen.push_back(p.share); }});
+    ASSERT_GE(seen.size(), 2u);
+    EXPECT_EQ(seen.front(), 0);
+    EXPECT_EQ(seen.back(), 1);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  }
+}
+
+TEST(Build, refuses_bad_options_and_meshes_before_any_work) {
+  const Mesh mesh = sample_body("bar", 3);
+  EXPECT_THROW(build(mesh, {.branching = 1}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.branching = 65}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.depth = -1}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.depth = 9}), std::invalid_argument);
+  EXPECT_THROW(build(Mesh{}, {}), std::invalid_argument);
+  Mesh broken = mesh;
+  broken.positions[0].x = NAN;
+  EXPECT_THROW(build(broken, {}), std::invalid_argument);
+}
+
+TEST(Build, knows_its_methods_by_name) {
+  for (const Method method : all_methods()) EXPECT_EQ(method_from_name(name(method)), method);
+  EXPECT_FALSE(method_from_name("sphere-o-matic").has_value());
+}
+
+}  // namespace
+}  // namespace morula

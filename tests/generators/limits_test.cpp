@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Stopping, time limits and progress.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <morula/generators/build.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <numeric>
+#include <thread>
+
+namespace morula {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TEST(BuildStop, ends_the_build_soon_after_it_is_requested_from_the_progress_callback) {
+  const Mesh mesh = sample_body("limb", 24);
+  for (const Method method : {Method::octree, Method::grid, Method::hubbard, Method::medial})
+    for (const unsigned threads : {1u, 3u})
+      for (const std::size_t spheres : {std::size_t{0}, std::size_t{300}}) {
+        Workers workers(threads);
+        std::stop_source source;
+        int calls_after = 0;
+        const BuildOptions options{.method = method,
+                                   .depth = 4,
+                                   .spheres = spheres,
+                                   .stop = source.get_token(),
+                                   .progress = [&](const BuildProgress& p) {
+                                     calls_after += source.stop_requested();
+                                     if (p.share > 0) source.request_stop();
+                                   }};
+        EXPECT_THROW(build(mesh, options, workers), BuildStopped) << name(method);
+        EXPECT_EQ(calls_after, 0) << name(method);
+      }
+}
+
+TEST(BuildStop, is_noticed_between_nodes_when_requested_by_another_thread) {
+  const Mesh mesh = sample_body("limb", 24);
+  std::stop_source source;
+  std::chrono::steady_clock::time_point requested;
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    requested = std::chrono::steady_clock::now();
+    source.request_stop();
+  });
+  // Some ten thousand nodes: minutes, if it were not stopped.
+  EXPECT_THROW(build(mesh, {.method = Method::medial, .depth = 5, .stop = source.get_token()}), BuildStopped);
+  other.join();
+  EXPECT_LT(seconds_since(requested), 2.0);  // a node takes some 20 ms; sanitizers and busy machines are slow
+}
+
+TEST(BuildStop, requested_before_the_build_begins_means_no_work) {
+  std::stop_source source;
+  source.request_stop();
+  int calls = 0;
+  EXPECT_THROW(
+      build(sample_body("bar", 4), {.stop = source.get_token(), .progress = [&](const BuildProgress&) { ++calls; }}),
+      BuildStopped);
+  EXPECT_EQ(calls, 0);
+}
+
+TEST(BuildStop, that_is_never_requested_changes_nothing) {
+  const Mesh mesh = sample_body("blob", 16);
+  const std::stop_source source;
+  EXPECT_EQ(tree_hash(build(mesh, {.stop = source.get_token()}).tree), tree_hash(build(mesh).tree));
+}
+
+TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
+  const Mesh mesh = sample_body("limb", 24);
+  for (const Method method : {Method::grid, Method::medial})
+    for (const std::size_t spheres : {std::size_t{0}, std::size_t{2000}}) {
+      const auto start = std::chrono::steady_clock::now();
+      const Built built = build(mesh, {.method = method, .depth = 6, .spheres = spheres, .time_limit_seconds = 0.1});
+      EXPECT_LT(seconds_since(start), 3.0) << name(method);
+      EXPECT_TRUE(validate(mesh, built).empty()) << name(method);
+      EXPECT_FALSE(built.report.complete) << name(method);
+      const auto& notes = built.report.notes;
+      EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find("the time limit of 0.1 s was over") == 0 && note.find("undivided") != std::string::npos;
+      })) << name(method);
+    }
+}
+
+TEST(BuildTimeLimit, of_next_to_nothing_gives_the_root) {
+  const Mesh mesh = sample_body("bar", 8);
+  for (const std::size_t spheres : {std::size_t{0}, std::size_t{20}}) {
+    const Built built = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
+    EXPECT_EQ(built.tree.node_count(), 1u);
+    EXPECT_TRUE(validate(mesh, built).empty());
+    EXPECT_FALSE(built.report.complete);
+  }
+}
+
+TEST(BuildTimeLimit, that_is_not_reached_changes_nothing) {
+  const Mesh mesh = sample_body("blob", 16);
+  const Built built = build(mesh, {.time_limit_seconds = 1e6});
+  EXPECT_TRUE(built.report.complete);
+  EXPECT_EQ(tree_hash(built.tree), tree_hash(build(mesh).tree));
+}
+
+TEST(BuildProgressTold, names_levels_in_order_and_guesses_the_time_left) {
+  const Mesh mesh = sample_body("limb", 16);
+  for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
+    std::vector<BuildProgress> seen;
+    const Built built =
+        build(mesh, {.spheres = spheres, .progress = [&](const BuildProgress& p) { seen.push_back(p); }});
+    ASSERT_GE(seen.size(), 3u);
+    EXPECT_EQ(seen.front().share, 0);
+    EXPECT_EQ(seen.back().share, 1);
+    EXPECT_EQ(seen.back().seconds_left, 0.0);
+    // Of a flat set, levels may be pruned again.
+    EXPECT_GE(seen.back().level, static_cast<int>(built.tree.level_count()) - 1);
+    for (std::size_t i = 1; i < seen.size(); ++i) {
+      EXPECT_GE(seen[i].share, seen[i - 1].share);
+      EXPECT_GE(seen[i].level, seen[i - 1].level);
+      EXPECT_GE(seen[i].seconds_left.value_or(0), 0);
+    }
+    EXPECT_TRUE(std::any_of(seen.begin(), seen.end() - 1, [](const BuildProgress& p) { return p.seconds_left > 0.0; }));
+  }
+}
+
+TEST(BuildReportSeconds, add_up_to_no_more_than_the_whole) {
+  const Mesh mesh = sample_body("limb", 16);
+  for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
+    const auto start = std::chrono::steady_clock::now();
+    const Built built = build(mesh, {.spheres = spheres});
+    const double whole = seconds_since(start);
+    ASSERT_EQ(built.report.level_seconds.size(), built.tree.level_count());
+    for (const double s : built.report.level_seconds) EXPECT_GE(s, 0);
+    const double sum = std::accumulate(built.report.level_seconds.begin(), built.report.level_seconds.end(), 0.0);
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(sum, whole);
+  }
+}
+
+TEST(BuildLimits, refuses_numbers_that_are_none) {
+  const Mesh mesh = sample_body("bar", 3);
+  for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(build(mesh, {.time_limit_seconds = bad}), std::invalid_argument);
+    EXPECT_THROW(build(mesh, {.max_protrusion = bad}), std::invalid_argument);
+  }
+  EXPECT_THROW(build(mesh, {.spheres = std::numeric_limits<std::size_t>::max()}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.method = Method::grid, .quality = Quality::best}), std::invalid_argument);
+}
+
+TEST(BuildLimits, knows_qualities_by_name) {
+  for (const Quality quality : all_qualities()) EXPECT_EQ(quality_from_name(name(quality)), quality);
+  EXPECT_EQ(quality_from_name("default"), Quality::standard);
+  EXPECT_FALSE(quality_from_name("standard").has_value());
+}
+
+}  // namespace
+}  // namespace morula

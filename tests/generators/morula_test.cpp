@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What is particular to method morula: its qualities, and how much its seed matters.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/generators/build.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <numeric>
+#include <support/meshes.hpp>
+
+namespace morula {
+namespace {
+
+std::array<double, 2> loose_at_levels_2_and_3(const Mesh& mesh, const BuildOptions& options) {
+  const SphereTree tree = build(mesh, options).tree;
+  std::array<double, 2> loose{};
+  for (const std::size_t level : {2u, 3u})
+    loose[level - 2] = looseness(mesh, level_set_spheres(tree, level), {.resolution = 128}).looseness.value();
+  return loose;
+}
+
+TEST(Own, keeps_its_promises_at_every_quality) {
+  for (const Quality quality : all_qualities())
+    for (const Mesh& mesh : {sample_body("two", 6), test::mesh_named("moebius_strip").mesh}) {
+      const Built built = build(mesh, {.method = Method::morula, .depth = 2, .quality = quality});
+      const auto faults = validate(mesh, built);
+      EXPECT_TRUE(faults.empty()) << name(quality) << ": " << (faults.empty() ? "" : faults.front());
+      EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered) << name(quality);
+      EXPECT_TRUE(built.report.complete);
+      for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, 8u);
+    }
+}
+
+TEST(Own, is_tighter_with_more_work) {
+  const Mesh mesh = sample_body("limb", 16);
+  const auto fast = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::fast});
+  const auto best = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::best});
+  for (const std::size_t i : {0u, 1u}) {
+    RecordProperty(i == 0 ? "level_2" : "level_3", std::to_string(fast[i]) + " " + std::to_string(best[i]));
+    EXPECT_LE(best[i], fast[i]) << "level " << i + 2;
+  }
+}
+
+TEST(Own, is_nearly_as_tight_for_every_seed) {
+  const Mesh mesh = sample_body("limb", 16);
+  std::array<std::vector<double>, 2> loose;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto both = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .seed = seed});
+    for (const std::size_t i : {0u, 1u}) loose[i].push_back(both[i]);
+  }
+  for (const std::size_t i : {0u, 1u}) {
+    const double mean = std::accumulate(loose[i].begin(), loose[i].end(), 0.0) / 5;
+    for (const double l : loose[i]) {
+      EXPECT_NEAR(l / mean, 1, 0.15) << "level " << i + 2;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace morula

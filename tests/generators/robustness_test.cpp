@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Meshes that break builders, beyond those of support/meshes.hpp: every method covers them with few finite spheres.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/generators/build.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/trigonometry.hpp>
+#include <numbers>
+#include <support/meshes.hpp>
+
+namespace morula {
+namespace {
+
+Mesh cylinder(int around, double radius, double length) {
+  Mesh mesh;
+  for (int i = 0; i < around; ++i) {
+    const auto [s, c] = sin_cos(2 * std::numbers::pi * i / around);
+    mesh.positions.push_back({0, radius * c, radius * s});
+    mesh.positions.push_back({length, radius * c, radius * s});
+  }
+  mesh.positions.push_back({0, 0, 0});
+  mesh.positions.push_back({length, 0, 0});
+  const auto n = static_cast<std::uint32_t>(around);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t a = 2 * i, b = a + 1, c = 2 * ((i + 1) % n), d = c + 1;
+    mesh.facets.insert(mesh.facets.end(), {Facet{a, b, c}, Facet{b, d, c}, Facet{a, c, 2 * n}, Facet{b, 2 * n + 1, d}});
+  }
+  return test::inverted(signed_volume(mesh) < 0 ? mesh : test::inverted(mesh));
+}
+
+// Every facet there twice, by the same vertices.
+Mesh doubled(Mesh mesh) {
+  const std::vector<Facet> facets = mesh.facets;
+  mesh.facets.insert(mesh.facets.end(), facets.begin(), facets.end());
+  return mesh;
+}
+
+// All in one plane, facing both ways.
+Mesh flat_soup() {
+  Mesh mesh = test::facet_soup(40, 5);
+  for (Vec3& p : mesh.positions) p.z = 0.25;
+  return mesh;
+}
+
+// All on one line: facets without area.
+Mesh line_soup() {
+  Mesh mesh = test::facet_soup(20, 6);
+  for (Vec3& p : mesh.positions) p = Vec3{1, 2, -1} * p.x;
+  return mesh;
+}
+
+struct Named {
+  const char* name;
+  Mesh mesh;
+};
+std::vector<Named> hard_meshes() {
+  const Mesh limb = sample_body("limb", 6), ball = test::icosphere(2);
+  return {{"cylinder", cylinder(16, 0.5, 2)},
+          {"long thin cylinder", cylinder(8, 1e-4, 1)},
+          {"torus inside out", test::inverted(sample_body("torus", 8))},
+          {"all facets twice", doubled(ball)},
+          {"both sides of all facets", test::joined(ball, test::inverted(ball))},
+          {"tiny limb", test::scaled(limb, 1e-6)},
+          {"huge limb", test::scaled(limb, 1e6)},
+          {"limb far away", test::translated(limb, {1e5, -1e5, 1e5})},
+          {"small ball far from a large one", test::joined(ball, test::icosphere(1, 1e-5, {50, 0, 0}))},
+          {"facets in a plane", flat_soup()},
+          {"facets in a line", line_soup()},
+          {"soup", test::facet_soup(150, 9)}};
+}
+
+void expect_sound(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
+  const Built built = build(mesh, options);
+  const auto faults = validate(mesh, built);
+  EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
+  EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered) << what;
+  std::size_t most = 1;
+  for (std::size_t level = 0; level < built.tree.level_count(); ++level, most *= 8)
+    EXPECT_LE(built.tree.level_begin[level + 1] - built.tree.level_begin[level], most) << what;
+  const Box box = bounding_box(mesh);
+  for (const Sphere& s : built.tree.spheres) {
+    ASSERT_TRUE(is_finite(s.center) && std::isfinite(s.radius) && s.radius >= 0) << what;
+    ASSERT_LE(distance(s.center, box.center()), 4 * box.diagonal()) << what;
+    ASSERT_LE(s.radius, 2 * box.diagonal()) << what;
+  }
+}
+
+TEST(Robustness, every_method_covers_hard_meshes_with_few_finite_spheres) {
+  for (const Named& named : hard_meshes())
+    for (const Method method : all_methods()) {
+      const Quality quality = method == Method::morula ? Quality::fast : Quality::standard;
+      expect_sound(named.mesh, {.method = method, .depth = method == Method::combined ? 1 : 2, .quality = quality},
+                   std::string(name(method)) + " on " + named.name);
+    }
+}
+
+TEST(Robustness, method_morula_covers_hard_meshes_at_its_default_quality) {
+  for (const Named& named : hard_meshes())
+    expect_sound(named.mesh, {.method = Method::morula, .depth = 1}, std::string("morula on ") + named.name);
+  for (const char* mesh : {"single_facet", "folded_facet", "needle", "flat_plate", "tiny"})
+    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::morula, .depth = 2}, std::string("morula on ") + mesh);
+}
+
+TEST(Robustness, size_and_place_hardly_change_the_tightness) {
+  const Mesh mesh = sample_body("limb", 12);
+  for (const Method method : all_methods()) {
+    if (method == Method::combined) continue;  // as its parts
+    const BuildOptions options{
+        .method = method, .depth = 2, .quality = method == Method::morula ? Quality::fast : Quality::standard};
+    const auto loose = [&](const Mesh& m) {
+      return looseness(m, level_set_spheres(build(m, options).tree, 2), {.resolution = 64}).looseness.value();
+    };
+    const double plain = loose(mesh);
+    EXPECT_NEAR(loose(test::scaled(mesh, 1e-6)) / plain, 1, 0.2) << name(method);
+    EXPECT_NEAR(loose(test::scaled(mesh, 1e6)) / plain, 1, 0.2) << name(method);
+    EXPECT_NEAR(loose(test::translated(mesh, {1e5, -1e5, 1e5})) / plain, 1, 0.2) << name(method);
+    EXPECT_NEAR(loose(test::inverted(mesh)) / plain, 1, 0.2) << name(method);
+  }
+}
+
+}  // namespace
+}  // namespace morula
