@@ -127,7 +127,7 @@ class Soft {
   const morula::Mesh& mesh_;
   morula::Body body_;
   morula::Collider collider_;
-  morula::InsideTest inside_;
+  morula::InsideQuery inside_;
   World& world_;
   std::unique_ptr<btSoftBody> soft_;
 };

@@ -56,7 +56,7 @@ int main() {
   const morula::Mesh mesh = morula::sample_body("limb");
   morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid}));
   morula::Collider limb(mesh, body);
-  morula::InsideTest inside(limb);
+  morula::InsideQuery inside(limb);
   morula::Mesh now = mesh;                   // the limb of this frame
   std::vector<Vec3> before = now.positions;  // and of the last one
 

@@ -79,7 +79,7 @@ bool is_near(const Vec3& p) {
 // Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
 // first of equals.
 HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, const Vec3& from, std::size_t& tests) {
-  const SphereTree& tree = body.body().rest_tree();
+  const SphereTree& tree = body.tree();
   const std::size_t level = std::min<std::size_t>(2, tree.level_count() - 1);
   const std::array<HalfLine, 6> lines{HalfLine(from, 0, 1),  HalfLine(from, 1, 1),  HalfLine(from, 2, 1),
                                       HalfLine(from, 0, -1), HalfLine(from, 1, -1), HalfLine(from, 2, -1)};
@@ -97,7 +97,7 @@ HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, co
 // Facets of all leaves whose spheres the half line may meet, ascending, each once.
 std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const HalfLine& line,
                        std::vector<std::uint32_t>& facets) {
-  const SphereTree& tree = body.body().rest_tree();
+  const SphereTree& tree = body.tree();
   std::array<std::uint32_t, max_depth * max_branching + 1> stack;
   std::size_t top = 0, tests = 0;
   facets.clear();
@@ -121,30 +121,45 @@ std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const
 
 }  // namespace
 
-std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
+namespace {
+
+std::vector<std::uint32_t> lowest_of_components(std::size_t vertex_count, std::span<const Facet> facets) {
   // Disjoint sets with path halving; the lowest vertex is the root.
-  std::vector<std::uint32_t> parents(mesh.vertex_count());
+  std::vector<std::uint32_t> parents(vertex_count);
   std::iota(parents.begin(), parents.end(), 0u);
   const auto root = [&](std::uint32_t v) {
     while (parents[v] != v) v = parents[v] = parents[parents[v]];
     return v;
   };
-  std::vector<bool> used(mesh.vertex_count(), false);
-  for (const Facet& f : mesh.facets)
+  std::vector<bool> used(vertex_count, false);
+  for (const Facet& f : facets)
     for (const std::uint32_t v : f) {
       used[v] = true;
       const std::uint32_t a = root(f[0]), b = root(v);
       parents[std::max(a, b)] = std::min(a, b);
     }
   std::vector<std::uint32_t> lowest;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+  for (std::uint32_t v = 0; v < vertex_count; ++v)
     if (used[v] && root(v) == v) lowest.push_back(v);
   return lowest;
 }
 
-InsideTest::InsideTest(const Collider& body) : body_(&body) {
+}  // namespace
+
+std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
+  return lowest_of_components(mesh.vertex_count(), mesh.facets);
+}
+
+std::vector<std::uint32_t> component_vertices(const Collider& collider) {
+  return lowest_of_components(collider.vertex_count(), collider.mesh_facets());
+}
+
+InsideQuery::InsideQuery(const Collider& body) : body_(&body) {
   const StandardFloats standard;
-  const MeshReport report = inspect(body.mesh());
+  if (!body.has_surface()) throw std::invalid_argument(message(Status{Status::Code::no_surface}));
+  Mesh mesh{{}, {body.mesh_facets().begin(), body.mesh_facets().end()}};
+  for (std::size_t v = 0; v < body.vertex_count(); ++v) mesh.positions.push_back(body.positions()[v]);
+  const MeshReport report = inspect(mesh);
   if (!report.closed)
     throw std::invalid_argument("an open surface has no inside: " + std::to_string(report.boundary_edges) +
                                 " of its edges have one facet only, " + std::to_string(report.nonmanifold_edges) +
@@ -152,13 +167,13 @@ InsideTest::InsideTest(const Collider& body) : body_(&body) {
   is_oriented_ = report.oriented;
 }
 
-PointLocation InsideTest::locate(const Vec3& point) {
+PointLocation InsideQuery::locate(const Vec3& point) {
   const StandardFloats standard;
   PointLocation result;
   result.status = askable(*body_);
-  if (result.status && !is_near(point)) result.status = {QueryStatus::Code::bad_shape};
+  if (result.status && !is_near(point)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = spheres_cover(body_->body());
+  result.certified = body_->pose().covers;
 
   const PlacedSpheres spheres(*body_);
   const Sphere root = spheres(0);
@@ -188,16 +203,17 @@ PointLocation InsideTest::locate(const Vec3& point) {
   return result;
 }
 
-Probe InsideTest::probe(const Sphere& ball) {
+Probe InsideQuery::probe(const Sphere& ball) {
   const StandardFloats standard;
   Probe result;
-  if (!touch(*body_, ball, {.nearest = true}, touch_)) {
-    result.status = touch_.status;
+  const Touch& touch = touch_.run(*body_, ball, {.nearest = true});
+  if (!touch.status) {
+    result.status = touch.status;
     return result;
   }
   const PointLocation location = locate(ball.center);
   result.inside = location.inside;
-  result.nearest = touch_.deepest.point;
+  result.nearest = touch.deepest.point;
   const Vec3 out = result.nearest.point - ball.center;
   const double away = length(out);
   result.distance = result.inside ? -away : away;
@@ -212,16 +228,16 @@ Probe InsideTest::probe(const Sphere& ball) {
   return result;
 }
 
-bool InsideTest::components_inside(const Collider& other, std::span<const std::uint32_t> vertices,
-                                   Containment& result) {
+bool InsideQuery::components_inside(const Collider& other, std::span<const std::uint32_t> vertices,
+                                    Containment& result) {
   const StandardFloats standard;
   result.status = askable(*body_, 1);
   if (result.status) result.status = askable(other, 0);
   for (const std::uint32_t vertex : vertices)
-    if (result.status && vertex >= other.mesh().vertex_count()) result.status = {QueryStatus::Code::bad_option};
+    if (result.status && vertex >= other.vertex_count()) result.status = {Status::Code::bad_option};
   result.inside.clear();
   result.inside_count = 0;
-  result.certified = spheres_cover(body_->body());
+  result.certified = body_->pose().covers;
   if (!result.status) return false;
   for (const std::uint32_t vertex : vertices) {
     const bool inside = locate(other.vertex(vertex)).inside;

@@ -148,7 +148,7 @@ struct SphereContact {
   double depth;
 };
 SphereContact contact_of(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b) {
-  const Sphere sa = a.body().sphere(node_a), sb = b.body().sphere(node_b);
+  const Sphere sa = a.pose().sphere(node_a), sb = b.pose().sphere(node_b);
   const Vec3 ca = a.placement()(sa.center), cb = b.placement()(sb.center);
   const double apart = distance(ca, cb);
   const Vec3 n = normalized(ca - cb);
@@ -184,9 +184,9 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
           ++apart;
       }
     // Pairs of depth 0 can be left out, and nothing is lost.
-    Crossings all, kept;
-    crossings(one.collider, two.collider, all);
-    crossings(one.collider, two.collider, close, kept);
+    CrossingQuery all, kept;
+    all.run(one.collider, two.collider);
+    kept.run(one.collider, two.collider, close);
     ASSERT_EQ(kept.pairs().size(), all.pairs().size());
   }
   EXPECT_GT(contacts, 100u);

@@ -76,7 +76,7 @@ double size_of(const Mesh& mesh) {
 TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
   Random random(1);
   const auto all = specimens();
-  Crossings result;
+  CrossingQuery result;
   std::size_t poses_that_cross = 0, pairs = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     Specimen &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
@@ -96,7 +96,7 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
       Collider other(b.mesh, b.body);
       other.set_positions(b.view());
       other.place(place_b);
-      crossings(a.collider, other, result);
+      result.run(a.collider, other);
       const std::vector<Crossing> expected = brute_force::crossings(a.collider, other);
       ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), expected)) << a.name << " against " << b.name;
       EXPECT_LE(result.pairs().size(), result.pairs_tested());
@@ -112,10 +112,10 @@ TEST(Crossings, count_every_way_of_touching) {
   const Specimen box("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3)),
       twin("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3));
   Collider a(box.mesh, box.body), b(twin.mesh, twin.body);
-  Crossings result;
+  CrossingQuery result;
   const auto pairs_at = [&](const Vec3& shift) {
     b.place({.translation = shift});
-    crossings(a, b, result);
+    result.run(a, b);
     expect_equal(result.pairs(), brute_force::crossings(a, b));
     return result.pairs().size();
   };
@@ -138,8 +138,8 @@ TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbour
          {RigidTransform{}, RigidTransform::from_axis({1, 2, 3}, 0.7, {1e7, -3e6, 0.1})}) {
       a.place(placement);
       b.place(placement);
-      Crossings result;
-      crossings(a, b, result);
+      CrossingQuery result;
+      result.run(a, b);
       ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), brute_force::crossings(a, b)));
       std::set<std::pair<std::uint32_t, std::uint32_t>> found;
       for (const Crossing& c : result.pairs()) found.insert({c.facet_a, c.facet_b});
@@ -162,7 +162,7 @@ TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
   const std::vector<Crossing> all = brute_force::crossings(a, b);
   ASSERT_FALSE(all.empty());
   Random random(5);
-  Crossings result;
+  CrossingQuery result;
   for (int round = 0; round < 30; ++round) {
     std::vector<NodePair> nodes;
     for (int k = 0; k < 1 + round % 7; ++k)
@@ -179,18 +179,18 @@ TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
           expected.push_back(c);
           break;
         }
-    crossings(a, b, nodes, result);
+    result.run(a, b, nodes);
     ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), expected));
     EXPECT_EQ(result.leaf_pairs(), nodes.size());
   }
-  crossings(a, b, std::span<const NodePair>{}, result);
+  result.run(a, b, std::span<const NodePair>{});
   EXPECT_TRUE(result.pairs().empty());
 }
 
 TEST(Crossings, refuse_what_is_not_current_and_keep_the_result) {
   Specimen one("limb", sample_body("limb", 8)), two("limb", sample_body("limb", 8));
-  Crossings result;
-  crossings(one.collider, two.collider, result);
+  CrossingQuery result;
+  result.run(one.collider, two.collider);
   const std::vector<Crossing> before(result.pairs().begin(), result.pairs().end());
   ASSERT_FALSE(before.empty());
   const auto expect_refused = [&](const auto& query) {
@@ -198,14 +198,14 @@ TEST(Crossings, refuse_what_is_not_current_and_keep_the_result) {
     ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), before));
   };
   ASSERT_TRUE(two.body.update(two.mesh.positions));
-  expect_refused([&] { crossings(one.collider, two.collider, result); });
+  expect_refused([&] { result.run(one.collider, two.collider); });
   two.collider.set_positions(two.mesh.positions);
   const NodePair none{0, static_cast<std::uint32_t>(two.built.tree.node_count())};
-  expect_refused([&] { crossings(one.collider, two.collider, std::span(&none, 1), result); });
+  expect_refused([&] { result.run(one.collider, two.collider, std::span(&none, 1)); });
   std::vector<Vec3> bad = one.mesh.positions;
   bad[one.mesh.facets[0][0]].y = std::numeric_limits<double>::infinity();
   ASSERT_FALSE(one.body.update(bad));
-  expect_refused([&] { crossings(one.collider, two.collider, result); });
+  expect_refused([&] { result.run(one.collider, two.collider); });
   EXPECT_THROW(brute_force::crossings(one.collider, two.collider), std::invalid_argument);
 }
 

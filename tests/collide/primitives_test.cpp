@@ -178,10 +178,10 @@ TEST(Primitives, cost_less_than_looking_at_everything) {
 
 TEST(Primitives, refuse_what_is_no_shape) {
   PlacedBody ball(test::icosphere(1));
-  using Code = QueryStatus::Code;
-  Touch result;
+  using Code = Status::Code;
+  TouchQuery query;
   const auto fault = [&](const auto& shape, const TouchOptions& options = {}) {
-    EXPECT_FALSE(touch(ball.collider, shape, options, result));
+    const Touch& result = query.run(ball.collider, shape, options);
     EXPECT_FALSE(result.touches || result.clear || result.found);
     return result.status.code;
   };

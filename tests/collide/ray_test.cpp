@@ -18,7 +18,7 @@ using test::PlacedBody;
 double slow_first_hit(const Collider& body, const Ray& ray, double* nearest_edge) {
   double first = std::numeric_limits<double>::infinity();
   *nearest_edge = first;
-  for (std::uint32_t f = 0; f < body.mesh().facet_count(); ++f) {
+  for (std::uint32_t f = 0; f < body.mesh_facets().size(); ++f) {
     const Triangle t = body.triangle(f);
     const Vec3 n = area_vector(t);
     const double slope = dot(n, ray.direction);
@@ -134,11 +134,11 @@ TEST(Ray, refuses_what_is_no_ray) {
   for (const Ray& bad : {Ray{{nan, 0, 0}, {0, 0, 1}}, Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{0, 0, 0}, {0, nan, 1}},
                          Ray{{0, 0, 0}, {0, 0, 1}, -1}, Ray{{0, 0, 0}, {0, 0, 1}, nan}}) {
     const RayHit found = first_hit(box.collider, bad);
-    EXPECT_EQ(found.status.code, QueryStatus::Code::bad_shape);
+    EXPECT_EQ(found.status.code, Status::Code::bad_shape);
     EXPECT_FALSE(found.hit || found.certified);
   }
   ASSERT_TRUE(box.body.update(box.mesh.positions));
-  EXPECT_EQ(first_hit(box.collider, {}).status.code, QueryStatus::Code::positions_not_current);
+  EXPECT_EQ(first_hit(box.collider, {}).status.code, Status::Code::positions_not_current);
 }
 
 }  // namespace

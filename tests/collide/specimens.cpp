@@ -63,7 +63,7 @@ RigidTransform random_placement(Random& random, double reach, const Vec3& about)
 std::vector<Crossing> crossings_by_brute_force(const Collider& a, const Collider& b) {
   const auto triangles = [](const Collider& c) {
     std::vector<Triangle> list;
-    for (std::uint32_t f = 0; f < c.mesh().facet_count(); ++f) list.push_back(c.triangle(f));
+    for (std::uint32_t f = 0; f < c.mesh_facets().size(); ++f) list.push_back(c.triangle(f));
     return list;
   };
   const std::vector<Triangle> all_a = triangles(a), all_b = triangles(b);

@@ -32,7 +32,7 @@ double squared_distance_to(const Segment& s, const Vec3& p) {
 class CrossingsOfNodes {
  public:
   CrossingsOfNodes(const Collider& body, std::vector<std::uint32_t> facets)
-      : body_(body), facets_(std::move(facets)), known_(body.body().spheres().size()), lists_(known_.size()) {}
+      : body_(body), facets_(std::move(facets)), known_(body.tree().node_count()), lists_(known_.size()) {}
   /// Ascending.
   const std::vector<std::uint32_t>& of(std::uint32_t node) {
     if (!known_[node]) {
@@ -194,7 +194,7 @@ PressCell run_press(const StudyPlan& plan, const NamedMesh& body, const std::str
       const std::size_t last = built.tree.level_count() - 1;  // of a tree from a file: perhaps less than planned
       if (!queries[q].leaves) options.level = static_cast<std::uint32_t>(std::min(queries[q].level, last));
       if (queries[q].budget) options.budget = *queries[q].budget;
-      collide(a, b, options, found);
+      found = collide(a, b, options);
       cell.figures.push_back(judge(truth_of, truth, found, scene.diagonal));
       cell.figures.back().axis = axis_name(truth.axis);
       cell.figures.back().amount = static_cast<std::size_t>(

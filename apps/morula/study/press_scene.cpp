@@ -43,18 +43,18 @@ class Pair {
 
   std::span<const Crossing> crossings(const RigidTransform& placement) {
     b_.place(placement);
-    morula::crossings(a_, b_, found_);
+    found_.run(a_, b_);
     return found_.pairs();
   }
   double distance_above(const RigidTransform& placement) {
     b_.place(placement);
-    return query_(a_, b_).lower;
+    return query_.run(a_, b_).lower;
   }
 
  private:
   Body body_;
   Collider a_, b_;
-  Crossings found_;
+  CrossingQuery found_;
   DistanceQuery query_;
 };
 

@@ -28,9 +28,9 @@ void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Meter* met
   for (std::size_t i = 0; i < (by_time ? result.finished_count : result.contacts.size()); ++i) {
     if (by_time && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];
-    const ColliderPair& pair = pairs[c.bodies];
+    const ColliderPair& pair = pairs[c.pair];
     result.surfaces.push_back(
-        contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.bodies]));
+        contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.pair]));
   }
 }
 
@@ -39,9 +39,9 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
     result.crossings_begin.push_back(result.crossings.size());
     nodes_.clear();
     for (std::size_t k = 0; k < result.finished_count; ++k)
-      if (const Contact& c = result.contacts[k]; c.bodies == i) nodes_.push_back({c.node_a, c.node_b});
+      if (const Contact& c = result.contacts[k]; c.pair == i) nodes_.push_back({c.node_a, c.node_b});
     if (nodes_.empty()) continue;
-    morula::crossings(*pairs[i].a, *pairs[i].b, nodes_, crossings_);
+    crossings_.run(*pairs[i].a, *pairs[i].b, nodes_);  // checked by the query that this is part of
     const auto found = crossings_.pairs();
     result.crossings.insert(result.crossings.end(), found.begin(), found.end());
   }
@@ -49,9 +49,9 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
 }
 
 void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contacts& result) {
-  const auto test_of = [](const Collider& body) -> std::optional<InsideTest> {
+  const auto test_of = [](const Collider& body) -> std::optional<InsideQuery> {
     try {
-      return InsideTest(body);
+      return InsideQuery(body);
     } catch (const std::invalid_argument&) {
       return std::nullopt;  // open: it has no inside
     }
@@ -59,11 +59,10 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
   if (inside_.size() != pairs.size()) {
     inside_.clear();
     for (const ColliderPair& pair : pairs)
-      inside_.push_back(
-          {test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->mesh()), component_vertices(pair.b->mesh())});
+      inside_.push_back({test_of(*pair.a), test_of(*pair.b), component_vertices(*pair.a), component_vertices(*pair.b)});
   }
   result.containment.resize(pairs.size());
-  const auto test = [](std::optional<InsideTest>& outer, const Collider& inner,
+  const auto test = [](std::optional<InsideQuery>& outer, const Collider& inner,
                        std::span<const std::uint32_t> components, Containment& found) {
     if (outer) {
       outer->components_inside(inner, components, found);

@@ -27,7 +27,7 @@ class ContactExtras {
 
  private:
   struct Inside {
-    std::optional<InsideTest> a, b;  // none: an open surface
+    std::optional<InsideQuery> a, b;  // none: an open surface
     std::vector<std::uint32_t> components_a, components_b;
   };
   void add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result);
@@ -36,7 +36,7 @@ class ContactExtras {
 
   std::vector<SurfaceScratch> surfaces_;  // one per pair
   std::vector<NodePair> nodes_;
-  Crossings crossings_;
+  CrossingQuery crossings_;
   std::vector<Inside> inside_;
 };
 

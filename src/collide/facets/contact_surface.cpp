@@ -77,7 +77,7 @@ double placement_pad(const Collider& collider, const Vec3& center, double radius
   return radius * 0x1p-28 + reach * 0x1p-48;
 }
 double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
-  const Sphere s = collider.body().sphere(node);
+  const Sphere s = collider.pose().sphere(node);
   return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
 }
 /// Of the corners of the facets that the node has a part of.
@@ -100,7 +100,7 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
   const Vec3 direction = normalized(mean);
   const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
-  const double radius = collider.body().sphere(node).radius;
+  const double radius = collider.pose().sphere(node).radius;
   return radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
 }
 

@@ -49,7 +49,7 @@ void NodeFacets::start(const Collider& collider, const Vec3& origin) {
   origin_ = origin;
   used_ = facets_read_ = 0;
   triangles_.clear();
-  const std::size_t nodes = collider.body().rest_tree().node_count();
+  const std::size_t nodes = collider.tree().node_count();
   if (stamp_.size() < nodes) stamp_.resize(nodes, now_), range_.resize(nodes);
   if (++now_ == 0) {
     std::fill(stamp_.begin(), stamp_.end(), 0);

@@ -34,7 +34,7 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
 
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
   const RigidTransform &place_a = a.placement(), &place_b = b.placement();
-  const Vec3 origin_a = a.body().origin(), origin_b = b.body().origin();
+  const Vec3 origin_a = a.pose().origin, origin_b = b.pose().origin;
   const Vec3 world_a = place_a(origin_a), shift = place_b(origin_b) - world_a;
   const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.turn_back(shift)};
   const double coordinates = largest_component(origin_a) + largest_component(origin_b) +

@@ -24,8 +24,8 @@ class PlacedSpheres {
  public:
   explicit PlacedSpheres(const Collider& collider)
       : placement_(collider.placement()),
-        spheres_(collider.body().spheres()),
-        origin_(collider.body().origin()),
+        spheres_(collider.pose().spheres),
+        origin_(collider.pose().origin),
         stretch_(1 + 2 * deviation_from_rigid(placement_) + 0x1p-49),
         translation_(largest_component(placement_.translation)) {}
 

@@ -4,11 +4,12 @@
 #include <array>
 #include <morula/collide/primitives.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/tree/walk.hpp>
 #include <stdexcept>
 
 #include "collide/facets/world_facets.hpp"
 #include "collide/pairs/placed_spheres.hpp"
-#include "collide/pairs/walk.hpp"
+#include "collide/require.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -129,7 +130,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
   };
   const auto leave = [&](double b) { result.lower = std::min(result.lower, b); };
   walk_nearest_first(
-      body.body().rest_tree(), bound, [&] { return limit; }, leave,
+      body.tree(), bound, [&] { return limit; }, leave,
       [&](std::uint32_t leaf, double leaf_bound) {
         bool touched = false;
         for (const std::uint32_t facet : body.facets(leaf)) {
@@ -175,8 +176,8 @@ bool is_good(double radius) {
 // Empties the result; true when the query may go on.
 bool begin(const Collider& body, bool good_shape, const TouchOptions& options, Touch& result) {
   result.status = askable(body);
-  if (result.status && !good_shape) result.status = {QueryStatus::Code::bad_shape};
-  if (result.status && !std::isfinite(options.margin)) result.status = {QueryStatus::Code::bad_option};
+  if (result.status && !good_shape) result.status = {Status::Code::bad_shape};
+  if (result.status && !std::isfinite(options.margin)) result.status = {Status::Code::bad_option};
   result.found = result.touches = result.clear = result.certified = false;
   result.lower = 0;
   result.deepest = {};
@@ -184,40 +185,43 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.leaves.clear();
   result.sphere_tests = result.facet_tests = 0;
   if (!result.status) return false;
-  result.certified = spheres_cover(body.body());
+  result.certified = body.pose().covers;
   return true;
 }
 
 template <class Shape>
 Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOptions& options) {
-  Touch result;
-  if (!touch(body, shape, options, result)) throw std::invalid_argument(message(result.status));
-  return result;
+  TouchQuery query;
+  require_good(query.run(body, shape, options).status);
+  return query.result();
 }
 
 }  // namespace
 
-bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
   const StandardFloats standard;
+  Touch& result = result_;
   const double size = length(shape.normal);
   const bool good = is_near(shape.normal) && size > 0x1p-200 && std::abs(shape.offset) / size < 0x1p200;
-  if (!begin(body, good, options, result)) return false;
+  if (!begin(body, good, options, result)) return result;
   search(body, PlacedHalfSpace(shape), options, result);
-  return true;
+  return result;
 }
 
-bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const Sphere& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return false;
+  Touch& result = result_;
+  if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return result;
   search(body, PlacedCapsule(shape.center, shape.center, shape.radius), options, result);
-  return true;
+  return result;
 }
 
-bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const Capsule& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return false;
+  Touch& result = result_;
+  if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return result;
   search(body, PlacedCapsule(shape.p, shape.q, shape.radius), options, result);
-  return true;
+  return result;
 }
 
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {

@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 #include <morula/collide/primitives.hpp>
+#include <morula/tree/walk.hpp>
 
 #include "collide/pairs/placed_spheres.hpp"
-#include "collide/pairs/walk.hpp"
+#include "collide/require.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -105,13 +106,13 @@ bool is_good(const Ray& ray) {
 
 }  // namespace
 
-RayHit first_hit(const Collider& body, const Ray& ray) {
+RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
   const StandardFloats standard;
   RayHit result;
   result.status = askable(body);
-  if (result.status && !is_good(ray)) result.status = {QueryStatus::Code::bad_shape};
+  if (result.status && !is_good(ray)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = spheres_cover(body.body());
+  result.certified = body.pose().covers;
   const PlacedSpheres spheres(body);
   const ShearedRay sheared(ray);
   // Bounds of spheres that are missed are infinite: the limit stays below.
@@ -122,7 +123,7 @@ RayHit first_hit(const Collider& body, const Ray& ray) {
     return sheared.bound(spheres(node));
   };
   walk_nearest_first(
-      body.body().rest_tree(), bound, [&] { return limit; }, [](double) {},
+      body.tree(), bound, [&] { return limit; }, [](double) {},
       [&](std::uint32_t leaf, double) {
         for (const std::uint32_t facet : body.facets(leaf)) {
           ++result.facet_tests;
@@ -140,6 +141,12 @@ RayHit first_hit(const Collider& body, const Ray& ray) {
   const Triangle corners = body.triangle(result.point.facet);
   result.point.point = at_barycentric(corners, result.point.barycentric);
   result.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
+  return result;
+}
+
+RayHit first_hit(const Collider& body, const Ray& ray) {
+  const RayHit result = RayQuery().run(body, ray);
+  require_good(result.status);
   return result;
 }
 

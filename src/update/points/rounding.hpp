@@ -27,25 +27,10 @@
 // What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
 #pragma once
 
-#include <cmath>
-#include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/vector.hpp>
 
 namespace morula {
-
-/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centres
-/// that lie outside the hull of their anchors.
-inline constexpr float largest_local_coordinate = 0x1p57f;
-/// So does the origin stay below this: what reading at such coordinates costs, 2^-48 of them, is then below 2^52.
-inline constexpr double largest_origin_coordinate = 0x1p100;
-/// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
-inline constexpr float largest_radius = 0x1p60f;
-
-/// The least float that is not below x.
-inline float rounded_up(double x) {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
-}
 
 /// What the points of one frame allow for.
 struct Rounding {
