@@ -31,6 +31,7 @@ set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
 set(wings_io array mesh tree motion)
 # Files beside the wings that the wings may include.
+set(common_collide require)
 set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
 
 if(NOT DEFINED ROOT)

@@ -11,6 +11,7 @@
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
@@ -28,6 +29,7 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

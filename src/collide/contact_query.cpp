@@ -136,6 +136,27 @@ ContactStatus ContactQuery::run(Workers& workers) {
   return s.done();
 }
 
+Status ContactQuery::warm_up(Workers& workers) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (const Status status = s.usable(); !status) return status;
+  const CollideOptions asked = std::exchange(s.options, [&] {
+    CollideOptions all = s.options;
+    all.budget = {};
+    return all;
+  }());
+  run(workers);
+  s.walk.start(s.options, true, workers, s.contacts);
+  s.options = asked;
+  s.walk.front.pairs.clear();
+  s.contacts.contacts.clear();
+  s.contacts.surfaces.clear();
+  s.contacts.crossings.clear();
+  s.contacts.finished_count = 0;
+  s.contacts.finished = false;
+  return {};
+}
+
 ContactStatus ContactQuery::start(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
@@ -169,6 +190,18 @@ const Contacts& ContactQuery::contacts() const {
 
 Contacts ContactQuery::take_contacts() {
   return std::exchange(state_->contacts, Contacts{});
+}
+
+ContactSurface ContactQuery::surface(std::size_t contact) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (contact >= s.contacts.contacts.size())
+    throw std::invalid_argument("there is no contact " + std::to_string(contact) + ", but " +
+                                std::to_string(s.contacts.contacts.size()));
+  const Contact& c = s.contacts.contacts[contact];
+  const ColliderPair& pair = s.walk.pairs[c.pair];
+  require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.reach, .positions = true});
+  return s.walk.extras.surface_of(s.walk.pairs, c);
 }
 
 const Front& ContactQuery::front() const {

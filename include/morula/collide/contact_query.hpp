@@ -36,6 +36,10 @@ class ContactQuery {
   void set_options(CollideOptions options);
   const CollideOptions& options() const;
 
+  /// Does what the first call would do beside answering: memory, tables of the bodies. The first call is then as quick
+  /// as later ones. Keeps no front and no contacts. Cost: a whole query.
+  Status warm_up(Workers& workers = serial_workers());
+
   /// All contacts of the pairs as they are now, and no front: the quickest way to a whole answer. Of each pair in turn,
   /// depth-first, by the nodes of b, then of a. With a budget, or `reach`, as start() finds them.
   ContactStatus run(Workers& workers = serial_workers());
@@ -53,6 +57,11 @@ class ContactQuery {
   const Contacts& contacts() const;
   /// The same, moved out of the query, which has none then.
   Contacts take_contacts();
+  /// Of any contact of contacts(), also one that is not finished, which may take as long as the whole query: all facets
+  /// of both nodes are looked at. Refused as run() is with `surfaces`: throws std::invalid_argument then, and for a
+  /// contact that is none. Of current colliders.
+  ContactSurface surface(std::size_t contact);
+
   const Front& front() const;
   /// Takes the place of the query's own; resume() and carry() check it.
   void set_front(Front front);

@@ -66,8 +66,8 @@ struct CollideOptions {
   Budget budget{};    ///< not negative
   Priority priority = Priority::overlap;
   // The next three need current positions of both bodies (Collider::set_positions).
-  bool surfaces = false;     ///< fill Contacts::surfaces; of a budget of time the search gets half then
-  bool exact = false;        ///< fill Contacts::crossings; on top of any budget
+  bool surfaces = false;  ///< fill Contacts::surfaces; of a budget of time the search gets half then, of pair tests all
+  bool exact = false;     ///< fill Contacts::crossings; on top of any budget
   bool containment = false;  ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
   Clock clock{};             ///< of a budget of time; none: std::chrono::steady_clock
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
@@ -79,8 +79,8 @@ struct CollideOptions {
 struct Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
-  /// When asked for: of the first contacts. That is all of them, or under a budget of time the finished ones, as far as
-  /// it reaches.
+  /// When asked for: of the first contacts. That is all of them without a budget, else the finished ones, of a budget
+  /// of time as far as it reaches. ContactQuery::surface() tells those of others.
   std::vector<ContactSurface> surfaces;
   /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
   /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
