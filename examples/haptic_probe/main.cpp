@@ -75,7 +75,6 @@ int main() {
       before = std::move(now.positions);
       now.positions = morula::deform(mesh, {morula::Bend{35}, morula::Twist{60}}, t);
       if (!body.update(now.positions)) return 1;
-      limb.set_positions(now.positions);
       // The centre was farther from the surface than any point of it has moved: none has passed through it.
       if (step > 0 && largest_move(before, now.positions) >= nearest) fault(step, "the surface came too fast");
     }
