@@ -145,6 +145,51 @@ Result overrun(const Input& input, const Collider& a, const Collider& b, const K
   return result;
 }
 
+// A query with surfaces that a budget of pair tests stops must not cost more than a whole one.
+Result stopped(const Input& input, const Collider& a, const Collider& b, const Keys& all, const Settings& settings) {
+  Result result = result_of("stopped with surfaces", input);
+  ContactQuery query({.surfaces = true});
+  query.add(a, b);
+  const auto cost = [&] { return median(timed_calls(settings, [&] { query.run(); })); };
+  const double whole = cost();
+  const auto tests = static_cast<std::int64_t>(query.contacts().pair_tests);
+  double largest = 0;
+  for (const std::int64_t budget : {std::int64_t{1}, std::int64_t{65}, tests / 8, tests / 4, tests / 2, tests}) {
+    query.set_options({.budget = budget, .surfaces = true});
+    largest = std::max(largest, cost() / whole);
+    const Contacts& found = query.contacts();
+    bool sound = found.surfaces.size() == found.finished_count;
+    for (const Contact& c : found.contacts) sound = sound && (!c.finished || all.contains({c.node_a, c.node_b}));
+    result.expect(sound, "a finished contact that the whole query does not have, or without a surface");
+  }
+  result.seconds = {whole};
+  result.figures = {{"whole us", 1e6 * whole}, {"largest cost over the whole query's", largest}};
+  return result;
+}
+
+// The first call of a query, cold and warmed up, over later ones.
+Result first_calls(const Input& input, const Collider& a, const Collider& b, const Keys& all) {
+  Result result = result_of("first call", input);
+  std::vector<double> cold, warm, later;
+  for (int i = 0; i < 25; ++i)
+    for (std::vector<double>* times : {&cold, &warm}) {
+      ContactQuery query({.surfaces = true});
+      query.add(a, b);
+      if (times == &warm) query.warm_up();
+      const double start = thread_seconds();
+      query.start();
+      const double first = thread_seconds();
+      query.start();
+      later.push_back(thread_seconds() - first);
+      times->push_back(first - start);
+      result.expect(keys(query.contacts()) == all, "other contacts");
+    }
+  result.seconds = warm;
+  result.figures = {{"cold over later", median(cold) / median(later)},
+                    {"warmed up over later", median(warm) / median(later)}};
+  return result;
+}
+
 Result carried(std::string item, const Input& input, Body& body, Collider& a, const Collider& b, double shake,
                const Settings& settings) {
   Result result = result_of(std::move(item), input);
@@ -235,6 +280,9 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   surfaces.figures = {{"us", 1e6 * median(surfaces.seconds)}};
   results.push_back(std::move(surfaces));
   query.set_options({});
+
+  results.push_back(stopped(input, a, b, all, settings));
+  results.push_back(first_calls(input, a, b, all));
 
   Result first = result_of("first contact", input);
   bool found = false;

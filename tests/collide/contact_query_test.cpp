@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "specimens.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -421,9 +422,10 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
 
   ASSERT_TRUE(a.body->update(a.positions));
   refused(query.resume(), Code::other_frame);
-  query.set_options({.budget = 500, .surfaces = true});
-  refused(query.carry(), Code::positions_not_current);
-  query.set_options({.budget = 500});
+  test::StalePose late(a.mesh, a.built.cover, a.body->pose());
+  ContactQuery of_late({.budget = 500, .surfaces = true});
+  of_late.add(*b.collider, late.collider);
+  EXPECT_EQ(of_late.start(), (Status{Code::positions_not_current, 1, 0}));
   ASSERT_FALSE(a.body->update(std::vector<Vec3>(2)));
   refused(query.start(), Code::body_not_current);
   refused(query.resume(), Code::body_not_current);

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "specimens.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -290,8 +291,9 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   std::vector<Vec3> bad = a.positions;
   bad[a.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
   EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.surfaces = true}));
-  ASSERT_TRUE(a.body->update(a.positions));
-  refused({.surfaces = true});
+  test::StalePose late(a.mesh, a.built.cover, a.body->pose());
+  EXPECT_NO_THROW(collide(late.collider, *b.collider));
+  EXPECT_THROW(collide(late.collider, *b.collider, {.surfaces = true}), std::invalid_argument);
   ASSERT_FALSE(a.body->update(bad));
   refused({});
   EXPECT_THROW(overlap(*a.collider, *b.collider), std::invalid_argument);

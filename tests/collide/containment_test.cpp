@@ -11,6 +11,7 @@
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -166,9 +167,13 @@ TEST(Containment, refuses_open_surfaces_and_bad_points) {
   const std::uint32_t none = 1000;
   EXPECT_FALSE(inside.components_inside(plate.collider, {&none, 1}, found));
   EXPECT_EQ(found.status.code, Code::bad_option);
-  ASSERT_TRUE(ball.body.update(ball.mesh.positions));
-  EXPECT_EQ(inside.locate({0, 0, 0}).status.code, Code::positions_not_current);
-  EXPECT_FALSE(inside.components_inside(plate.collider, component_vertices(plate.mesh), found));
+  test::StalePose late(ball.mesh, ball.built.cover, ball.body.pose());
+  late.collider.set_positions(ball.mesh.positions);
+  InsideQuery in_late(late.collider);
+  EXPECT_TRUE(in_late.locate({0, 0, 0}).status);
+  late.next_frame();
+  EXPECT_EQ(in_late.locate({0, 0, 0}).status.code, Code::positions_not_current);
+  EXPECT_FALSE(in_late.components_inside(plate.collider, component_vertices(plate.mesh), found));
   EXPECT_EQ(found.status, (Status{Code::positions_not_current, 1}));
 }
 

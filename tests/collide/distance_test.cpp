@@ -8,6 +8,7 @@
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -235,20 +236,19 @@ TEST(Distance, refuses_what_it_cannot_answer) {
   EXPECT_EQ(query.run(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);
   EXPECT_EQ(query.run(a.collider, b.collider, {.near_enough = nan}).status.code, Code::bad_option);
   std::vector<Vec3> moved = b.mesh.positions;
-  ASSERT_TRUE(b.body.update(moved));
-  const DistanceBounds stale = query.run(a.collider, b.collider);
+  test::StalePose late(b.mesh, b.built.cover, b.body.pose());
+  const DistanceBounds stale = query.run(a.collider, late.collider);
   EXPECT_EQ(stale.status, (Status{Code::positions_not_current, 1}));
   EXPECT_EQ(stale.lower, 0);
   EXPECT_EQ(stale.upper, std::numeric_limits<double>::infinity());
-  EXPECT_THROW(distance(a.collider, b.collider), std::invalid_argument);
-  b.collider.set_positions(moved);
-  EXPECT_TRUE(query.run(a.collider, b.collider).status);
+  EXPECT_THROW(distance(a.collider, late.collider), std::invalid_argument);
+  late.collider.set_positions(moved);
+  EXPECT_TRUE(query.run(a.collider, late.collider).status);
   std::vector<Vec3> bad = a.mesh.positions;
   bad[0].x = nan;
   ASSERT_FALSE(a.body.update(bad));
   EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::body_not_current, 0}));
   ASSERT_TRUE(a.body.update(moved));
-  a.collider.set_positions(moved);
   a.collider.place({.translation = {1e300, 0, 0}});
   EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::placement_too_far, 0}));
   for (const Code code : {Code::body_not_current, Code::positions_not_current, Code::placement_too_far,

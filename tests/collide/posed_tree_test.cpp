@@ -100,12 +100,12 @@ TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
     torus.place(test::random_placement(random, 1.5));
     const bool expected = overlap(*limb.collider, *torus.collider);
     EXPECT_EQ(overlap(alone, *torus.collider), expected);
-    const Contacts mine = collide(alone, *torus.collider), theirs = collide(*limb.collider, *torus.collider);
-    ASSERT_EQ(mine.contacts.size(), theirs.contacts.size());
-    for (std::size_t k = 0; k < mine.contacts.size(); ++k) {
-      EXPECT_EQ(mine.contacts[k].node_a, theirs.contacts[k].node_a);
-      EXPECT_EQ(mine.contacts[k].node_b, theirs.contacts[k].node_b);
-    }
+    std::set<std::pair<std::uint32_t, std::uint32_t>> surely, perhaps, found;
+    near_leaves(alone, *torus.collider, 0, -1e-4, {0, 0}, surely);
+    near_leaves(alone, *torus.collider, 0, 1e-4, {0, 0}, perhaps);
+    for (const Contact& c : collide(alone, *torus.collider).contacts) found.insert({c.node_a, c.node_b});
+    EXPECT_TRUE(std::includes(found.begin(), found.end(), surely.begin(), surely.end()));
+    EXPECT_TRUE(std::includes(perhaps.begin(), perhaps.end(), found.begin(), found.end()));
     touching += expected;
   }
   EXPECT_GT(touching, 10);
