@@ -97,7 +97,7 @@ TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
   Random random(5);
   int touching = 0;
   for (int i = 0; i < 60; ++i) {
-    torus.place(test::random_placement(random, 1.5));
+    torus.place(test::random_placement(random, 3));
     const bool expected = overlap(*limb.collider, *torus.collider);
     EXPECT_EQ(overlap(alone, *torus.collider), expected);
     std::set<std::pair<std::uint32_t, std::uint32_t>> surely, perhaps, found;
