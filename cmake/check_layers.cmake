@@ -132,7 +132,7 @@ endforeach()
 
 set(outside_globs "")
 foreach(folder apps bench examples scenes tests/consumer)
-  list(APPEND outside_globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp")
+  list(APPEND outside_globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp" "${ROOT}/${folder}/*.inl")
 endforeach()
 file(GLOB_RECURSE outside_files RELATIVE "${ROOT}" ${outside_globs})
 foreach(file IN LISTS outside_files)

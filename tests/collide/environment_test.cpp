@@ -182,45 +182,55 @@ std::uint64_t fingerprint() {
   return hash;
 }
 
-TEST(FloatEnvironment, changes_no_bit_and_is_left_as_it_was_found) {
+class FloatEnvironment : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(FloatEnvironment, changes_no_bit_and_is_left_as_it_was_found) {
   const Inputs inputs;
   Workers before(3);
   const Record expected = everything(inputs, serial_workers());
   std::fenv_t usual;
   ASSERT_EQ(std::fegetenv(&usual), 0);
   const std::uint64_t standard = fingerprint();
-  for (const Environment& environment : environments()) {
-    environment.set();
-    const std::uint64_t own = fingerprint();
-    std::string difference[4];
-    bool kept = true;
-    const auto judge = [&](std::size_t k, Workers& workers) {
-      difference[k] = everything(inputs, workers).first_difference(expected);
-      kept = kept && fingerprint() == own;
-    };
-    judge(0, serial_workers());
-    judge(1, before);  // threads that were made before the host changed its mind
-    {
-      Workers inside(3);  // threads that inherit it
-      judge(2, inside);
-    }
-    Workers host(
-        [&](std::size_t count, ChunkFunction chunk) {
-          std::thread other([&] {
-            environment.set();
-            for (std::size_t i = 0; i < count; i += 2) chunk(i);
-          });
-          for (std::size_t i = 1; i < count; i += 2) chunk(i);
-          other.join();
-        },
-        2);
-    judge(3, host);
-    std::fesetenv(&usual);
-    EXPECT_NE(own, standard) << environment.name << " was not set: the test shows nothing";
-    for (const std::string& found : difference) EXPECT_EQ(found, "") << environment.name;
-    EXPECT_TRUE(kept) << environment.name;
+  const Environment environment = environments()[GetParam()];
+  environment.set();
+  const std::uint64_t own = fingerprint();
+  std::string difference[4];
+  bool kept = true;
+  const auto judge = [&](std::size_t k, Workers& workers) {
+    difference[k] = everything(inputs, workers).first_difference(expected);
+    kept = kept && fingerprint() == own;
+  };
+  judge(0, serial_workers());
+  judge(1, before);  // threads that were made before the host changed its mind
+  {
+    Workers inside(3);  // threads that inherit it
+    judge(2, inside);
   }
+  Workers host(
+      [&](std::size_t count, ChunkFunction chunk) {
+        std::thread other([&] {
+          environment.set();
+          for (std::size_t i = 0; i < count; i += 2) chunk(i);
+        });
+        for (std::size_t i = 1; i < count; i += 2) chunk(i);
+        other.join();
+      },
+      2);
+  judge(3, host);
+  std::fesetenv(&usual);
+  EXPECT_NE(own, standard) << environment.name << " was not set: the test shows nothing";
+  for (const std::string& found : difference) EXPECT_EQ(found, "") << environment.name;
+  EXPECT_TRUE(kept) << environment.name;
 }
+
+std::string environment_name(const testing::TestParamInfo<std::size_t>& tested) {
+  std::string words = environments()[tested.param].name;
+  words.erase(std::remove(words.begin(), words.end(), ','), words.end());
+  std::replace(words.begin(), words.end(), ' ', '_');
+  return words;
+}
+INSTANTIATE_TEST_SUITE_P(EachOf, FloatEnvironment, testing::Range(std::size_t{0}, environments().size()),
+                         environment_name);
 
 struct Thrown {};
 

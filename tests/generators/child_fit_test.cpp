@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/medial_seeds.hpp>
-#include <build/node_fit.hpp>
 #include <cmath>
+#include <generators/divide/node_fit.hpp>
+#include <generators/fit/medial_seeds.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>

@@ -3,6 +3,11 @@
 // Three-component vectors: double for everything that is built or measured, float for what moves every frame.
 #pragma once
 
+// MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
+#if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
+#error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
+#endif
+
 #include <algorithm>
 #include <cmath>
 

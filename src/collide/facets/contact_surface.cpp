@@ -71,7 +71,7 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   }
 }
 
-// Placed points lie off by the pads of leaf_pairs.cpp, for the same reasons.
+// Placed points lie off, for the reasons that placed_spheres.hpp gives: a placement is not quite rigid, and it rounds.
 double placement_pad(const Collider& collider, const Vec3& center, double radius) {
   const double reach = largest_component(center) + radius + largest_component(collider.placement().translation);
   return radius * 0x1p-28 + reach * 0x1p-48;
