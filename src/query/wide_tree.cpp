@@ -16,8 +16,6 @@
 namespace morula::wide {
 namespace {
 
-using lanes::Float4;
-
 // Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
 // one chunk. Large enough to amortise a chunk, small enough that a few cores have something to do.
 constexpr std::uint32_t subtree_grain = 4096;
@@ -31,8 +29,8 @@ struct FloatBox {
   Float4 minus_upper{infinity, infinity, infinity, infinity};
 
   void add(const FloatBox& other) {
-    lower = lanes::min(other.lower, lower);
-    minus_upper = lanes::min(other.minus_upper, minus_upper);
+    lower = min(other.lower, lower);
+    minus_upper = min(other.minus_upper, minus_upper);
   }
   Float4 doubled_center() const { return lower - minus_upper; }
   float half_area() const {
@@ -343,7 +341,7 @@ class Builder {
   struct Binning {
     Float4 lower, scale, last;
     Float4 operator()(const FloatBox& box) const {
-      return lanes::min(lanes::max((box.doubled_center() - lower) * scale, Float4{}), last);
+      return min(max((box.doubled_center() - lower) * scale, Float4{}), last);
     }
   };
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/medial_seeds.hpp>
-#include <build/node_fit.hpp>
+#include <generators/fit/medial_seeds.hpp>
+#include <generators/divide/node_fit.hpp>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/sample_bodies.hpp>

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/demand.hpp>
-#include <build/exchange.hpp>
-#include <build/reduce.hpp>
-#include <build/reducers.hpp>
+#include <generators/divide/demand.hpp>
+#include <generators/divide/exchange.hpp>
+#include <generators/reduce/reduce.hpp>
+#include <generators/reduce/reducers.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <support/meshes.hpp>

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/adaptive_medial.hpp>
-#include <build/optimise.hpp>
-#include <build/reducers.hpp>
+#include <generators/reduce/adaptive_medial.hpp>
+#include <generators/reduce/optimise.hpp>
+#include <generators/reduce/reducers.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>

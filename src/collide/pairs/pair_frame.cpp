@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "update/points/rounding.hpp"
+#include "geometry/rounded_up.hpp"
 
 namespace morula {
 

@@ -28,8 +28,9 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <morula/geometry/vector.hpp>
+
+#include "geometry/rounded_up.hpp"
 
 namespace morula {
 
@@ -40,12 +41,6 @@ inline constexpr float largest_local_coordinate = 0x1p57f;
 inline constexpr double largest_origin_coordinate = 0x1p100;
 /// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
 inline constexpr float largest_radius = 0x1p60f;
-
-/// The least float that is not below x.
-inline float rounded_up(double x) {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
-}
 
 /// What the points of one frame allow for.
 struct Rounding {
