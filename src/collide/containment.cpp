@@ -5,7 +5,6 @@
 #include <cassert>
 #include <morula/collide/containment.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -73,7 +72,7 @@ bool holds(const Triangle& t, const Vec3& p) {
 }
 
 bool is_near(const Vec3& p) {
-  return is_finite(p) && largest_component(p) < 0x1p200;
+  return is_finite(p) && max_norm(p) < 0x1p200;
 }
 
 // Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
@@ -122,23 +121,11 @@ std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const
 }  // namespace
 
 std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
-  // Disjoint sets with path halving; the lowest vertex is the root.
-  std::vector<std::uint32_t> parents(mesh.vertex_count());
-  std::iota(parents.begin(), parents.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parents[v] != v) v = parents[v] = parents[parents[v]];
-    return v;
-  };
-  std::vector<bool> used(mesh.vertex_count(), false);
-  for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) {
-      used[v] = true;
-      const std::uint32_t a = root(f[0]), b = root(v);
-      parents[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<std::uint32_t> lowest;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-    if (used[v] && root(v) == v) lowest.push_back(v);
+  const Components pieces = components_by_vertices(mesh);
+  std::vector<std::uint32_t> lowest(pieces.count, 0xffffffffu);
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+    for (const std::uint32_t v : mesh.facets[f]) lowest[pieces.of_facet[f]] = std::min(lowest[pieces.of_facet[f]], v);
+  std::sort(lowest.begin(), lowest.end());
   return lowest;
 }
 
@@ -205,7 +192,7 @@ Probe InsideTest::probe(const Sphere& ball) {
   result.touches = result.depth >= 0;
   // From the centre through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
   // normal.
-  if (largest_component(out) > 0x1p-40 * largest_component(ball.center))
+  if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);
   else
     result.normal = normalized(area_vector(body_->triangle(result.nearest.facet)));

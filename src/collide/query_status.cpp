@@ -32,8 +32,7 @@ std::string message(const QueryStatus& status) {
 
 QueryStatus askable(const Collider& collider, std::uint8_t body) {
   if (const QueryStatus status = status_of(collider, body, {.positions = true}); !status) return status;
-  if (!(largest_component(collider.placement().translation) < 0x1p200))
-    return {QueryStatus::Code::placement_too_far, body};
+  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {QueryStatus::Code::placement_too_far, body};
   return {};
 }
 

@@ -61,7 +61,7 @@ struct Tree {
 };
 
 /// Depends on the mesh alone, not on the workers.
-Tree build(const Mesh& mesh, Workers& workers);
+Tree build(const MeshView& mesh, Workers& workers);
 
 /// Squared distances from p to the boxes of all children, in the order of operations of squared_length, so that
 /// rounding is monotone: never more than the squared distance to a point inside the box.

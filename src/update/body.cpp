@@ -71,7 +71,7 @@ std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
     narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
-    if (!(largest_component(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
+    if (!(max_norm(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale " +
                                   "mesh and tree so that coordinates about the centre stay below 1e17");

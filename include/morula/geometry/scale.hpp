@@ -18,7 +18,6 @@
 
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
-#include <span>
 
 namespace morula {
 
@@ -27,9 +26,7 @@ inline constexpr double greatest_usable_scale = 0x1p100;  ///< about 1e30
 
 /// Throws std::invalid_argument, with the remedy, unless the largest |coordinate| of the vertices that facets use is 0
 /// or in the range. The mesh must have passed require_usable.
-void require_usable_scale(const Mesh& mesh);
-/// The same for positions of a frame. facets: of their mesh.
-void require_usable_scale(std::span<const Facet> facets, std::span<const Vec3> positions);
+void require_usable_scale(const MeshView& mesh);
 /// Is it finite, and are all its numbers within the upper end? Small spheres, and radii of 0, are usable.
 bool has_usable_scale(const Sphere& sphere);
 

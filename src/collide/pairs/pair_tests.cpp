@@ -7,6 +7,7 @@
 
 #include "collide/pairs/pair_kernels.hpp"
 #include "parallel/float_environment.hpp"
+#include "simd/processors.hpp"
 
 namespace morula {
 

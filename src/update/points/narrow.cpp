@@ -35,7 +35,7 @@ float narrow_each_plainly(const PositionView& positions, std::size_t count, cons
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3f p(positions[vertex(i)] - origin);
     out[i] = {p.x, p.y, p.z, 0.0f};
-    largest = std::max(largest, largest_component(p));
+    largest = std::max(largest, max_norm(p));
     finite = finite && is_finite(p);  // a maximum loses NaN
   }
   return finite ? largest : std::numeric_limits<float>::infinity();
