@@ -5,7 +5,6 @@
 #include <cassert>
 #include <morula/collide/containment.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -73,7 +72,7 @@ bool holds(const Triangle& t, const Vec3& p) {
 }
 
 bool is_near(const Vec3& p) {
-  return is_finite(p) && largest_component(p) < 0x1p200;
+  return is_finite(p) && max_norm(p) < 0x1p200;
 }
 
 // Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
@@ -121,45 +120,19 @@ std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const
 
 }  // namespace
 
-namespace {
-
-std::vector<std::uint32_t> lowest_of_components(std::size_t vertex_count, std::span<const Facet> facets) {
-  // Disjoint sets with path halving; the lowest vertex is the root.
-  std::vector<std::uint32_t> parents(vertex_count);
-  std::iota(parents.begin(), parents.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parents[v] != v) v = parents[v] = parents[parents[v]];
-    return v;
-  };
-  std::vector<bool> used(vertex_count, false);
-  for (const Facet& f : facets)
-    for (const std::uint32_t v : f) {
-      used[v] = true;
-      const std::uint32_t a = root(f[0]), b = root(v);
-      parents[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<std::uint32_t> lowest;
-  for (std::uint32_t v = 0; v < vertex_count; ++v)
-    if (used[v] && root(v) == v) lowest.push_back(v);
+std::vector<std::uint32_t> component_vertices(const MeshView& mesh) {
+  const Components pieces = components_by_vertices(mesh);
+  std::vector<std::uint32_t> lowest(pieces.count, 0xffffffffu);
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+    for (const std::uint32_t v : mesh.facets[f]) lowest[pieces.of_facet[f]] = std::min(lowest[pieces.of_facet[f]], v);
+  std::sort(lowest.begin(), lowest.end());
   return lowest;
-}
-
-}  // namespace
-
-std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
-  return lowest_of_components(mesh.vertex_count(), mesh.facets);
-}
-
-std::vector<std::uint32_t> component_vertices(const Collider& collider) {
-  return lowest_of_components(collider.vertex_count(), collider.mesh_facets());
 }
 
 InsideQuery::InsideQuery(const Collider& body) : body_(&body) {
   const StandardFloats standard;
   if (!body.has_surface()) throw std::invalid_argument(message(Status{Status::Code::no_surface}));
-  Mesh mesh{{}, {body.mesh_facets().begin(), body.mesh_facets().end()}};
-  for (std::size_t v = 0; v < body.vertex_count(); ++v) mesh.positions.push_back(body.positions()[v]);
-  const MeshReport report = inspect(mesh);
+  const MeshReport report = inspect(body.surface());
   if (!report.closed)
     throw std::invalid_argument("an open surface has no inside: " + std::to_string(report.boundary_edges) +
                                 " of its edges have one facet only, " + std::to_string(report.nonmanifold_edges) +
@@ -221,7 +194,7 @@ Probe InsideQuery::probe(const Sphere& ball) {
   result.touches = result.depth >= 0;
   // From the centre through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
   // normal.
-  if (largest_component(out) > 0x1p-40 * largest_component(ball.center))
+  if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);
   else
     result.normal = normalized(area_vector(body_->triangle(result.nearest.facet)));

@@ -19,7 +19,7 @@ Status status_of(const Collider& collider, std::uint8_t body, Needs needs) {
 
 Status askable(const Collider& collider, std::uint8_t body) {
   if (const Status status = status_of(collider, body, {.positions = true}); !status) return status;
-  if (!(largest_component(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far, body};
+  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far, body};
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/rounded_up.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
@@ -17,7 +18,7 @@ void narrow_spheres(std::span<const Sphere> spheres, const Vec3& origin, std::ve
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
     narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
-    if (!(is_finite(nearest) && largest_component(nearest) <= largest_local_coordinate &&
+    if (!(is_finite(nearest) && max_norm(nearest) <= largest_local_coordinate &&
           narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale "
@@ -74,10 +75,10 @@ void PosedSpheres::set(std::span<const Spheref> spheres, const Vec3& origin) {
   if (spheres.size() != s.spheres.size())
     throw std::invalid_argument(std::to_string(spheres.size()) + " spheres for a tree of " +
                                 std::to_string(s.spheres.size()) + " nodes");
-  if (!(is_finite(origin) && largest_component(origin) <= largest_origin_coordinate))
+  if (!(is_finite(origin) && max_norm(origin) <= largest_origin_coordinate))
     throw std::invalid_argument("the origin of the spheres is not finite, or 1e30 or more from (0, 0, 0)");
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    if (!(is_finite(spheres[i].center) && largest_component(spheres[i].center) <= largest_local_coordinate &&
+    if (!(is_finite(spheres[i].center) && max_norm(spheres[i].center) <= largest_local_coordinate &&
           spheres[i].radius >= 0 && spheres[i].radius <= largest_radius))
       throw std::invalid_argument("sphere " + std::to_string(i) +
                                   " is not finite, has a negative radius, or reaches 1e17 about the origin");

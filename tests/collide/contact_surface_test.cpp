@@ -12,6 +12,9 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
 
+#include "simd/processors.hpp"
+
+
 namespace morula {
 namespace {
 
@@ -234,10 +237,11 @@ TEST(FacetKernels, give_the_bits_of_plain_loops) {
     std::vector<float> expected(64), other(64);
     const float least = all_facet_kernels().front().squared_gaps(list, p, expected.data());
     const float reach = all_facet_kernels().front().reach(list, p);
-    for (const FacetKernels& kernels : all_facet_kernels()) {
-      ASSERT_EQ(kernels.squared_gaps(list, p, other.data()), least) << kernels.name;
-      ASSERT_EQ(other, expected) << kernels.name;
-      ASSERT_EQ(kernels.reach(list, p), reach) << kernels.name;
+    for (std::size_t kind = 0; kind < all_facet_kernels().size(); ++kind) {
+      const FacetKernels& kernels = all_facet_kernels()[kind];
+      ASSERT_EQ(kernels.squared_gaps(list, p, other.data()), least) << kind_name(kind);
+      ASSERT_EQ(other, expected) << kind_name(kind);
+      ASSERT_EQ(kernels.reach(list, p), reach) << kind_name(kind);
     }
   }
 }

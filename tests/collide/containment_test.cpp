@@ -55,7 +55,7 @@ TEST(Containment, half_lines_through_vertices_and_edges_are_counted_once) {
       for (int k = -5; k <= 5; ++k) {
         const Vec3 p{0.25 * i, 0.25 * j, 0.25 * k};
         const PointLocation found = inside.locate(p);
-        const double reach = largest_component(p);
+        const double reach = max_norm(p);
         EXPECT_EQ(found.on_surface, reach == 1) << i << " " << j << " " << k;
         EXPECT_EQ(found.inside, reach <= 1) << i << " " << j << " " << k;
         EXPECT_EQ(found.winding, reach < 1 ? 1 : 0) << i << " " << j << " " << k;

@@ -14,6 +14,7 @@
 #include <support/meshes.hpp>
 
 #include "collide/facets/box_kernels.hpp"
+#include "simd/processors.hpp"
 #include "stale_pose.hpp"
 
 namespace morula {
@@ -231,14 +232,15 @@ TEST(BoxKernels, find_what_plain_loops_find) {
     std::vector<std::uint32_t> expected(48), other(48);
     expected.resize(all_box_kernels().front().select(list, box, expected.data()));
     found += expected.size();
-    for (const BoxKernels& kernels : all_box_kernels()) {
+    for (std::size_t kind = 0; kind < all_box_kernels().size(); ++kind) {
+      const BoxKernels& kernels = all_box_kernels()[kind];
       other.resize(48);
       other.resize(kernels.select(list, box, other.data()));
-      ASSERT_EQ(other, expected) << kernels.name;
+      ASSERT_EQ(other, expected) << kind_name(kind);
       const FloatBox around = kernels.box_of_meeting(list, box),
                      all = all_box_kernels().front().box_of_meeting(list, box);
       ASSERT_EQ(around.is_empty(), expected.empty());
-      for (std::size_t k = 0; k < 6; ++k) ASSERT_EQ(around.bound[k], all.bound[k]) << kernels.name;
+      for (std::size_t k = 0; k < 6; ++k) ASSERT_EQ(around.bound[k], all.bound[k]) << kind_name(kind);
     }
   }
   EXPECT_GT(found, 200u);

@@ -142,7 +142,7 @@ double slow_winding(const Collider& body, const Vec3& p) {
 double largest_coordinate(const Collider& body) {
   double largest = 0;
   for (const Facet& f : body.mesh_facets())
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(body.vertex(v)));
+    for (const std::uint32_t v : f) largest = std::max(largest, max_norm(body.vertex(v)));
   return largest;
 }
 

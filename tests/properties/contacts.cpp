@@ -266,7 +266,7 @@ RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& di
   const Vec3 on_a = a.placement()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
   const Vec3 on_b = any_point(b);
   t.translation = on_a - t.turn(on_b);
-  const double size = largest_component(t.translation);
+  const double size = max_norm(t.translation);
   if (on_lattice && size > 0) {
     // 2^-12: fine enough for most lattices to keep what touches, coarse enough for whole numbers.
     const double step = std::exp2(std::ceil(std::log2(size)) - 12);

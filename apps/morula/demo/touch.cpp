@@ -62,7 +62,7 @@ bool is_reported(const Vec3& point, const Crossing& crossing, const Collider& a,
     return std::find(facets.begin(), facets.end(), facet) != facets.end();
   };
   // The point itself is rounded: it is not exactly on both facets.
-  const double rounding = 1e-14 * largest_component(point);
+  const double rounding = 1e-14 * max_norm(point);
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
     return distance(point, c.point) <= c.error_bound * (1 + 1e-9) + rounding &&
            has(a.facets(c.node_a), crossing.facet_a) && has(b.facets(c.node_b), crossing.facet_b);

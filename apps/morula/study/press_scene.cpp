@@ -151,7 +151,7 @@ std::optional<PressScene> make_press(const StudyPlan& plan, const NamedMesh& bod
   PressScene scene{frames.front().frames.front(), bounding_box(body.mesh).diagonal(), {}};
   Pair pair(body.mesh, built, scene.positions);
 
-  const Box box = bounding_box(Mesh{scene.positions, body.mesh.facets});
+  const Box box = bounding_box({scene.positions, body.mesh.facets});
   for (const Vec3& axis : axes_by_length(box.extent())) {
     std::vector<PressTruth> truths = press_along(plan, pair, box, axis, scene.diagonal);
     if (truths.empty()) skipped.push_back(fmt::format("{} is not pressed along {}", body.name, axis_name(axis)));

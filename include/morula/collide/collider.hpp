@@ -58,6 +58,8 @@ class Collider {
   /// The mesh's facets; none without a surface.
   std::span<const Facet> mesh_facets() const { return mesh_facets_; }
   std::size_t vertex_count() const { return rest_ ? rest_->size() : 0; }
+  /// Facets and positions(), not placed. Only with a surface.
+  MeshView surface() const { return {positions(), mesh_facets_}; }
   /// Facets of which the node's region has a part. A leaf's are ascending, each once; an inner node's are those of the
   /// leaves below it, one leaf after the other. None without a surface.
   std::span<const std::uint32_t> facets(std::uint32_t node) const {

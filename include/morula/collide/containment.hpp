@@ -44,9 +44,7 @@ struct Containment {
 
 /// Pieces of surface that are connected by shared vertices: the lowest vertex of each that a facet uses, ascending.
 /// They hang on the facets alone, so deformation does not change them. Cost: linear in vertices and facets, nearly.
-std::vector<std::uint32_t> component_vertices(const Mesh& mesh);
-/// The same of a collider's surface.
-std::vector<std::uint32_t> component_vertices(const Collider& collider);
+std::vector<std::uint32_t> component_vertices(const MeshView& mesh);
 
 /// Inside is where the surface winds around a point: any number of times but 0. So overlapping parts count as inside,
 /// and a shell within a shell is a cavity when it is turned inwards. A closed surface that is not oriented has no

@@ -16,11 +16,8 @@
 // the lower end (update/body.hpp).
 #pragma once
 
-#include <cmath>
-#include <limits>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
-#include <span>
 
 namespace morula {
 
@@ -35,17 +32,9 @@ inline constexpr double largest_origin_coordinate = 0x1p100;
 /// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
 inline constexpr float largest_radius = 0x1p60f;
 
-/// The least float that is not below x.
-inline float rounded_up(double x) {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
-}
-
 /// Throws std::invalid_argument, with the remedy, unless the largest |coordinate| of the vertices that facets use is 0
 /// or in the range. The mesh must have passed require_usable.
-void require_usable_scale(const Mesh& mesh);
-/// The same for positions of a frame. facets: of their mesh.
-void require_usable_scale(std::span<const Facet> facets, std::span<const Vec3> positions);
+void require_usable_scale(const MeshView& mesh);
 /// Is it finite, and are all its numbers within the upper end? Small spheres, and radii of 0, are usable.
 bool has_usable_scale(const Sphere& sphere);
 

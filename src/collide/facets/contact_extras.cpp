@@ -68,7 +68,8 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
   if (inside_.size() != pairs.size()) {
     inside_.clear();
     for (const ColliderPair& pair : pairs)
-      inside_.push_back({test_of(*pair.a), test_of(*pair.b), component_vertices(*pair.a), component_vertices(*pair.b)});
+      inside_.push_back({test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->surface()),
+           component_vertices(pair.b->surface())});
   }
   result.containment.resize(pairs.size());
   const auto test = [](std::optional<InsideQuery>& outer, const Collider& inner,

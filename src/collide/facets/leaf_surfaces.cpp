@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collide/facets/corner_reader.hpp"
-#include "simd/lanes.hpp"
+#include "simd/float4.hpp"
 
 namespace morula {
 namespace {
@@ -49,13 +49,13 @@ double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
 
 /// Largest |coordinate|.
 float largest(const FacetColumns& facets) {
-  lanes::Float4 most{};
+  Float4 most{};
   for (const float* const column : facets.column)
     for (std::size_t i = 0; i < facets.count; i += 4) {
-      const lanes::Float4 x = lanes::load(column + i);
-      most = lanes::max(lanes::max(x, -x), most);
+      const Float4 x = Float4::load(column + i);
+      most = max(max(x, -x), most);
     }
-  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+  return largest_lane(most);
 }
 
 }  // namespace

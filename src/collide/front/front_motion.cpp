@@ -39,7 +39,7 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
   take(bodies.a, a.pose().spheres);
   take(bodies.b, b.pose().spheres);
   bodies.rounding = verdict_rounding * (largest_extent(bodies.a.spheres) + largest_extent(bodies.b.spheres) +
-                                        largest_component(bodies.translation));
+                                        max_norm(bodies.translation));
 }
 
 // moved(i): by how much the centre of node i has moved. least: added to every node's motion.

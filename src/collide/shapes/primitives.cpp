@@ -54,7 +54,7 @@ class PlacedHalfSpace {
 
  private:
   double distance(const Vec3& x) const { return dot(normal_, x) - offset_; }
-  double pad(const Vec3& x) const { return 0x1p-48 * (largest_component(x) + std::abs(offset_)); }
+  double pad(const Vec3& x) const { return 0x1p-48 * (max_norm(x) + std::abs(offset_)); }
 
   Vec3 normal_;
   double offset_;
@@ -68,8 +68,7 @@ class PlacedCapsule {
 
   // The foot on the axis is off by a few u of the largest coordinate, which can only lengthen the distance by as much.
   double bound(const Sphere& s) const {
-    const double coordinate =
-        largest_component(s.center) + std::max(largest_component(ends_[0]), largest_component(ends_[1]));
+    const double coordinate = max_norm(s.center) + std::max(max_norm(ends_[0]), max_norm(ends_[1]));
     return distance(axis_point(s.center), s.center) * (1 - 0x1p-49) - 0x1p-47 * coordinate -
            (s.radius + radius_) * (1 + 0x1p-51);
   }
@@ -87,7 +86,7 @@ class PlacedCapsule {
   // inside.
   Vec3 normal_at(const Vec3& x, const Triangle& t) const {
     const Vec3 out = x - axis_point(x), inward = normalized(-area_vector(t));
-    return largest_component(out) > 0x1p-40 * largest_component(x) ? normalized(out, inward) : inward;
+    return max_norm(out) > 0x1p-40 * max_norm(x) ? normalized(out, inward) : inward;
   }
 
  private:
@@ -167,7 +166,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
 }
 
 bool is_near(const Vec3& p) {
-  return largest_component(p) < 0x1p200 && is_finite(p);
+  return max_norm(p) < 0x1p200 && is_finite(p);
 }
 bool is_good(double radius) {
   return radius >= 0 && radius < 0x1p200;

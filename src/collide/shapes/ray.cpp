@@ -21,7 +21,7 @@ class ShearedRay {
  public:
   explicit ShearedRay(const Ray& ray) : origin_(ray.origin), t_end_(ray.t_end) {
     // Scaled by a power of two, which changes no bit of the answer: squares of directions may be out of range.
-    const int exponent = std::ilogb(largest_component(ray.direction));
+    const int exponent = std::ilogb(max_norm(ray.direction));
     for (int axis = 0; axis < 3; ++axis) scaled_[axis] = std::ldexp(ray.direction[axis], -exponent);
     scale_ = std::ldexp(1.0, -exponent);
     size_ = length(scaled_);
@@ -44,7 +44,7 @@ class ShearedRay {
   double bound(const Sphere& s) const {
     const Vec3 offset = s.center - origin_;
     const double along = dot(offset, unit_);
-    const double pad = 0x1p-45 * (largest_component(s.center) + s.radius + largest_component(origin_));
+    const double pad = 0x1p-45 * (max_norm(s.center) + s.radius + max_norm(origin_));
     const double reach = s.radius + pad;
     const double aside = squared_length(offset - unit_ * along), reach_squared = reach * reach;
     if (aside > reach_squared || along + reach < 0) return infinity;
@@ -58,8 +58,7 @@ class ShearedRay {
   bool hits(const Triangle& t, double limit, double& where, Barycentric& barycentric) const {
     std::array<Vec3, 3> from_origin{t[0] - origin_, t[1] - origin_, t[2] - origin_};
     // Areas of what is very small and near would vanish: larger by a power of two, which changes no verdict.
-    const double largest = std::max(
-        {largest_component(from_origin[0]), largest_component(from_origin[1]), largest_component(from_origin[2])});
+    const double largest = std::max({max_norm(from_origin[0]), max_norm(from_origin[1]), max_norm(from_origin[2])});
     constexpr double least_ordinary = 0x1p-400;
     const int exponent = largest > 0 && largest < least_ordinary ? std::ilogb(largest) : 0;
     if (exponent != 0)
@@ -99,9 +98,9 @@ class ShearedRay {
 };
 
 bool is_good(const Ray& ray) {
-  const double longest = largest_component(ray.direction);
-  return is_finite(ray.origin) && is_finite(ray.direction) && largest_component(ray.origin) < 0x1p200 &&
-         longest > 0x1p-200 && longest < 0x1p200 && ray.t_end >= 0;
+  const double longest = max_norm(ray.direction);
+  return is_finite(ray.origin) && is_finite(ray.direction) && max_norm(ray.origin) < 0x1p200 && longest > 0x1p-200 &&
+         longest < 0x1p200 && ray.t_end >= 0;
 }
 
 }  // namespace

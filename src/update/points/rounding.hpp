@@ -30,6 +30,8 @@
 #include <morula/geometry/scale.hpp>
 #include <morula/geometry/vector.hpp>
 
+#include "geometry/rounded_up.hpp"
+
 namespace morula {
 
 /// What the points of one frame allow for.
@@ -43,7 +45,7 @@ struct Rounding {
   /// The radius of a sphere about `center` that contains spheres, which reach `reach` from it: taken in double.
   float wrapping_radius(double reach, const Vec3f& center) const {
     const double mesh_coordinate =
-        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
@@ -52,7 +54,7 @@ struct Rounding {
   float covering_radius(float squared_distance, const Vec3f& center) const {
     const double farthest = std::sqrt(static_cast<double>(squared_distance));
     const double mesh_coordinate =
-        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
     return rounded_up(farthest * (1 + 0x1p-22) + pad);
   }
