@@ -38,10 +38,7 @@ QueryStatus askable(const Collider& collider, std::uint8_t body) {
 }
 
 bool spheres_cover(const Body& body) {
-  const UpdateOptions& options = body.options();
-  return options.conservative || std::all_of(options.rules.begin(), options.rules.end(), [](Rule rule) {
-           return rule == Rule::exact || rule == Rule::wrapped || rule == Rule::modal;
-         });
+  return covers(body.options());
 }
 
 }  // namespace morula

@@ -179,8 +179,7 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
-  const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
-  if (!std::all_of(rules.begin(), rules.end(), covers)) {
+  if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
     fmt::print("note         rules other than exact, wrapped and modal may leave surface bare: {} says how much\n",
                o.measure ? "the table" : "--measure");
   }
