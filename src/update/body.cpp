@@ -158,7 +158,9 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   s.follows = followed_by(rule_of_level, s.options);
   s.spheres = narrowed(built.tree, rest.origin);
   const std::vector<Spheref> of_tree = s.spheres;
-  const auto some_node = [&](const auto& is_so) { return std::any_of(rule_of_node.begin(), rule_of_node.end(), is_so); };
+  const auto some_node = [&](const auto& is_so) {
+    return std::any_of(rule_of_node.begin(), rule_of_node.end(), is_so);
+  };
   // Nobody else looks for facets: other bodies may be smaller than what an index of facets takes.
   std::optional<TriangleBvh> bvh;
   if (some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) bvh.emplace(mesh, workers);

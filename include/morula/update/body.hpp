@@ -58,9 +58,10 @@ class Body {
   /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
   /// rule list is empty or names no rule, an option is out of range, modes or a skin are not finite, not for this mesh
-  /// or missing for a level of the rule `modal` or `skinned`, two levels ask for these two, or coordinates about the centre reach 2^57 (1.4e17): their squares would leave the range of
-  /// float. The centre itself may be as far as 2^100 (1e30). However small a body is, its spheres contain it; below
-  /// about 2^-60 (1e-18) they are the size of what float cannot tell.
+  /// or missing for a level of the rule `modal` or `skinned`, two levels ask for these two, or coordinates about the
+  /// centre reach 2^57 (1.4e17): their squares would leave the range of float. The centre itself may be as far as 2^100
+  /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
+  /// cannot tell.
   Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   Body(const Mesh& mesh, Built&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
@@ -81,7 +82,8 @@ class Body {
   /// A wrong count or a coordinate (of a vertex that facets use) that is not finite, or 2^57 or more from the origin,
   /// or an origin beyond 2^100, is reported and changes nothing: the last good spheres stay. No allocation. Same bits
   /// for any number of workers. A body with levels of the rule `modal` or `skinned` is refused: where its vertices are
-  /// does not tell its coordinates or transforms. Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
+  /// does not tell its coordinates or transforms. Cost: linear in vertices + cut points + owned corners (exact) or
+  /// links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.

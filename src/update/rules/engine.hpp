@@ -40,11 +40,11 @@ struct Binding {
   std::span<const Rule> rule_of_node;
   const LeafOrder& order;
   const Ownership& ownership;
-  const TriangleBvh* bvh;    ///< of the mesh; none where no node follows a link
-  const LocalPoints& local;  ///< at rest
-  const RuleFrame& rest;     ///< without modes and bones
-  ModalMotion* modal_motion;       ///< of a body with modes
-  const SkinMotion* skin_motion;   ///< of a body with a skin
+  const TriangleBvh* bvh;                 ///< of the mesh; none where no node follows a link
+  const LocalPoints& local;               ///< at rest
+  const RuleFrame& rest;                  ///< without modes and bones
+  ModalMotion* modal_motion;              ///< of a body with modes
+  const SkinMotion* skin_motion;          ///< of a body with a skin
   std::span<const Spheref> tree_spheres;  ///< the tree's, about the rest origin
   std::span<Spheref> spheres;  ///< at rest: engines write those of their nodes; nobody has written the tree's
   BindReport& report;

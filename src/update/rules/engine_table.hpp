@@ -20,14 +20,10 @@ struct EngineRow {
 };
 /// Engines are bound and run in this order: those whose rules read children after those whose spheres they may read.
 inline constexpr std::array engine_table{
-    EngineRow{Rule::modal, bind_modal},
-    EngineRow{Rule::skinned, bind_skinned},
-    EngineRow{Rule::exact, bind_exact},
-    EngineRow{Rule::traditional, bind_paper_rules},
-    EngineRow{Rule::weighted, bind_paper_rules},
-    EngineRow{Rule::approach1, bind_paper_rules},
-    EngineRow{Rule::approach2, bind_paper_rules},
-    EngineRow{Rule::wrapped, bind_paper_rules},
+    EngineRow{Rule::modal, bind_modal},           EngineRow{Rule::skinned, bind_skinned},
+    EngineRow{Rule::exact, bind_exact},           EngineRow{Rule::traditional, bind_paper_rules},
+    EngineRow{Rule::weighted, bind_paper_rules},  EngineRow{Rule::approach1, bind_paper_rules},
+    EngineRow{Rule::approach2, bind_paper_rules}, EngineRow{Rule::wrapped, bind_paper_rules},
 };
 
 constexpr bool has_one_engine(Rule rule) {

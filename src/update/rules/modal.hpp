@@ -69,7 +69,7 @@ class ModalRule final : public RuleEngine {
  private:
   struct Node {
     std::uint32_t node;  // ascending
-    Sphere rest{};  // the tree's centre, and the radius that contains the owned corners
+    Sphere rest{};       // the tree's centre, and the radius that contains the owned corners
   };
   void bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
             std::span<const std::uint32_t> corners);

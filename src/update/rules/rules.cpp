@@ -65,8 +65,8 @@ std::span<const Rule> position_rules() {
 }
 
 bool covers(const UpdateOptions& options) {
-  return options.conservative || std::all_of(options.rules.begin(), options.rules.end(),
-                                             [](Rule rule) { return traits(rule).covers; });
+  return options.conservative ||
+         std::all_of(options.rules.begin(), options.rules.end(), [](Rule rule) { return traits(rule).covers; });
 }
 
 bool covers(const UpdateOptions& options, Rule rule) {
