@@ -285,7 +285,6 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
   const auto primitive = [](const char* key, Json value) -> Spoil {
     return [=](GltfMaker& file) { file.json["meshes"][0]["primitives"][0][key] = value; };
   };
-  const double huge = 1e300;
   const std::vector<std::pair<std::string, Spoil>> spoilt{
       {"outside its buffer", accessor(0, "count", 5)},
       {"outside its buffer", accessor(0, "count", std::uint64_t{1} << 62)},
@@ -308,7 +307,22 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
       {"no positions", primitive("attributes", {{"NORMAL", 0}})},
       {"is no glTF", primitive("indices", 7)},
       {"mode that glTF", primitive("mode", 17)},
-      {"refers to vertex", primitive("indices", 0)},
+      {"no unsigned integers", primitive("indices", 0)},
+      {"refers to vertex 9 of 4",
+       [](GltfMaker& file) { file.buffer[file.json["bufferViews"][1]["byteOffset"].get<std::size_t>()] = 9; }},
+      {"shows more vertices",
+       [](GltfMaker& file) {
+         for (int k = 1; k < 100000; ++k) file.json["nodes"].push_back({{"mesh", 0}});
+         const std::vector<std::uint32_t> all(30000);
+         file.json["meshes"][0]["primitives"][0]["indices"] = file.add(all, "SCALAR", 5125);
+         file.json.erase("scenes");
+         file.json.erase("scene");
+       }},
+      {"brings more numbers",
+       [](GltfMaker& file) {
+         file.accessor({{"componentType", 5126}, {"count", std::uint64_t{1} << 40}, {"type", "VEC3"}});
+         file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 2;
+       }},
       {"has a skin, but",
        [](GltfMaker& file) {
          file.push("skins", {{"joints", {0}}});
@@ -345,7 +359,7 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
       {"last row", node(0, "matrix", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1})},
       {"16 are needed", node(0, "matrix", {1, 0, 0})},
       {"3 are needed", node(0, "scale", {1, 0})},
-      {"not finite", node(0, "scale", {huge, huge, 1e308 * 5})},
+      {"not finite", node(0, "scale", {1, 1, 1.5e308})},
       {"weights for 0 morph", [](GltfMaker& file) { file.json["meshes"][0]["weights"] = {1}; }},
       {"requires the extension 'KHR_draco",
        [](GltfMaker& file) { file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }},
@@ -415,7 +429,11 @@ TEST(Gltf, hostile_animations_and_skins_are_refused_by_name) {
            {"refers to node 50", channel("target", {{"node", 50}, {"path", "rotation"}})},
            {"glTF does not know", channel("target", {{"node", 2}, {"path", "colour"}})},
            {"without morph targets", channel("target", {{"node", 2}, {"path", "weights"}})},
-           {"moves what another one moves", channel("target", {{"node", 3}, {"path", "translation"}})},
+           {"moves what another one moves",
+            [](GltfMaker& file) {
+              Json& channels = file.json["animations"][0]["channels"];
+              channels.push_back(channels[0]);
+            }},
            {"refers to sampler 9", channel("sampler", 9)},
            {"has a matrix",
             [](GltfMaker& file) {
