@@ -29,6 +29,7 @@ struct Body::State {
   RuleTraits::Follows follows{};        // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
+  PosedTree posed{};         // what queries read; show() brings it up to date
   std::uint64_t frames = 0;  // good updates
   bool current = true;       // the last update was good
   bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
@@ -45,6 +46,10 @@ struct Body::State {
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
+
+  // After every change: what queries see. positions: of an update that was given some.
+  UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
+  void show() noexcept;
 
   // The same for the first `nodes` nodes, whole levels, of bodies that can be lazy with these.
   bool is_lazy(RuleTraits::Follows wanted) const noexcept;

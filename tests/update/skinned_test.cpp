@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <morula/collide/query_status.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/update/body.hpp>
@@ -226,7 +225,7 @@ TEST(Skinned, promises_no_cover_unless_it_is_made_to) {
     EXPECT_EQ(covers(options), conservative);
     EXPECT_EQ(covers(options, Rule::skinned), conservative);
     Body body(b.mesh, b.built, options);
-    EXPECT_EQ(spheres_cover(body), conservative);
+    EXPECT_EQ(body.pose().covers, conservative);
     const UpdateStatus status = body.update_skinned(transforms);
     ASSERT_TRUE(status);
     EXPECT_EQ(status.vertices_read > 0, conservative);

@@ -41,7 +41,6 @@ DemoCell run_cell(const NamedMesh& body, const Built& built, const MovedFrames& 
   const VoxelGrid grid{.kind = VoxelGrid::Kind::fixed, .voxel_edge = tree.voxel_edge};
 
   Body moving(body.mesh, built, {.rules = {rule}, .details = {}}, workers);
-  Mesh mesh = body.mesh;
   std::vector<double> microseconds;
   std::uint64_t first_hash = 0;
   cell.certified = rule == Rule::exact;
@@ -63,9 +62,8 @@ DemoCell run_cell(const NamedMesh& body, const Built& built, const MovedFrames& 
     if (std::find(measured.begin(), measured.end(), i) == measured.end()) continue;
     const SphereTree current = moving.current_tree();
     const std::vector<Sphere> leaves = level_set_spheres(current, current.level_count() - 1);
-    mesh.positions = positions;
-    cell.frames.push_back(
-        {i, parameters[i], meter.measure(positions, leaves, grid, workers), coverage(mesh, leaves, workers)});
+    cell.frames.push_back({i, parameters[i], meter.measure(positions, leaves, grid, workers),
+                           coverage({positions, body.mesh.facets}, leaves, workers)});
     if (parameters[i] == 1.0 && tree.method == Method::morula) {
       const std::string stem = file_stem(body.name, motion.name);
       write_tree(folder / fmt::format("{}-{}.sph", stem, name(rule)), current);

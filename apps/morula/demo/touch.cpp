@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <morula/collide/contacts.hpp>
+#include <morula/collide/contact_query.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/io/mesh_file.hpp>
@@ -62,7 +62,7 @@ bool is_reported(const Vec3& point, const Crossing& crossing, const Collider& a,
     return std::find(facets.begin(), facets.end(), facet) != facets.end();
   };
   // The point itself is rounded: it is not exactly on both facets.
-  const double rounding = 1e-14 * largest_component(point);
+  const double rounding = 1e-14 * max_norm(point);
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
     return distance(point, c.point) <= c.error_bound * (1 + 1e-9) + rounding &&
            has(a.facets(c.node_a), crossing.facet_a) && has(b.facets(c.node_b), crossing.facet_b);
@@ -104,7 +104,8 @@ DemoTouch run_touch(const Mesh& limb, const Built& built, int repeats, const std
 
   std::vector<std::vector<double>> times(touch.rows.size());
   std::vector<std::size_t> contacts(touch.rows.size()), finished(touch.rows.size());
-  Contacts found;
+  ContactQuery query;
+  query.add(a.collider(), b.collider());
   for (std::size_t frame = 0; frame < touch_frames; ++frame) {
     const double parameter = static_cast<double>(frame) / (touch_frames - 1);
     a.move_to(parameter);
@@ -115,11 +116,13 @@ DemoTouch run_touch(const Mesh& limb, const Built& built, int repeats, const std
       TouchRow& row = touch.rows[i];
       CollideOptions options;
       if (row.budget) options.budget = Budget(*row.budget);
+      query.set_options(options);
       for (int repeat = 0; repeat < repeats; ++repeat) {
         Stopwatch watch;
-        collide(a.collider(), b.collider(), options, found);
+        query.run();
         times[i].push_back(1e6 * watch.lap());
       }
+      const Contacts& found = query.contacts();
       contacts[i] += found.contacts.size();
       finished[i] += found.finished_count;
       row.missed += count_missed(crossings, a.collider(), b.collider(), found.contacts);

@@ -3,7 +3,7 @@
 // How numbers are written for people. Files and JSON get every digit instead.
 #pragma once
 
-#include <span>
+#include <scenes/median.hpp>
 #include <string>
 
 namespace morula::cli {
@@ -18,7 +18,6 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 /// As many digits as reading back needs for the same bits.
 std::string exact_digits(double value);
 
-/// Of the values, which are not empty; the mean of the middle two of an even number.
-double median(std::span<const double> values);
+using scenes::median;
 
 }  // namespace morula::cli

@@ -43,18 +43,18 @@ class Pair {
 
   std::span<const Crossing> crossings(const RigidTransform& placement) {
     b_.place(placement);
-    morula::crossings(a_, b_, found_);
+    found_.run(a_, b_);
     return found_.pairs();
   }
   double distance_above(const RigidTransform& placement) {
     b_.place(placement);
-    return query_(a_, b_).lower;
+    return query_.run(a_, b_).lower;
   }
 
  private:
   Body body_;
   Collider a_, b_;
-  Crossings found_;
+  CrossingQuery found_;
   DistanceQuery query_;
 };
 
@@ -151,7 +151,7 @@ std::optional<PressScene> make_press(const StudyPlan& plan, const NamedMesh& bod
   PressScene scene{frames.front().frames.front(), bounding_box(body.mesh).diagonal(), {}};
   Pair pair(body.mesh, built, scene.positions);
 
-  const Box box = bounding_box(Mesh{scene.positions, body.mesh.facets});
+  const Box box = bounding_box({scene.positions, body.mesh.facets});
   for (const Vec3& axis : axes_by_length(box.extent())) {
     std::vector<PressTruth> truths = press_along(plan, pair, box, axis, scene.diagonal);
     if (truths.empty()) skipped.push_back(fmt::format("{} is not pressed along {}", body.name, axis_name(axis)));

@@ -50,12 +50,12 @@ SkinMotion::SkinMotion(const Mesh& mesh, const Built& built, const Skin& skin,
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];
   for (const std::uint32_t v : used_vertices) {
-    rest_reach_ = std::max(rest_reach_, largest_component(mesh.positions[v]));
+    rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
     double sum = 0;
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k) sum += std::abs(skin.weights[k]);
     largest_weights_ = std::max(largest_weights_, sum);
   }
-  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, largest_component(s.center));
+  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
 }
 
 bool SkinMotion::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {
@@ -63,11 +63,9 @@ bool SkinMotion::accepts(std::span<const AffineTransform> transforms, std::size_
     if (!is_finite(transforms[first_bad])) return false;
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad) {
     const AffineTransform& t = transforms[first_bad];
-    const double across = largest_component(t.columns[0] - Vec3{1, 0, 0}) +
-                          largest_component(t.columns[1] - Vec3{0, 1, 0}) +
-                          largest_component(t.columns[2] - Vec3{0, 0, 1});
-    if (!(largest_weights_ * (across * rest_reach_ + largest_component(t.translation)) <= largest_displacement))
-      return false;
+    const double across = max_norm(t.columns[0] - Vec3{1, 0, 0}) + max_norm(t.columns[1] - Vec3{0, 1, 0}) +
+                          max_norm(t.columns[2] - Vec3{0, 0, 1});
+    if (!(largest_weights_ * (across * rest_reach_ + max_norm(t.translation)) <= largest_displacement)) return false;
   }
   first_bad = 0;
   return true;
