@@ -29,7 +29,7 @@ set(height_io 8)
 set(wings_generators fit driver divide reduce)
 set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
-set(wings_io array mesh tree motion)
+set(wings_io array gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_collide require)
 set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)

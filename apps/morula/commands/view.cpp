@@ -107,11 +107,7 @@ int view_command(const Options& o) {
   require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
-  for (const std::vector<Rule>& list : rules) {
-    if (std::count(list.begin(), list.end(), Rule::modal) > 0) {
-      throw UsageError("--rule modal needs a modal model, which morula view does not take");
-    }
-  }
+  for (const std::vector<Rule>& list : rules) require_position_rules(list);
   Workers workers = make_workers(o.threads);
 
   PageContent content;

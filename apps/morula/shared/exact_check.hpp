@@ -8,9 +8,6 @@
 
 namespace morula::cli {
 
-/// True of the rules that cover by construction, and of all where radii are made to cover. The others promise nothing:
-/// morula measure says what they leave bare.
-bool promises_cover(const UpdateOptions& options, Rule rule);
 /// True when some level promises cover.
 bool any_promises_cover(const Body& body);
 
