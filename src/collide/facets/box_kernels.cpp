@@ -38,7 +38,7 @@ FloatBox box_of_meeting(const BoxList& boxes, const FloatBox& box) {
 
 }  // namespace plain
 
-#define MORULA_KERNELS "collide/box_kernels.inl"
+#define MORULA_KERNELS "collide/facets/box_kernels.inl"
 #include "simd/every_processor.inl"
 
 }  // namespace

@@ -52,7 +52,7 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
 
 }  // namespace plain
 
-#define MORULA_KERNELS "collide/facet_columns.inl"
+#define MORULA_KERNELS "collide/facets/facet_columns.inl"
 #include "simd/every_processor.inl"
 
 }  // namespace

@@ -57,7 +57,7 @@ void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
 
 }  // namespace plain
 
-#define MORULA_KERNELS "collide/pair_kernels.inl"
+#define MORULA_KERNELS "collide/pairs/pair_kernels.inl"
 #include "simd/every_processor.inl"
 
 #ifdef MORULA_DISPATCH

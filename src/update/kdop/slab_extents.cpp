@@ -43,7 +43,7 @@ void slab_extents(const LocalPoint* points, std::span<const PointRun> runs, std:
 
 }  // namespace plain
 
-#define MORULA_KERNELS "update/slab_extents.inl"
+#define MORULA_KERNELS "update/kdop/slab_extents.inl"
 #include "simd/every_processor.inl"
 
 template <int k>

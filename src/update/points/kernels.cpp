@@ -61,7 +61,7 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
 
 }  // namespace plain
 
-#define MORULA_KERNELS "update/kernels.inl"
+#define MORULA_KERNELS "update/points/kernels.inl"
 #include "simd/every_processor.inl"
 
 std::span<const Kernels> all_kernels() {
