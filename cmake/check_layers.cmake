@@ -36,6 +36,7 @@ set(wings_study svg run claims output)
 set(wings_io array mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_study json numbers words)
+set(common_collide require)
 set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
 
 if(NOT DEFINED ROOT)
@@ -136,7 +137,7 @@ endforeach()
 
 set(outside_globs "")
 foreach(folder apps bench examples scenes tests/consumer)
-  list(APPEND outside_globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp")
+  list(APPEND outside_globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp" "${ROOT}/${folder}/*.inl")
 endforeach()
 file(GLOB_RECURSE outside_files RELATIVE "${ROOT}" ${outside_globs})
 foreach(file IN LISTS outside_files)

@@ -10,7 +10,7 @@ endif()
 
 set(globs "${ROOT}/CMakeLists.txt" "${ROOT}/cmake/*.in" "${ROOT}/scripts/*" "${ROOT}/.ci/*")
 foreach(folder include src apps bench examples scenes tests cmake viewer)
-  foreach(pattern *.hpp *.cpp *.hpp.in *.cpp.in *.py *.sh *.mjs *.js *.cmake CMakeLists.txt)
+  foreach(pattern *.hpp *.cpp *.inl *.hpp.in *.cpp.in *.py *.sh *.mjs *.js *.cmake CMakeLists.txt)
     list(APPEND globs "${ROOT}/${folder}/${pattern}")
   endforeach()
 endforeach()

@@ -13,7 +13,7 @@ list(TRANSFORM entries REPLACE "^@[a-z]+{([^,]*),.*$" "\\1")
 
 set(globs "${ROOT}/docs/*.md")
 foreach(folder include src apps bench examples scenes tests)
-  list(APPEND globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp")
+  list(APPEND globs "${ROOT}/${folder}/*.hpp" "${ROOT}/${folder}/*.cpp" "${ROOT}/${folder}/*.inl")
 endforeach()
 file(GLOB_RECURSE files RELATIVE "${ROOT}" ${globs})
 

@@ -3,6 +3,11 @@
 // The whole library in one include.
 #pragma once
 
+// MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
+#if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
+#error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
+#endif
+
 #include <morula/accuracy/measure.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
@@ -11,6 +16,7 @@
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
@@ -28,6 +34,7 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

@@ -40,11 +40,4 @@ std::string hash_text(std::uint64_t hash) {
   return fmt::format("0x{:016x}", hash);
 }
 
-double median(std::span<const double> values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  std::sort(sorted.begin(), sorted.end());
-  const std::size_t middle = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
-}
-
 }  // namespace morula::study

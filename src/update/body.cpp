@@ -63,22 +63,6 @@ std::vector<std::uint8_t> leaves_measured(const SphereTree& tree, const LeafOrde
   return flags;
 }
 
-// The tree's spheres about an origin, narrowed so that each contains what it was.
-std::vector<Spheref> narrowed(const SphereTree& tree, const Vec3& origin) {
-  std::vector<Spheref> narrow;
-  for (const Sphere& s : tree.spheres) {
-    const Vec3 center = s.center - origin;
-    // Adding zero makes a negative zero positive, as the rules do.
-    const Vec3f nearest = Vec3f(center) + Vec3f{};
-    narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
-    if (!(largest_component(nearest) <= largest_local_coordinate && narrow.back().radius <= largest_local_coordinate))
-      throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
-                                  " is too large for an update: scale " +
-                                  "mesh and tree so that coordinates about the centre stay below 1e17");
-  }
-  return narrow;
-}
-
 // Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
 // mesh.
 std::uint64_t ownership_stamp(const Built& built) {
@@ -120,7 +104,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
         " is too far from the centre for an update, or all are too far from the origin: scale "
         "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
   s.origin = rest.origin;
-  s.spheres = narrowed(built.tree, rest.origin);
+  narrow_spheres(built.tree.spheres, rest.origin, s.spheres);
   const std::vector<Spheref> of_tree = s.spheres;
   const auto exact_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::exact);
   const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
@@ -167,6 +151,10 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   s.ownership = ownership_stamp(built);
   s.reached.resize(built.tree.node_count());
   s.coordinates_reached.resize(s.options.modes.mode_count);
+  s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(), [](Rule rule) {
+                     return rule == Rule::exact || rule == Rule::wrapped || rule == Rule::modal;
+                   });
+  s.show();
   s.work.nodes_updated = built.tree.node_count();
   if (modal_levels < std::ssize(rule_of_level)) {
     s.work.vertices_read = s.local.vertex_count();
@@ -175,28 +163,34 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
 }
 
 Body::~Body() = default;
-Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {}
+Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {
+  State& s = *state_;
+  s.show();
+  const std::vector<Vec3>& others = other.state_->moved_positions;
+  const bool formed_there = s.posed.positions && !others.empty() &&
+                            s.posed.positions->address(0) == reinterpret_cast<const std::byte*>(others.data());
+  if (formed_there) s.posed.positions = PositionView(s.moved_positions);
+}
 Body& Body::operator=(const Body& other) {
-  if (this != &other) state_ = std::make_unique<State>(*other.state_);
-  return *this;
+  return *this = Body(other);
 }
 Body::Body(Body&&) noexcept = default;
 Body& Body::operator=(Body&&) noexcept = default;
 
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
   const StandardFloats standard;
-  return state_->counted(state_->follow(positions, workers));
+  return state_->shown(state_->counted(state_->follow(positions, workers)), &positions);
 }
 
 UpdateStatus Body::update(const PositionView& positions, std::span<const VertexRange> changed,
                           Workers& workers) noexcept {
   const StandardFloats standard;
-  return state_->counted(state_->follow(positions, changed, workers));
+  return state_->shown(state_->counted(state_->follow(positions, changed, workers)), &positions);
 }
 
 UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& workers) noexcept {
   const StandardFloats standard;
-  return state_->counted(state_->follow(coordinates, workers));
+  return state_->shown(state_->counted(state_->follow(coordinates, workers)));
 }
 
 UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {
@@ -204,7 +198,8 @@ UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t leve
   State& s = *state_;
   const bool all_exact = s.exact && !s.paper && !s.modal;
   if (!all_exact) return update(positions, workers);
-  return s.counted_lazily(s.follow_lazily(positions, s.nodes_to_level(level), workers), s.nodes_to_level(level));
+  const std::size_t nodes = s.nodes_to_level(level);
+  return s.shown(s.counted_lazily(s.follow_lazily(positions, nodes, workers), nodes), &positions);
 }
 
 UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std::size_t level,
@@ -213,12 +208,15 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
   State& s = *state_;
   const bool all_modal = s.modal && !s.paper && !s.exact;
   if (!all_modal) return update_modal(coordinates, workers);
-  return s.counted_lazily(s.follow_lazily(coordinates, s.nodes_to_level(level)), s.nodes_to_level(level));
+  const std::size_t nodes = s.nodes_to_level(level);
+  return s.shown(s.counted_lazily(s.follow_lazily(coordinates, nodes), nodes));
 }
 
 std::size_t Body::reach(std::uint32_t node) noexcept {
   const StandardFloats standard;
-  return state_->reach(node);
+  const std::size_t brought = state_->reach(node);
+  state_->show();
+  return brought;
 }
 
 bool Body::is_reached(std::uint32_t node) const {
@@ -276,6 +274,10 @@ std::uint64_t Body::hash() const {
   hash.add(state_->origin);
   for (const Spheref& s : state_->spheres) hash.add(s);
   return hash.value();
+}
+
+const PosedTree& Body::pose() const {
+  return state_->posed;
 }
 
 std::uint64_t Body::frame() const {

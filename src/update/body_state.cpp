@@ -13,6 +13,27 @@ UpdateStatus Body::State::counted(const UpdateStatus& status) noexcept {
   return status;
 }
 
+void Body::State::show() noexcept {
+  posed.tree = &built->tree;
+  posed.spheres = spheres;
+  posed.origin = origin;
+  posed.ownership = ownership;
+  posed.frame = frames;
+  posed.current = current;
+  posed.complete = !lazy;
+}
+
+UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* positions) noexcept {
+  show();
+  if (!status) return status;
+  posed.positions.reset();
+  if (positions != nullptr)
+    posed.positions = *positions;
+  else if (!moved_positions.empty())
+    posed.positions = PositionView(moved_positions);
+  return status;
+}
+
 // The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
 // upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
 // rules' own.

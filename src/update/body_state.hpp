@@ -28,6 +28,7 @@ struct Body::State {
   std::optional<ModalRule> modal{};
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes and levels that follow vertices
   std::uint64_t ownership = 0;
+  PosedTree posed{};         // what queries read; show() brings it up to date
   std::uint64_t frames = 0;  // good updates
   bool current = true;       // the last update was good
   bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
@@ -43,6 +44,10 @@ struct Body::State {
   UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
+
+  // After every change: what queries see. positions: of an update that was given some.
+  UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
+  void show() noexcept;
 
   // The same for the first `nodes` nodes, whole levels.
   UpdateStatus follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept;

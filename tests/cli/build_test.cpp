@@ -32,12 +32,20 @@ TEST(BuildCommand, writes_the_tree_that_the_library_builds) {
   }
 }
 
-TEST(BuildCommand, gives_the_same_file_for_any_number_of_threads) {
+void expect_same_file_for_any_number_of_threads(const std::string& options) {
   const Workbench bench;
   bench.require("sample blob -o blob.obj --resolution 12");
-  bench.require("build blob.obj -o one.morula --threads 1");
-  bench.require("build blob.obj -o three.morula --threads 3");
+  bench.require("build blob.obj -o one.morula --threads 1" + options);
+  bench.require("build blob.obj -o three.morula --threads 3" + options);
   EXPECT_EQ(bench.read("one.morula"), bench.read("three.morula"));
+}
+
+TEST(BuildCommand, gives_the_same_file_for_any_number_of_threads) {
+  expect_same_file_for_any_number_of_threads(" --quality fast");
+}
+
+TEST(LongBuildCommand, of_default_quality_gives_the_same_file_for_any_number_of_threads) {
+  expect_same_file_for_any_number_of_threads("");
 }
 
 TEST(BuildCommand, options_out_of_range_are_refused_with_nothing_written) {

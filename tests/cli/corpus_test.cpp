@@ -10,7 +10,9 @@
 namespace morula::test {
 namespace {
 
-TEST(CliCorpus, bunny_is_built_moved_and_stays_covered) {
+class CliCorpus : public testing::TestWithParam<const char*> {};
+
+TEST_P(CliCorpus, bunny_is_built_moved_and_stays_covered) {
   const auto corpus = scenes::corpus_folder();
   if (!corpus || !std::filesystem::is_regular_file(*corpus / "bunny00.off")) {
     GTEST_SKIP() << "bunny00.off is not here: run scripts/corpus, or set MORULA_CORPUS";
@@ -18,21 +20,25 @@ TEST(CliCorpus, bunny_is_built_moved_and_stays_covered) {
   const Workbench bench;
   const std::string bunny = "'" + (*corpus / "bunny00.off").string() + "'";
   bench.require("info " + bunny);
-  for (const std::string method : {"octree", "grid"}) {
-    EXPECT_TRUE(
-        bench.require("build " + bunny + " -o bunny.morula --json --method " + method).json()["covered"].get<bool>());
-    bench.require("info bunny.morula --check --mesh " + bunny);
-    for (const auto& level :
-         bench.require("measure " + bunny + " bunny.morula --no-protrusion --json").json()["frames"][0]["levels"]) {
-      EXPECT_EQ(level["bare_area"].get<double>(), 0) << method << level;
-      EXPECT_EQ(level["gap"].get<double>(), 0) << method << level;
-    }
-    bench.require("deform " + bunny + " -o motion.npy --twist 90 --frames 3");
-    const auto update = bench.require("update " + bunny + " bunny.morula motion.npy -o spheres --json").json();
-    EXPECT_TRUE(update["certificate"]["covered"].get<bool>());
-    EXPECT_EQ(bench.read("spheres/0000.sph"), bench.read("spheres/0002.sph"));
+  const std::string method = GetParam();
+  EXPECT_TRUE(
+      bench.require("build " + bunny + " -o bunny.morula --json --method " + method).json()["covered"].get<bool>());
+  bench.require("info bunny.morula --check --mesh " + bunny);
+  for (const auto& level :
+       bench.require("measure " + bunny + " bunny.morula --no-protrusion --json").json()["frames"][0]["levels"]) {
+    EXPECT_EQ(level["bare_area"].get<double>(), 0) << level;
+    EXPECT_EQ(level["gap"].get<double>(), 0) << level;
   }
+  bench.require("deform " + bunny + " -o motion.npy --twist 90 --frames 3");
+  const auto update = bench.require("update " + bunny + " bunny.morula motion.npy -o spheres --json").json();
+  EXPECT_TRUE(update["certificate"]["covered"].get<bool>());
+  EXPECT_EQ(bench.read("spheres/0000.sph"), bench.read("spheres/0002.sph"));
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, CliCorpus, testing::Values("octree"),
+                         [](const auto& tested) { return std::string(tested.param); });
+INSTANTIATE_TEST_SUITE_P(Long, CliCorpus, testing::Values("grid"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
 }  // namespace morula::test

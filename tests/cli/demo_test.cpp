@@ -59,7 +59,7 @@ void expect_contacts_hold(const Workbench& bench, const json& contacts, const st
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 6);
 }
 
-TEST(DemoCommand, its_figures_come_again_from_files) {
+TEST(LongDemoCommand, its_figures_come_again_from_files) {
   const Workbench bench;
   const CommandResult text = bench.require("demo --quick -o demo");
   const json demo = json::parse(bench.read("demo/demo.json"));

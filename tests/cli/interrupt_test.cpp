@@ -131,7 +131,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
   std::filesystem::remove(err);
 }
 
-TEST(Interrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
+TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
   const Workbench bench;
   bench.require("sample limb -o body.obj --resolution 8");
   const std::vector<std::string> arguments{"study",   "--quick",         "--mesh",    "body.obj",  "--frames",

@@ -130,8 +130,8 @@ Record everything(const Inputs& in, Workers& workers) {
   record.add("overlap", std::uint64_t{overlap(a, b)});
   record_contacts(record, collide(a, b, {.surfaces = true, .exact = true}));
   record_contacts(record, collide(a, b, {.budget = 50, .surfaces = true}));
-  Crossings crossed;
-  crossings(a, b, crossed);
+  CrossingQuery crossed;
+  crossed.run(a, b);
   record.add("crossings", crossed.pairs().size());
   for (const RigidTransform& place : {in.placement, RigidTransform{.translation = {5, 1, 2}}}) {
     b.place(place);
@@ -145,7 +145,7 @@ Record everything(const Inputs& in, Workers& workers) {
   record.add("touch below", touched.lower);
   const RayHit hit = first_hit(a, {.origin = {0.1, 0.05, -9}, .direction = {0.01, 0.02, 1}});
   record.add("hit", hit.t);
-  InsideTest inside(a);
+  InsideQuery inside(a);
   record.add("winding", static_cast<std::uint64_t>(inside.locate({0.01, 0.02, 0.03}).winding));
   record.add("probe", inside.probe({{0.01, 0.02, 0.03}, 0.1}).depth);
   const SignedDistance signed_distance(in.limb, workers);
@@ -182,45 +182,55 @@ std::uint64_t fingerprint() {
   return hash;
 }
 
-TEST(FloatEnvironment, changes_no_bit_and_is_left_as_it_was_found) {
+class FloatEnvironment : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(FloatEnvironment, changes_no_bit_and_is_left_as_it_was_found) {
   const Inputs inputs;
   Workers before(3);
   const Record expected = everything(inputs, serial_workers());
   std::fenv_t usual;
   ASSERT_EQ(std::fegetenv(&usual), 0);
   const std::uint64_t standard = fingerprint();
-  for (const Environment& environment : environments()) {
-    environment.set();
-    const std::uint64_t own = fingerprint();
-    std::string difference[4];
-    bool kept = true;
-    const auto judge = [&](std::size_t k, Workers& workers) {
-      difference[k] = everything(inputs, workers).first_difference(expected);
-      kept = kept && fingerprint() == own;
-    };
-    judge(0, serial_workers());
-    judge(1, before);  // threads that were made before the host changed its mind
-    {
-      Workers inside(3);  // threads that inherit it
-      judge(2, inside);
-    }
-    Workers host(
-        [&](std::size_t count, ChunkFunction chunk) {
-          std::thread other([&] {
-            environment.set();
-            for (std::size_t i = 0; i < count; i += 2) chunk(i);
-          });
-          for (std::size_t i = 1; i < count; i += 2) chunk(i);
-          other.join();
-        },
-        2);
-    judge(3, host);
-    std::fesetenv(&usual);
-    EXPECT_NE(own, standard) << environment.name << " was not set: the test shows nothing";
-    for (const std::string& found : difference) EXPECT_EQ(found, "") << environment.name;
-    EXPECT_TRUE(kept) << environment.name;
+  const Environment environment = environments()[GetParam()];
+  environment.set();
+  const std::uint64_t own = fingerprint();
+  std::string difference[4];
+  bool kept = true;
+  const auto judge = [&](std::size_t k, Workers& workers) {
+    difference[k] = everything(inputs, workers).first_difference(expected);
+    kept = kept && fingerprint() == own;
+  };
+  judge(0, serial_workers());
+  judge(1, before);  // threads that were made before the host changed its mind
+  {
+    Workers inside(3);  // threads that inherit it
+    judge(2, inside);
   }
+  Workers host(
+      [&](std::size_t count, ChunkFunction chunk) {
+        std::thread other([&] {
+          environment.set();
+          for (std::size_t i = 0; i < count; i += 2) chunk(i);
+        });
+        for (std::size_t i = 1; i < count; i += 2) chunk(i);
+        other.join();
+      },
+      2);
+  judge(3, host);
+  std::fesetenv(&usual);
+  EXPECT_NE(own, standard) << environment.name << " was not set: the test shows nothing";
+  for (const std::string& found : difference) EXPECT_EQ(found, "") << environment.name;
+  EXPECT_TRUE(kept) << environment.name;
 }
+
+std::string environment_name(const testing::TestParamInfo<std::size_t>& tested) {
+  std::string words = environments()[tested.param].name;
+  words.erase(std::remove(words.begin(), words.end(), ','), words.end());
+  std::replace(words.begin(), words.end(), ' ', '_');
+  return words;
+}
+INSTANTIATE_TEST_SUITE_P(EachOf, FloatEnvironment, testing::Range(std::size_t{0}, environments().size()),
+                         environment_name);
 
 struct Thrown {};
 

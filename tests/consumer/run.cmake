@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-# Configures, builds and runs the consumer's project. WAY: find_package or add_subdirectory.
+# Configures, builds and runs the consumer's project. WAY: find_package, add_subdirectory, or add_subdirectory_compiles,
+# which compiles the consumer's source and links nothing.
 cmake_minimum_required(VERSION 3.24)
 
 # A consumer keeps nothing of an earlier run: a header that is no longer installed must not be found.
@@ -38,11 +39,15 @@ else()
   list(APPEND configuration -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS=-O0 -D "MORULA_SOURCE=${SOURCE}"
     -D MORULA_IO=OFF)
   set(programs body_core)
+  if(WAY STREQUAL add_subdirectory_compiles)
+    set(programs "")
+    set(build_target --target body_core_compiles)
+  endif()
 endif()
 
 execute_process(COMMAND ${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}/project" -B "${FOLDER}/build" ${configuration}
   COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/build" COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/build" ${build_target} COMMAND_ERROR_IS_FATAL ANY)
 foreach(program IN LISTS programs)
   execute_process(COMMAND "${FOLDER}/build/${program}" "${MESH}" WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

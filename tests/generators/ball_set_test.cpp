@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <build/ball_set.hpp>
+#include <generators/reduce/ball_set.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>

@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <support/meshes.hpp>
+#include <support/methods.hpp>
 
 #include "same_bits.hpp"
 
@@ -44,35 +45,44 @@ void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const s
   }
 }
 
-TEST(Build, covers_every_kind_of_mesh_with_every_method) {
-  for (const Method method : all_methods())
-    for (const test::NamedMesh& named : test::all_meshes())
-      expect_promises_kept(named.mesh, {.method = method, .depth = 2, .quality = quick(method)},
-                           described(method, named.name, 8, 2));
+using BuildBy = test::ByMethod;
+
+TEST_P(BuildBy, covers_every_kind_of_mesh) {
+  for (const test::NamedMesh& named : test::all_meshes())
+    expect_promises_kept(named.mesh, {.method = GetParam(), .depth = 2, .quality = quick(GetParam())},
+                         described(GetParam(), named.name, 8, 2));
 }
 
-TEST(Build, keeps_its_promises_for_every_branching_and_depth) {
+TEST_P(BuildBy, keeps_its_promises_for_every_branching_and_depth) {
   const Mesh mesh = sample_body("limb", 8);
-  for (const Method method : all_methods()) {
-    // Those that make medial balls take some 20 ms per node.
-    const bool slow = method == Method::hubbard || method == Method::medial || method == Method::combined;
-    const auto expect = [&](int branching, int depth) {
-      expect_promises_kept(mesh, {.method = method, .branching = branching, .depth = depth, .quality = quick(method)},
-                           described(method, "limb", branching, depth));
-    };
-    for (const int branching : {2, 3, 5, 8, 13}) expect(branching, slow ? 1 : 2);
-    expect(64, slow ? 1 : 2);
-    for (const int depth : {0, 1, slow ? 2 : 4}) expect(4, depth);
-    expect(2, slow ? 4 : 8);
-  }
+  const Method method = GetParam();
+  // Those that make medial balls take some 20 ms per node.
+  const bool slow = method == Method::hubbard || method == Method::medial || method == Method::combined;
+  const auto expect = [&](int branching, int depth) {
+    expect_promises_kept(mesh, {.method = method, .branching = branching, .depth = depth, .quality = quick(method)},
+                         described(method, "limb", branching, depth));
+  };
+  for (const int branching : {2, 3, 5, 8, 13}) expect(branching, slow ? 1 : 2);
+  expect(64, slow ? 1 : 2);
+  for (const int depth : {0, 1, slow ? 2 : 4}) expect(4, depth);
+  expect(2, slow ? 4 : 8);
 }
 
-TEST(Build, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
-  const Mesh mesh = sample_body("blob", 16);
-  std::vector<BuildOptions> runs;
-  for (const Method method : all_methods()) runs.push_back({.method = method, .depth = 2, .quality = quick(method)});
-  runs.push_back({.method = Method::morula, .depth = 2});
-  for (const BuildOptions& options : runs) test::expect_same_bits_for_any_number_of_workers(mesh, options);
+TEST_P(BuildBy, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
+  test::expect_same_bits_for_any_number_of_workers(sample_body("blob", 16),
+                                                   {.method = GetParam(), .depth = 2, .quality = quick(GetParam())});
+}
+
+TEST(LongBuild, of_default_quality_has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
+  test::expect_same_bits_for_any_number_of_workers(sample_body("blob", 16), {.method = Method::morula, .depth = 2});
+}
+
+// All that medial balls are made for, on little: the rest of it is long.
+TEST(Build, covers_and_keeps_its_promises_with_the_slow_methods) {
+  for (const Method method : test::slow_methods)
+    for (const char* mesh : {"moebius_strip", "folded_facet", "needle"})
+      expect_promises_kept(test::mesh_named(mesh).mesh, {.method = method, .branching = 4, .depth = 1},
+                           described(method, mesh, 4, 1));
 }
 
 TEST(Build, makes_the_golden_trees) {
@@ -90,42 +100,50 @@ TEST(Build, makes_the_golden_trees) {
   EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
 }
 
-TEST(Build, moves_and_scales_with_its_input) {
+TEST_P(BuildBy, moves_and_scales_with_its_input) {
   const Mesh mesh = sample_body("limb", 16);
   const Vec3 offset{3, -7, 11};
-  for (const Method method : all_methods()) {
-    const SphereTree here = build(mesh, {.method = method, .depth = 2, .quality = quick(method)}).tree;
-    // Powers of two scale every number of the computation exactly.
-    const SphereTree larger =
-        build(test::scaled(mesh, 4), {.method = method, .depth = 2, .quality = quick(method)}).tree;
-    ASSERT_EQ(larger.node_count(), here.node_count());
-    for (std::size_t i = 0; i < here.node_count(); ++i) {
-      EXPECT_NEAR(larger.spheres[i].radius, 4 * here.spheres[i].radius, 1e-9) << name(method);
-      EXPECT_LT(distance(larger.spheres[i].center, here.spheres[i].center * 4.0), 1e-9) << name(method);
-    }
-    // Elsewhere coordinates are rounded differently, and a search may end at another optimum that is as good.
-    const Mesh moved = test::translated(mesh, offset);
-    const SphereTree there = build(moved, {.method = method, .depth = 2, .quality = quick(method)}).tree;
-    for (std::size_t level = 1; level <= 2; ++level) {
-      const double here_loose = looseness(mesh, level_set_spheres(here, level)).looseness.value();
-      const double there_loose = looseness(moved, level_set_spheres(there, level)).looseness.value();
-      EXPECT_NEAR(there_loose / here_loose, 1, 0.25) << name(method) << ", level " << level;
-    }
+  const BuildOptions options{.method = GetParam(), .depth = 2, .quality = quick(GetParam())};
+  const SphereTree here = build(mesh, options).tree;
+  // Powers of two scale every number of the computation exactly.
+  const SphereTree larger = build(test::scaled(mesh, 4), options).tree;
+  ASSERT_EQ(larger.node_count(), here.node_count());
+  for (std::size_t i = 0; i < here.node_count(); ++i) {
+    EXPECT_NEAR(larger.spheres[i].radius, 4 * here.spheres[i].radius, 1e-9);
+    EXPECT_LT(distance(larger.spheres[i].center, here.spheres[i].center * 4.0), 1e-9);
+  }
+  // Elsewhere coordinates are rounded differently, and a search may end at another optimum that is as good.
+  const Mesh moved = test::translated(mesh, offset);
+  const SphereTree there = build(moved, options).tree;
+  for (std::size_t level = 1; level <= 2; ++level) {
+    const double here_loose = looseness(mesh, level_set_spheres(here, level)).looseness.value();
+    const double there_loose = looseness(moved, level_set_spheres(there, level)).looseness.value();
+    EXPECT_NEAR(there_loose / here_loose, 1, 0.25) << "level " << level;
   }
 }
 
-TEST(Build, gets_tighter_with_depth) {
+TEST_P(BuildBy, gets_tighter_with_depth) {
   const Mesh mesh = sample_body("torus", 24);
-  for (const Method method : all_methods()) {
-    const SphereTree tree = build(mesh, {.method = method, .quality = quick(method)}).tree;
-    const auto loose = [&](std::size_t level) {
-      return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
-    };
-    // The first division may be looser than the root: eight spheres around the octants of a flat body stick out of it.
-    for (std::size_t level = 2; level < tree.level_count(); ++level)
-      EXPECT_LT(loose(level), loose(level - 1)) << name(method) << " level " << level;
-    EXPECT_LT(loose(2), loose(0)) << name(method);
-  }
+  const SphereTree tree = build(mesh, {.method = GetParam(), .quality = quick(GetParam())}).tree;
+  const auto loose = [&](std::size_t level) {
+    return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
+  };
+  // The first division may be looser than the root: eight spheres around the octants of a flat body stick out of it.
+  for (std::size_t level = 2; level < tree.level_count(); ++level)
+    EXPECT_LT(loose(level), loose(level - 1)) << "level " << level;
+  EXPECT_LT(loose(2), loose(0));
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, BuildBy, testing::ValuesIn(test::quick_methods), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, BuildBy, testing::ValuesIn(test::slow_methods), test::method_name);
+
+TEST(Methods, are_quick_or_slow) {
+  std::vector<Method> both(test::quick_methods.begin(), test::quick_methods.end());
+  both.insert(both.end(), test::slow_methods.begin(), test::slow_methods.end());
+  std::sort(both.begin(), both.end());
+  std::vector<Method> all(all_methods().begin(), all_methods().end());
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(both, all);
 }
 
 TEST(Build, ends_early_where_there_is_nothing_to_divide) {

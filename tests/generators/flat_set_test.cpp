@@ -10,6 +10,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
+#include <support/methods.hpp>
 
 #include "same_bits.hpp"
 
@@ -33,22 +34,27 @@ void expect_sound(const Mesh& mesh, const Built& built, const std::string& what)
   EXPECT_TRUE(coverage(mesh, leaves(built)).covered) << what;
 }
 
-TEST(FlatSet, has_the_number_of_spheres_asked_for_and_covers) {
-  for (const char* body : {"limb", "two"})
-    for (const Method method : cheap) {
-      const Mesh mesh = sample_body(body, 16);
-      for (const std::size_t spheres : {1, 2, 5, 8, 9, 20, 64, 100, 500}) {
-        if (method == Method::hubbard && spheres > 20) continue;  // slow
-        const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(spheres);
-        const Built built = build(mesh, {.method = method, .spheres = spheres});
-        EXPECT_LE(built.tree.leaf_count(), spheres) << what;
-        EXPECT_GE(static_cast<double>(built.tree.leaf_count()), 0.8 * static_cast<double>(spheres)) << what;
-        EXPECT_TRUE(built.report.complete) << what;
-        ASSERT_TRUE(built.report.protrusion_bound.has_value());
-        expect_sound(mesh, built, what);
-      }
+using FlatSetBy = test::ByMethod;
+
+TEST_P(FlatSetBy, has_the_number_of_spheres_asked_for_and_covers) {
+  const Method method = GetParam();
+  for (const char* body : {"limb", "two"}) {
+    const Mesh mesh = sample_body(body, 16);
+    for (const std::size_t spheres : {1, 2, 5, 8, 9, 20, 64, 100, 500}) {
+      if (method == Method::hubbard && spheres > 20) continue;  // slow
+      const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(spheres);
+      const Built built = build(mesh, {.method = method, .spheres = spheres});
+      EXPECT_LE(built.tree.leaf_count(), spheres) << what;
+      EXPECT_GE(static_cast<double>(built.tree.leaf_count()), 0.8 * static_cast<double>(spheres)) << what;
+      EXPECT_TRUE(built.report.complete) << what;
+      ASSERT_TRUE(built.report.protrusion_bound.has_value());
+      expect_sound(mesh, built, what);
     }
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, FlatSetBy, testing::Values(Method::octree, Method::grid), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, FlatSetBy, testing::Values(Method::hubbard, Method::spawn), test::method_name);
 
 TEST(FlatSet, keeps_within_every_branching) {
   const Mesh mesh = sample_body("limb", 12);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <build/lattice.hpp>
+#include <generators/fit/lattice.hpp>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>

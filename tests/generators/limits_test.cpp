@@ -63,11 +63,25 @@ TEST(BuildStop, requested_before_the_build_begins_means_no_work) {
   EXPECT_EQ(calls, 0);
 }
 
-TEST(BuildStop, that_is_never_requested_changes_nothing) {
+// One level, and all of those that are the default.
+class Unhindered : public testing::TestWithParam<int> {};
+
+TEST_P(Unhindered, by_a_stop_that_is_never_requested) {
   const Mesh mesh = sample_body("blob", 16);
   const std::stop_source source;
-  EXPECT_EQ(tree_hash(build(mesh, {.stop = source.get_token()}).tree), tree_hash(build(mesh).tree));
+  EXPECT_EQ(tree_hash(build(mesh, {.depth = GetParam(), .stop = source.get_token()}).tree),
+            tree_hash(build(mesh, {.depth = GetParam()}).tree));
 }
+
+TEST_P(Unhindered, by_a_time_limit_that_is_not_reached) {
+  const Mesh mesh = sample_body("blob", 16);
+  const Built built = build(mesh, {.depth = GetParam(), .time_limit_seconds = 1e6});
+  EXPECT_TRUE(built.report.complete);
+  EXPECT_EQ(tree_hash(built.tree), tree_hash(build(mesh, {.depth = GetParam()}).tree));
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, Unhindered, testing::Values(1), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Long, Unhindered, testing::Values(BuildOptions{}.depth), testing::PrintToStringParamName());
 
 TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
   const Mesh mesh = sample_body("limb", 24);
@@ -95,19 +109,15 @@ TEST(BuildTimeLimit, of_next_to_nothing_gives_the_root) {
   }
 }
 
-TEST(BuildTimeLimit, that_is_not_reached_changes_nothing) {
-  const Mesh mesh = sample_body("blob", 16);
-  const Built built = build(mesh, {.time_limit_seconds = 1e6});
-  EXPECT_TRUE(built.report.complete);
-  EXPECT_EQ(tree_hash(built.tree), tree_hash(build(mesh).tree));
-}
+class BuildReported : public testing::TestWithParam<Quality> {};
 
-TEST(BuildProgressTold, names_levels_in_order_and_guesses_the_time_left) {
+TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) {
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     std::vector<BuildProgress> seen;
-    const Built built =
-        build(mesh, {.spheres = spheres, .progress = [&](const BuildProgress& p) { seen.push_back(p); }});
+    const Built built = build(
+        mesh,
+        {.spheres = spheres, .quality = GetParam(), .progress = [&](const BuildProgress& p) { seen.push_back(p); }});
     ASSERT_GE(seen.size(), 3u);
     EXPECT_EQ(seen.front().share, 0);
     EXPECT_EQ(seen.back().share, 1);
@@ -123,11 +133,11 @@ TEST(BuildProgressTold, names_levels_in_order_and_guesses_the_time_left) {
   }
 }
 
-TEST(BuildReportSeconds, add_up_to_no_more_than_the_whole) {
+TEST_P(BuildReported, seconds_add_up_to_no_more_than_the_whole) {
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     const auto start = std::chrono::steady_clock::now();
-    const Built built = build(mesh, {.spheres = spheres});
+    const Built built = build(mesh, {.spheres = spheres, .quality = GetParam()});
     const double whole = seconds_since(start);
     ASSERT_EQ(built.report.level_seconds.size(), built.tree.level_count());
     for (const double s : built.report.level_seconds) EXPECT_GE(s, 0);
@@ -136,6 +146,11 @@ TEST(BuildReportSeconds, add_up_to_no_more_than_the_whole) {
     EXPECT_LE(sum, whole);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, BuildReported, testing::Values(Quality::fast),
+                         [](const auto& tested) { return std::string(name(tested.param)); });
+INSTANTIATE_TEST_SUITE_P(Long, BuildReported, testing::Values(Quality::standard),
+                         [](const auto& tested) { return std::string(name(tested.param)); });
 
 TEST(BuildLimits, refuses_numbers_that_are_none) {
   const Mesh mesh = sample_body("bar", 3);

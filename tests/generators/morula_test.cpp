@@ -21,19 +21,30 @@ std::array<double, 2> loose_at_levels_2_and_3(const Mesh& mesh, const BuildOptio
   return loose;
 }
 
-TEST(Own, keeps_its_promises_at_every_quality) {
-  for (const Quality quality : all_qualities())
-    for (const Mesh& mesh : {sample_body("two", 6), test::mesh_named("moebius_strip").mesh}) {
-      const Built built = build(mesh, {.method = Method::morula, .depth = 2, .quality = quality});
-      const auto faults = validate(mesh, built);
-      EXPECT_TRUE(faults.empty()) << name(quality) << ": " << (faults.empty() ? "" : faults.front());
-      EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered) << name(quality);
-      EXPECT_TRUE(built.report.complete);
-      for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, 8u);
-    }
+class OwnAt : public testing::TestWithParam<Quality> {};
+
+TEST_P(OwnAt, keeps_its_promises) {
+  for (const Mesh& mesh : {sample_body("two", 6), test::mesh_named("moebius_strip").mesh}) {
+    const Built built = build(mesh, {.method = Method::morula, .depth = 2, .quality = GetParam()});
+    const auto faults = validate(mesh, built);
+    EXPECT_TRUE(faults.empty()) << (faults.empty() ? "" : faults.front());
+    EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
+    EXPECT_TRUE(built.report.complete);
+    for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, 8u);
+  }
 }
 
-TEST(Own, is_tighter_with_more_work) {
+std::string quality_name(const testing::TestParamInfo<Quality>& tested) {
+  return std::string(name(tested.param));
+}
+INSTANTIATE_TEST_SUITE_P(Quick, OwnAt, testing::Values(Quality::draft, Quality::fast, Quality::standard), quality_name);
+INSTANTIATE_TEST_SUITE_P(Long, OwnAt, testing::Values(Quality::best), quality_name);
+
+TEST(Own, has_a_test_for_every_quality) {
+  EXPECT_EQ(all_qualities().size(), 4u);
+}
+
+TEST(LongOwn, is_tighter_with_more_work) {
   const Mesh mesh = sample_body("limb", 16);
   const auto fast = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::fast});
   const auto best = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::best});
@@ -43,7 +54,27 @@ TEST(Own, is_tighter_with_more_work) {
   }
 }
 
-TEST(Own, is_nearly_as_tight_for_every_seed) {
+TEST(Own, is_tighter_with_more_work_at_one_level) {
+  const Mesh mesh = sample_body("limb", 8);
+  const auto loose = [&](Quality quality) {
+    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 1, .quality = quality}).tree;
+    return looseness(mesh, level_set_spheres(tree, 1), {.resolution = 128}).looseness.value();
+  };
+  EXPECT_LE(loose(Quality::best), loose(Quality::fast));
+}
+
+TEST(Own, is_nearly_as_tight_for_every_seed_at_one_level) {
+  const Mesh mesh = sample_body("limb", 16);
+  std::vector<double> loose;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 1, .seed = seed}).tree;
+    loose.push_back(looseness(mesh, level_set_spheres(tree, 1), {.resolution = 128}).looseness.value());
+  }
+  const double mean = std::accumulate(loose.begin(), loose.end(), 0.0) / 5;
+  for (const double l : loose) EXPECT_NEAR(l / mean, 1, 0.15);
+}
+
+TEST(LongOwn, is_nearly_as_tight_for_every_seed) {
   const Mesh mesh = sample_body("limb", 16);
   std::array<std::vector<double>, 2> loose;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

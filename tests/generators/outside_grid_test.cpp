@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/ball_fit.hpp>
-#include <build/extremes.hpp>
+#include <generators/fit/ball_fit.hpp>
+#include <generators/fit/extremes.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>

@@ -4,15 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <build/adaptive_medial.hpp>
-#include <build/optimise.hpp>
-#include <build/reducers.hpp>
+#include <generators/reduce/adaptive_medial.hpp>
+#include <generators/reduce/optimise.hpp>
+#include <generators/reduce/reducers.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <support/meshes.hpp>
+#include <support/methods.hpp>
 
 namespace morula {
 namespace {
@@ -186,14 +187,18 @@ TEST(Combined, says_which_reducers_won) {
   EXPECT_NE(built.report.notes.back().find("proposals taken: "), std::string::npos);
 }
 
-TEST(Combined, optimised_trees_keep_their_proof) {
+using OptimisedBy = test::ByMethod;
+
+TEST_P(OptimisedBy, trees_keep_their_proof) {
   const Mesh mesh = sample_body("limb", 12);
-  for (const Method method : {Method::grid, Method::hubbard, Method::spawn, Method::medial, Method::combined})
-    for (const Optimiser optimiser : all_optimisers()) {
-      const Built built = build(mesh, {.method = method, .depth = 2, .optimiser = optimiser});
-      EXPECT_TRUE(validate(mesh, built).empty()) << name(method) << " " << name(optimiser);
-    }
+  for (const Optimiser optimiser : all_optimisers()) {
+    const Built built = build(mesh, {.method = GetParam(), .depth = 2, .optimiser = optimiser});
+    EXPECT_TRUE(validate(mesh, built).empty()) << name(optimiser);
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, OptimisedBy, testing::Values(Method::grid, Method::spawn), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, OptimisedBy, testing::ValuesIn(test::slow_methods), test::method_name);
 
 }  // namespace
 }  // namespace morula

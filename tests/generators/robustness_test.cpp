@@ -11,6 +11,7 @@
 #include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <support/meshes.hpp>
+#include <support/methods.hpp>
 
 namespace morula {
 namespace {
@@ -89,37 +90,45 @@ void expect_sound(const Mesh& mesh, const BuildOptions& options, const std::stri
   }
 }
 
-TEST(Robustness, every_method_covers_hard_meshes_with_few_finite_spheres) {
+class RobustnessBy : public test::ByMethod {
+ protected:
+  static BuildOptions options() {
+    const Method method = GetParam();
+    return {.method = method, .depth = 2, .quality = method == Method::morula ? Quality::fast : Quality::standard};
+  }
+};
+
+TEST_P(RobustnessBy, covers_hard_meshes_with_few_finite_spheres) {
+  BuildOptions few = options();
+  if (few.method == Method::combined) few.depth = 1;
   for (const Named& named : hard_meshes())
-    for (const Method method : all_methods()) {
-      const Quality quality = method == Method::morula ? Quality::fast : Quality::standard;
-      expect_sound(named.mesh, {.method = method, .depth = method == Method::combined ? 1 : 2, .quality = quality},
-                   std::string(name(method)) + " on " + named.name);
-    }
+    expect_sound(named.mesh, few, std::string(name(few.method)) + " on " + named.name);
 }
 
-TEST(Robustness, method_morula_covers_hard_meshes_at_its_default_quality) {
+TEST_P(RobustnessBy, size_and_place_hardly_change_the_tightness) {
+  if (GetParam() == Method::combined) GTEST_SKIP() << "as its parts";
+  const Mesh mesh = sample_body("limb", 12);
+  const auto loose = [&](const Mesh& m) {
+    return looseness(m, level_set_spheres(build(m, options()).tree, 2), {.resolution = 64}).looseness.value();
+  };
+  const double plain = loose(mesh);
+  EXPECT_NEAR(loose(test::scaled(mesh, 1e-6)) / plain, 1, 0.2);
+  EXPECT_NEAR(loose(test::scaled(mesh, 1e6)) / plain, 1, 0.2);
+  EXPECT_NEAR(loose(test::translated(mesh, {1e5, -1e5, 1e5})) / plain, 1, 0.2);
+  EXPECT_NEAR(loose(test::inverted(mesh)) / plain, 1, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, RobustnessBy, testing::ValuesIn(test::quick_methods), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, RobustnessBy, testing::ValuesIn(test::slow_methods), test::method_name);
+
+TEST(LongRobustness, method_morula_covers_hard_meshes_at_its_default_quality) {
   for (const Named& named : hard_meshes())
     expect_sound(named.mesh, {.method = Method::morula, .depth = 1}, std::string("morula on ") + named.name);
-  for (const char* mesh : {"single_facet", "folded_facet", "needle", "flat_plate", "tiny"})
-    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::morula, .depth = 2}, std::string("morula on ") + mesh);
 }
 
-TEST(Robustness, size_and_place_hardly_change_the_tightness) {
-  const Mesh mesh = sample_body("limb", 12);
-  for (const Method method : all_methods()) {
-    if (method == Method::combined) continue;  // as its parts
-    const BuildOptions options{
-        .method = method, .depth = 2, .quality = method == Method::morula ? Quality::fast : Quality::standard};
-    const auto loose = [&](const Mesh& m) {
-      return looseness(m, level_set_spheres(build(m, options).tree, 2), {.resolution = 64}).looseness.value();
-    };
-    const double plain = loose(mesh);
-    EXPECT_NEAR(loose(test::scaled(mesh, 1e-6)) / plain, 1, 0.2) << name(method);
-    EXPECT_NEAR(loose(test::scaled(mesh, 1e6)) / plain, 1, 0.2) << name(method);
-    EXPECT_NEAR(loose(test::translated(mesh, {1e5, -1e5, 1e5})) / plain, 1, 0.2) << name(method);
-    EXPECT_NEAR(loose(test::inverted(mesh)) / plain, 1, 0.2) << name(method);
-  }
+TEST(Robustness, method_morula_covers_small_hard_meshes_at_its_default_quality) {
+  for (const char* mesh : {"single_facet", "folded_facet", "needle", "flat_plate", "tiny"})
+    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::morula, .depth = 2}, std::string("morula on ") + mesh);
 }
 
 }  // namespace

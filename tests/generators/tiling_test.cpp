@@ -7,6 +7,7 @@
 #include <morula/geometry/random.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <support/aligned.hpp>
+#include <support/methods.hpp>
 
 namespace morula {
 namespace {
@@ -49,20 +50,25 @@ TEST(Tiling, holds_for_octrees_of_tiny_degenerate_meshes) {
   }
 }
 
-TEST(Tiling, holds_for_every_method_on_aligned_bodies) {
+using TilingBy = test::ByMethod;
+
+TEST_P(TilingBy, holds_on_aligned_bodies) {
+  const Method method = GetParam();
   for (const test::NamedMesh& body : test::aligned_bodies())
-    for (const Method method : all_methods())
-      for (const int branching : {3, 8}) {
-        if (method != Method::octree && body.mesh.facet_count() > 60) continue;
-        const bool own = method == Method::morula;
-        EXPECT_EQ(first_fault(body.mesh, {.method = method,
-                                          .branching = branching,
-                                          .depth = method == Method::octree ? 3 : 1,
-                                          .quality = own ? Quality::draft : Quality::standard}),
-                  "")
-            << body.name << ", " << name(method) << ", branching " << branching;
-      }
+    for (const int branching : {3, 8}) {
+      if (method != Method::octree && body.mesh.facet_count() > 60) continue;
+      const bool own = method == Method::morula;
+      EXPECT_EQ(first_fault(body.mesh, {.method = method,
+                                        .branching = branching,
+                                        .depth = method == Method::octree ? 3 : 1,
+                                        .quality = own ? Quality::draft : Quality::standard}),
+                "")
+          << body.name << ", " << name(method) << ", branching " << branching;
+    }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, TilingBy, testing::ValuesIn(test::quick_methods), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, TilingBy, testing::ValuesIn(test::slow_methods), test::method_name);
 
 // A flat prism 1e6 from the origin: its cells are so small beside the distance that ties are most of what there is.
 TEST(Tiling, holds_where_ties_are_wider_than_cells) {

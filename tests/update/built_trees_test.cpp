@@ -8,6 +8,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 #include <support/meshes.hpp>
+#include <support/methods.hpp>
 
 #include "bodies.hpp"
 
@@ -41,13 +42,26 @@ void expect_promises(const std::string& name, const Mesh& mesh, const Built& bui
   EXPECT_EQ(body.hash(), rest) << name;
 }
 
-TEST(BuiltTrees, exact_keeps_its_promises_on_every_sample_body_and_method) {
-  for (const std::string_view name : sample_body_names())
-    for (const Method method : all_methods()) {
-      const Mesh mesh = sample_body(name, 20);
-      expect_promises(std::string(name) + " " + std::string(morula::name(method)), mesh,
-                      build(mesh, {.method = method, .branching = 8, .depth = 2}));
-    }
+using BuiltTreesBy = test::ByMethod;
+
+TEST_P(BuiltTreesBy, exact_keeps_its_promises_on_every_sample_body) {
+  for (const std::string_view body : sample_body_names()) {
+    const Mesh mesh = sample_body(body, 20);
+    expect_promises(std::string(body), mesh, build(mesh, {.method = GetParam(), .branching = 8, .depth = 2}));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, BuiltTreesBy, testing::Values(Method::octree, Method::grid), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, BuiltTreesBy,
+                         testing::Values(Method::hubbard, Method::spawn, Method::medial, Method::combined,
+                                         Method::morula),
+                         test::method_name);
+
+TEST(BuiltTrees, exact_keeps_its_promises_with_every_method) {
+  for (const Method method : all_methods()) {
+    const Mesh mesh = sample_body("bar", 6);
+    expect_promises(std::string(name(method)), mesh, build(mesh, {.method = method, .branching = 4, .depth = 2}));
+  }
 }
 
 TEST(BuiltTrees, exact_keeps_its_promises_on_meshes_of_every_kind) {

@@ -92,7 +92,6 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
                       Workers& workers) {
   Outcome outcome;
   outcome.checked = o.check && any_promises_cover(body);
-  Mesh mesh = rest;
   Progress progress(o.measure ? "updating and measuring" : "updating");
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
@@ -105,9 +104,9 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
     }
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
     if (o.measure) {
-      mesh.positions = positions;
       outcome.measured.push_back(
-          {frames.name(i), o.tree, measure(mesh, body.current_tree(), measure_options(rest), workers)});
+          {frames.name(i), o.tree,
+           measure({positions, rest.facets}, body.current_tree(), measure_options(rest), workers)});
     }
     output.write(body);
   }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <morula/parallel/stopwatch.hpp>
 #include <morula/version.hpp>
 
 #include "shared/figures.hpp"

@@ -11,7 +11,6 @@ using study::counted;
 using study::exact_digits;
 using study::figure;
 using study::hash_text;
-using study::median;
 using study::percent;
 using study::seconds;
 

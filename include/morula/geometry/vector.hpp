@@ -3,6 +3,11 @@
 // Three-component vectors: double for everything that is built or measured, float for what moves every frame.
 #pragma once
 
+// MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
+#if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
+#error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
+#endif
+
 #include <algorithm>
 #include <cmath>
 
@@ -83,7 +88,7 @@ bool is_finite(const Vector3<Scalar>& a) {
 }
 /// Largest of |x|, |y|, |z|.
 template <class Scalar>
-Scalar largest_component(const Vector3<Scalar>& a) {
+Scalar max_norm(const Vector3<Scalar>& a) {
   return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
 }
 

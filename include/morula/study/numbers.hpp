@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 
 namespace morula::study {
@@ -21,8 +20,5 @@ std::string exact_digits(double value);
 
 /// 64-bit hashes as JSON has them: "0x…", since numbers of JSON readers often have 53 bits.
 std::string hash_text(std::uint64_t hash);
-
-/// Of the values, which are not empty; the mean of the middle two of an even number.
-double median(std::span<const double> values);
 
 }  // namespace morula::study

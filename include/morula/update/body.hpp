@@ -6,6 +6,7 @@
 #include <memory>
 #include <morula/geometry/positions.hpp>
 #include <morula/tree/cover.hpp>
+#include <morula/tree/posed_tree.hpp>
 #include <morula/update/rules.hpp>
 
 namespace morula {
@@ -135,6 +136,11 @@ class Body {
   SphereTree current_tree() const;
   /// 64-bit FNV-1a over origin and spheres.
   std::uint64_t hash() const;
+
+  /// The current spheres as queries ask them, with what tells one frame from the next. At one address as long as the
+  /// body's state lives: moving the body keeps it, assigning to the body ends it. Its `positions` is the view of the
+  /// last update, whose data the caller keeps until the next one where a query looks at facets.
+  const PosedTree& pose() const;
 
   /// Good updates so far: tells one set of spheres from the next. 0 at rest, before the first.
   std::uint64_t frame() const;

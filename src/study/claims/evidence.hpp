@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <morula/parallel/stopwatch.hpp>
 #include <morula/study/claims.hpp>
 #include <morula/study/numbers.hpp>
 

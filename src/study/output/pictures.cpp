@@ -155,7 +155,7 @@ std::vector<Picture> make_pictures(const Plan& plan, const Result& result) {
         for (std::size_t v = 0; v < kept.size(); ++v) shown.positions[v] = columns[c].positions[kept[v]];
         body += svg_mesh(shown, view);
       } else {
-        body += svg_spheres(Mesh{columns[c].positions, rest.facets}, spheres_of(columns[c], rows[r]), view,
+        body += svg_spheres({columns[c].positions, rest.facets}, spheres_of(columns[c], rows[r]), view,
                             fmt::format("f1-{}{}-", r, c));
       }
       x += width + between;

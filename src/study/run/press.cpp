@@ -9,7 +9,9 @@
 #include <iterator>
 #include <limits>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
+#include <morula/parallel/stopwatch.hpp>
 #include <morula/study/numbers.hpp>
 #include <numbers>
 #include <stdexcept>
@@ -32,7 +34,7 @@ double squared_distance_to(const Segment& s, const Vec3& p) {
 class CrossingsOfNodes {
  public:
   CrossingsOfNodes(const Collider& body, std::vector<std::uint32_t> facets)
-      : body_(body), facets_(std::move(facets)), known_(body.body().spheres().size()), lists_(known_.size()) {}
+      : body_(body), facets_(std::move(facets)), known_(body.tree().node_count()), lists_(known_.size()) {}
   /// Ascending.
   const std::vector<std::uint32_t>& of(std::uint32_t node) {
     if (!known_[node]) {
@@ -195,7 +197,12 @@ PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, cons
       const std::size_t last = built.tree.level_count() - 1;  // of a tree from a file: perhaps less than planned
       if (!queries[q].leaves) options.level = static_cast<std::uint32_t>(std::min(queries[q].level, last));
       if (queries[q].budget) options.budget = *queries[q].budget;
-      collide(a, b, options, found);
+      ContactQuery query(options);
+      query.add(a, b);
+      query.run();
+      found = query.contacts();
+      for (std::size_t i = found.surfaces.size(); i < found.contacts.size(); ++i)
+        found.surfaces.push_back(query.surface(i));
       cell.figures.push_back(judge(truth_of, truth, found, scene.diagonal));
       cell.figures.back().axis = truth.axis;
       cell.figures.back().amount = static_cast<std::size_t>(

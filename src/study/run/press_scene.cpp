@@ -45,18 +45,18 @@ class Pair {
 
   std::span<const Crossing> crossings(const RigidTransform& placement) {
     b_.place(placement);
-    morula::crossings(a_, b_, found_);
+    found_.run(a_, b_);
     return found_.pairs();
   }
   double distance_above(const RigidTransform& placement) {
     b_.place(placement);
-    return query_(a_, b_).lower;
+    return query_.run(a_, b_).lower;
   }
 
  private:
   Body body_;
   Collider a_, b_;
-  Crossings found_;
+  CrossingQuery found_;
   DistanceQuery query_;
 };
 
@@ -155,7 +155,7 @@ std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const B
   PressScene scene{body, frames.front().frames.front(), bounding_box(mesh).diagonal(), {}};
   Pair pair(mesh, built, scene.positions);
 
-  const Box box = bounding_box(Mesh{scene.positions, mesh.facets});
+  const Box box = bounding_box({scene.positions, mesh.facets});
   for (const int side : axes_by_length(box.extent())) {
     std::vector<PressTruth> truths = press_along(plan, pair, box, side, scene.diagonal);
     if (truths.empty()) {

@@ -182,7 +182,8 @@ class BodyRun {
     c_.workers.run(poses_.size() * plan.samples, [&](std::size_t i) {
       Poses& poses = poses_[i / plan.samples];
       const std::size_t sample = i % plan.samples;
-      poses.distances[sample] = std::make_unique<SignedDistance>(Mesh{poses.motion.frames[sample], body().mesh.facets});
+      poses.distances[sample] =
+          std::make_unique<SignedDistance>(MeshView(poses.motion.frames[sample], body().mesh.facets));
     });
   }
 

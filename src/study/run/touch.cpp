@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <morula/collide/collider.hpp>
-#include <morula/collide/contacts.hpp>
+#include <morula/collide/contact_query.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/parallel/stopwatch.hpp>
 #include <morula/study/numbers.hpp>
@@ -52,7 +52,7 @@ bool is_reported(const Vec3& point, const Crossing& crossing, const Collider& a,
     return std::find(facets.begin(), facets.end(), facet) != facets.end();
   };
   // The point itself is rounded: it is not exactly on both facets.
-  const double rounding = 1e-14 * largest_component(point);
+  const double rounding = 1e-14 * max_norm(point);
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
     return distance(point, c.point) <= c.error_bound * (1 + 1e-9) + rounding &&
            has(a.facets(c.node_a), crossing.facet_a) && has(b.facets(c.node_b), crossing.facet_b);
@@ -93,7 +93,8 @@ Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const Built& built) {
 
   std::vector<std::vector<double>> times(touch.rows.size());
   std::vector<std::size_t> contacts(touch.rows.size()), finished(touch.rows.size());
-  Contacts found;
+  ContactQuery query;
+  query.add(a.collider(), b.collider());
   for (std::size_t frame = 0; frame < plan.frames; ++frame) {
     const double parameter = static_cast<double>(frame) / (frames - 1);
     a.move_to(parameter);
@@ -104,11 +105,13 @@ Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const Built& built) {
       TouchRow& row = touch.rows[i];
       CollideOptions options;
       if (row.budget) options.budget = Budget(*row.budget);
+      query.set_options(options);
       for (int repeat = 0; repeat < plan.timed_queries; ++repeat) {
         Stopwatch watch;
-        collide(a.collider(), b.collider(), options, found);
+        query.run();
         times[i].push_back(watch.lap());
       }
+      const Contacts& found = query.contacts();
       contacts[i] += found.contacts.size();
       finished[i] += found.finished_count;
       row.missed += count_missed(crossings, a.collider(), b.collider(), found.contacts);

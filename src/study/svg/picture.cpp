@@ -53,18 +53,18 @@ PictureView side_view(int axis) {
   return {right, above * cp + back * -sp, above * sp + back * cp};
 }
 
-PictureBox picture_box(const PictureView& view, std::span<const Vec3> points, std::span<const Sphere> spheres) {
+PictureBox picture_box(const PictureView& view, const PositionView& points, std::span<const Sphere> spheres) {
   PictureBox box{1e300, 1e300, -1e300, -1e300};
   const auto add = [&](double x, double y, double r) {
     box.x0 = std::min(box.x0, x - r), box.x1 = std::max(box.x1, x + r);
     box.y0 = std::min(box.y0, y - r), box.y1 = std::max(box.y1, y + r);
   };
-  for (const Vec3& p : points) add(view.x(p), view.y(p), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) add(view.x(points[i]), view.y(points[i]), 0);
   for (const Sphere& s : spheres) add(view.x(s.center), view.y(s.center), view.scale * s.radius);
   return box;
 }
 
-std::string svg_mesh(const Mesh& mesh, const PictureView& view) {
+std::string svg_mesh(const MeshView& mesh, const PictureView& view) {
   struct Seen {
     double depth;
     int shade;

@@ -29,15 +29,15 @@ PictureView side_view(int axis);
 struct PictureBox {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
-PictureBox picture_box(const PictureView& view, std::span<const Vec3> points, std::span<const Sphere> spheres);
+PictureBox picture_box(const PictureView& view, const PositionView& points, std::span<const Sphere> spheres);
 
 /// Facets that face the viewer, in the order of their depth; neighbouring ones of one shade share a path.
-std::string svg_mesh(const Mesh& mesh, const PictureView& view);
+std::string svg_mesh(const MeshView& mesh, const PictureView& view);
 
 /// The visible part of every sphere, shaded as a ball, and in a colour of its own the part of the mesh that is in front
 /// of all spheres: surface that is bare. Found on a raster of a third of a page unit. id: begins the names of
 /// gradients.
-std::string svg_spheres(const Mesh& mesh, std::span<const Sphere> spheres, const PictureView& view,
+std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
                         const std::string& id);
 
 /// The gradient that svg_spheres refers to; once in a file.

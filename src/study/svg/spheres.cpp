@@ -203,7 +203,7 @@ std::string svg_sphere_definitions(const std::string& id) {
       id);
 }
 
-std::string svg_spheres(const Mesh& mesh, std::span<const Sphere> spheres, const PictureView& view,
+std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
                         const std::string& id) {
   Raster raster(picture_box(view, mesh.positions, spheres));
   for (std::size_t i = 0; i < spheres.size(); ++i) raster.add(spheres[i], view, static_cast<int>(i));

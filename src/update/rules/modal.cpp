@@ -78,14 +78,14 @@ ModalMotion::ModalMotion(const Mesh& mesh, const Built& built, const Modes& mode
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
   guide_rest_ = mesh.positions[guide];
-  for (const std::uint32_t v : used_vertices) rest_reach_ = std::max(rest_reach_, largest_component(mesh.positions[v]));
-  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, largest_component(s.center));
+  for (const std::uint32_t v : used_vertices) rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
+  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
   for (const CutPoint& c : built.cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   for (std::size_t j = 0; j < modes.mode_count; ++j) {
     const std::span<const Vec3> mode = modes.mode(j);
     guide_.push_back(mode[guide]);
-    for (const std::uint32_t v : used_vertices) reach_[j] = std::max(reach_[j], largest_component(mode[v]));
+    for (const std::uint32_t v : used_vertices) reach_[j] = std::max(reach_[j], max_norm(mode[v]));
   }
   largest_row_ = reach_;
 }
@@ -116,7 +116,7 @@ ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept 
   }
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
   const double share = 0x1p-49 * (static_cast<double>(coordinates.size()) + 16) + 4 * weight_slack_;
-  return {coordinates, origin, share * (largest + largest_component(origin))};
+  return {coordinates, origin, share * (largest + max_norm(origin))};
 }
 
 ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule> rule_of_level,
@@ -146,9 +146,9 @@ ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule>
   for (std::size_t i = 0; i < linear_rows_.size(); ++i) {
     const LinearModeRow& row = linear_rows_[i];
     double steepest = 0;
-    for (const Vec3& column : row.gradient) steepest = std::max(steepest, largest_component(column));
+    for (const Vec3& column : row.gradient) steepest = std::max(steepest, max_norm(column));
     const double across = 3 * steepest * nodes_[i / mode_count_].rest.radius;
-    motion.add_row(i % mode_count_, std::max(largest_component(row.shift), across));
+    motion.add_row(i % mode_count_, std::max(max_norm(row.shift), across));
   }
 }
 
@@ -161,9 +161,9 @@ void ModalRule::bind(std::size_t slot, const Mesh& mesh, const Cover& cover, con
     const Vec3 corner = corner_position(cover, c, mesh.positions);
     places.push_back(corner - rest.center);
     farthest = std::max(farthest, safe_length(places.back()));
-    largest = std::max(largest, largest_component(corner));
+    largest = std::max(largest, max_norm(corner));
   }
-  const double extent = largest + largest_component(rest.center);
+  const double extent = largest + max_norm(rest.center);
   rest.radius = rounded_up_radius(farthest, extent);
 
   const LinearFit fit(std::move(places), extent);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Down a sphere tree, nearest child first, past everything that is too far; nothing allocated.
+// Nearest-first walk: down one sphere tree, past everything that is too far. What rays, shapes and insides ask with.
 #pragma once
 
 #include <array>
@@ -9,9 +9,12 @@
 
 namespace morula {
 
-/// bound(node): below what is sought in the node's region. limit(): bounds above it are passed by; it may fall during
-/// the walk. leave(bound): told of everything that is passed by or was not reached. look(leaf, bound): false ends the
-/// walk. A bound that holds for a node holds for those below it. Equal bounds go by index.
+/// Walks from the root to leaves, nearest child first; equal bounds go by index. Allocates nothing.
+///
+/// bound_of(node): a number below what is sought in the node's region, in any unit. A bound that holds for a node holds
+/// for those below it. limit(): nodes of a greater bound are passed by; it may fall during the walk. leave(bound): told
+/// of everything that is passed by or was not reached. look(leaf, bound): false ends the walk.
+/// Cost: one bound per child of each node that is opened.
 template <class BoundOf, class Limit, class Leave, class Look>
 void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const Limit& limit, const Leave& leave,
                         const Look& look) {

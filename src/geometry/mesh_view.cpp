@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/mesh_view.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <stdexcept>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace morula {
 
-void require_usable(const Mesh& mesh) {
+void require_usable(const MeshView& mesh) {
   if (mesh.facets.empty()) throw std::invalid_argument("the mesh has no facets");
   if (mesh.vertex_count() >= 0xffffffffu || mesh.facet_count() >= 0xffffffffu / 3)
     throw std::invalid_argument("the mesh is too large for 32-bit indices");
@@ -24,37 +24,50 @@ void require_usable(const Mesh& mesh) {
     }
 }
 
-Box bounding_box(const Mesh& mesh) {
+Box bounding_box(const MeshView& mesh) {
   Box box;
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f) box.add(mesh.positions[v]);
   return box;
 }
 
-double surface_area(const Mesh& mesh) {
-  if (const auto own = in_own_units(mesh)) return std::ldexp(surface_area(own->mesh), 2 * own->exponent);
-  double sum = 0;
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) sum += area(mesh.corners(f));
-  return sum;
+double largest_coordinate(const MeshView& mesh) {
+  double largest = 0;
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f) largest = std::max(largest, max_norm(mesh.positions[v]));
+  return largest;
 }
 
-double signed_volume(const Mesh& mesh) {
-  if (const auto own = in_own_units(mesh)) return std::ldexp(signed_volume(own->mesh), 3 * own->exponent);
+double surface_area(const OwnUnits& own) {
+  double sum = 0;
+  for (std::size_t f = 0; f < own.mesh().facet_count(); ++f) sum += area(own.mesh().corners(f));
+  return std::ldexp(sum, 2 * own.exponent());
+}
+
+double signed_volume(const OwnUnits& own) {
   // About the box centre, so that far from the origin nothing cancels.
-  const Vec3 origin = bounding_box(mesh).center();
+  const Vec3 origin = own.box().center();
   double six_times = 0;
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    const auto [a, b, c] = mesh.corners(f);
+  for (std::size_t f = 0; f < own.mesh().facet_count(); ++f) {
+    const auto [a, b, c] = own.mesh().corners(f);
     six_times += dot(a - origin, cross(b - origin, c - origin));
   }
-  return six_times / 6;
+  return std::ldexp(six_times / 6, 3 * own.exponent());
 }
 
-std::uint64_t mesh_hash(const Mesh& mesh) {
+double surface_area(const MeshView& mesh) {
+  return surface_area(OwnUnits(mesh, bounding_box(mesh)));
+}
+
+double signed_volume(const MeshView& mesh) {
+  return signed_volume(OwnUnits(mesh, bounding_box(mesh)));
+}
+
+std::uint64_t mesh_hash(const MeshView& mesh) {
   Hasher hash;
   hash.add(std::uint64_t{mesh.vertex_count()});
   hash.add(std::uint64_t{mesh.facet_count()});
-  for (const Vec3& p : mesh.positions) hash.add(p);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) hash.add(mesh.positions[v]);
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f) hash.add(v);
   return hash.value();
