@@ -10,6 +10,7 @@
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/figures.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
 #include "shared/report.hpp"

@@ -9,6 +9,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/rule_levels.hpp>
 #include <optional>
 
 #include "commands/frames.hpp"
@@ -16,7 +17,6 @@
 #include "commands/sphere_output.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
-#include "shared/exact_check.hpp"
 #include "shared/figures.hpp"
 #include "shared/options.hpp"
 #include "shared/progress.hpp"

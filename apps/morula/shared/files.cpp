@@ -99,16 +99,6 @@ std::string frame_file_name(std::size_t frame, std::string_view extension) {
   return fmt::format("{:04}{}", frame, extension);
 }
 
-std::string csv_cell(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 void require_no_strangers(const fs::path& folder, std::size_t frame_count, std::string_view written_extension,
                           const std::set<std::string>& extensions) {
   if (!fs::is_directory(folder)) return;
