@@ -79,7 +79,7 @@ struct Tally {
       other_pairs{0};
 };
 
-void try_pose(Actor& a, Actor& b, Crossings& exact, std::uint64_t seed, Tally& tally) {
+void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tally& tally) {
   Random random(seed);
   const double amplitude = random.uniform(0, 0.12);
   a.deform(random, amplitude);
@@ -96,7 +96,7 @@ void try_pose(Actor& a, Actor& b, Crossings& exact, std::uint64_t seed, Tally& t
   };
   const auto see = [&] {
     crossings = brute_force::crossings(a.collider, b.collider);
-    morula::crossings(a.collider, b.collider, exact);
+    exact.run(a.collider, b.collider);
     tally.other_pairs += !std::equal(crossings.begin(), crossings.end(), exact.pairs().begin(), exact.pairs().end());
     tally.crossings += crossings.size();
     tally.poses_crossing += !crossings.empty();
@@ -147,7 +147,7 @@ Result sweep_poses(std::size_t poses, const Settings& settings) {
   result.seconds.push_back(seconds_of([&] {
     parallel_for(*settings.workers, poses, 64, [&](std::size_t begin, std::size_t end) {
       std::vector<std::unique_ptr<Actor>> left, right;
-      Crossings exact;
+      CrossingQuery exact;
       for (const Small& small : bodies) {
         left.push_back(std::make_unique<Actor>(small));
         right.push_back(std::make_unique<Actor>(small));

@@ -65,7 +65,7 @@ class Embree final : public Peer {
     bool found = false;
   };
   bool finds(unsigned facet, const Vec3f& p) const {
-    RTCPointQuery query{p.x, p.y, p.z, 0.0f, 1e-6f * largest_component(p)};
+    RTCPointQuery query{p.x, p.y, p.z, 0.0f, 1e-6f * max_norm(p)};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     Search search{facet};

@@ -32,12 +32,6 @@ double most(const Result& result) {
 
 }  // namespace
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
 void print(const Result& result) {
   if (result.seconds.empty())
     fmt::print("{:10}{:30}{}\n", result.scenario, result.item, result.note);

@@ -8,6 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
+#include <scenes/median.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -104,7 +105,6 @@ inline BuildOptions tree_options(const Settings& settings) {
   return options;
 }
 
-/// values: at least one; of an even number, the mean of the middle two.
-double median(std::vector<double> values);
+using scenes::median;
 
 }  // namespace morula::bench

@@ -165,8 +165,8 @@ const std::vector<VolumeKind>& volume_kinds() {
   return kinds;
 }
 
-SharedLattice::SharedLattice(const Box& box, int resolution, const Mesh& mesh, Workers& workers)
-    : edge_(largest_component(box.extent()) / resolution) {
+SharedLattice::SharedLattice(const Box& box, int resolution, const MeshView& mesh, Workers& workers)
+    : edge_(max_norm(box.extent()) / resolution) {
   first_ = box.lower + Vec3{0.5, 0.5, 0.5} * edge_;
   for (int axis = 0; axis < 3; ++axis) size_[axis] = static_cast<int>(std::ceil(box.extent()[axis] / edge_));
   inside_.resize(number(0, 0, size_[2]));

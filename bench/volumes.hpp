@@ -50,7 +50,7 @@ const std::vector<VolumeKind>& volume_kinds();
 class SharedLattice {
  public:
   /// resolution: points along the longest side of `box`.
-  SharedLattice(const Box& box, int resolution, const Mesh& mesh, Workers& workers);
+  SharedLattice(const Box& box, int resolution, const MeshView& mesh, Workers& workers);
   double looseness(const Volumes& volumes, std::span<const std::uint32_t> nodes) const;
 
  private:

@@ -71,10 +71,12 @@ Result pair_tests(std::size_t kind, const Input& input, const Body& body, const 
 
 // In double: leaves that overlap with all pairs above them. Those nearer to touching than `unsure` may go either way.
 bool agrees_with_doubles(const Collider& a, const Collider& b, const Keys& found, double unsure) {
-  const SphereTree& tree = a.body().rest_tree();
+  const SphereTree& tree = a.tree();
   std::vector<Sphere> spheres_a, spheres_b;
-  a.body().copy_spheres(spheres_a);
-  b.body().copy_spheres(spheres_b);
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
+    spheres_a.push_back(a.pose().sphere(i));
+    spheres_b.push_back(b.pose().sphere(i));
+  }
   for (Sphere& s : spheres_a) s.center = a.placement()(s.center);
   for (Sphere& s : spheres_b) s.center = b.placement()(s.center);
   const auto reached = [&](std::uint32_t i, std::uint32_t j, double allowance) {
@@ -107,8 +109,6 @@ Result overrun(const Input& input, const Collider& a, const Collider& b, const K
   Result result = result_of("budget of time", input);
   // A third of what the whole query takes.
   const auto budget = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * whole / 3));
-  Contacts contacts;
-  collide(a, b, {.budget = budget}, contacts);
   std::vector<double> over;
   std::int64_t last_look = 0, first_look = 0;
   CollideOptions options{.budget = budget};
@@ -118,12 +118,16 @@ Result overrun(const Input& input, const Collider& a, const Collider& b, const K
     if (first_look == 0) first_look = last_look;
     return std::chrono::nanoseconds(last_look);
   };
+  ContactQuery query(options);
+  query.add(a, b);
+  query.run();  // its memory
+  const Contacts& contacts = query.contacts();
   bool inside = true;
   std::size_t interrupted = 0;
   for (int i = 0; i < 5000; ++i) {
     first_look = 0;
     const double start = thread_seconds();
-    collide(a, b, options, contacts);
+    query.run();
     result.seconds.push_back(thread_seconds() - start);
     over.push_back(1e-9 * static_cast<double>(last_look - first_look - budget.count()));
     interrupted += !contacts.finished;
@@ -138,6 +142,51 @@ Result overrun(const Input& input, const Collider& a, const Collider& b, const K
                     {"last look late by us, 99 %", 1e6 * percentile(over, 0.99)},
                     {"last look late by us, median", 1e6 * percentile(over, 0.5)},
                     {"whole call us, 99.9 %", 1e6 * percentile(result.seconds, 0.999)}};
+  return result;
+}
+
+// A query with surfaces that a budget of pair tests stops must not cost more than a whole one.
+Result stopped(const Input& input, const Collider& a, const Collider& b, const Keys& all, const Settings& settings) {
+  Result result = result_of("stopped with surfaces", input);
+  ContactQuery query({.surfaces = true});
+  query.add(a, b);
+  const auto cost = [&] { return median(timed_calls(settings, [&] { query.run(); })); };
+  const double whole = cost();
+  const auto tests = static_cast<std::int64_t>(query.contacts().pair_tests);
+  double largest = 0;
+  for (const std::int64_t budget : {std::int64_t{1}, std::int64_t{65}, tests / 8, tests / 4, tests / 2, tests}) {
+    query.set_options({.budget = budget, .surfaces = true});
+    largest = std::max(largest, cost() / whole);
+    const Contacts& found = query.contacts();
+    bool sound = found.surfaces.size() == found.finished_count;
+    for (const Contact& c : found.contacts) sound = sound && (!c.finished || all.contains({c.node_a, c.node_b}));
+    result.expect(sound, "a finished contact that the whole query does not have, or without a surface");
+  }
+  result.seconds = {whole};
+  result.figures = {{"whole us", 1e6 * whole}, {"largest cost over the whole query's", largest}};
+  return result;
+}
+
+// The first call of a query, cold and warmed up, over later ones.
+Result first_calls(const Input& input, const Collider& a, const Collider& b, const Keys& all) {
+  Result result = result_of("first call", input);
+  std::vector<double> cold, warm, later;
+  for (int i = 0; i < 25; ++i)
+    for (std::vector<double>* times : {&cold, &warm}) {
+      ContactQuery query({.surfaces = true});
+      query.add(a, b);
+      if (times == &warm) query.warm_up();
+      const double start = thread_seconds();
+      query.start();
+      const double first = thread_seconds();
+      query.start();
+      later.push_back(thread_seconds() - first);
+      times->push_back(first - start);
+      result.expect(keys(query.contacts()) == all, "other contacts");
+    }
+  result.seconds = warm;
+  result.figures = {{"cold over later", median(cold) / median(later)},
+                    {"warmed up over later", median(warm) / median(later)}};
   return result;
 }
 
@@ -194,11 +243,13 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
     placement.translation = aligned + share * Vec3{box.extent().x, 0, 0};
     b.place(placement);
   };
-  Contacts contacts;
+  ContactQuery query;
+  query.add(a, b);
+  const Contacts& contacts = query.contacts();
   const double deep = 0.35;
   double moderate = deep;
   for (shift(moderate); moderate < 2; shift(moderate += 0.01)) {
-    collide(a, b, {}, contacts);
+    query.run();
     if (contacts.contacts.size() <= built.tree.leaf_count()) break;
   }
 
@@ -207,7 +258,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
 
   const auto all_leaves = [&](std::string item) {
     Result leaves = result_of(std::move(item), input);
-    leaves.seconds = timed_calls(settings, [&] { collide(a, b, {}, contacts); });
+    leaves.seconds = timed_calls(settings, [&] { query.run(); });
     leaves.expect(agrees_with_doubles(a, b, keys(contacts), 1e-5 * box.diagonal()), "other pairs than in double");
     leaves.figures = {{"us", 1e6 * median(leaves.seconds)},
                       {"contacts", static_cast<double>(contacts.contacts.size())},
@@ -223,10 +274,15 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   const Keys all = keys(contacts);
 
   Result surfaces = result_of("all leaf contacts with surfaces", input);
-  surfaces.seconds = timed_calls(settings, [&] { collide(a, b, {.surfaces = true}, contacts); });
+  query.set_options({.surfaces = true});
+  surfaces.seconds = timed_calls(settings, [&] { query.run(); });
   surfaces.expect(keys(contacts) == all && contacts.surfaces.size() == contacts.contacts.size(), "other contacts");
   surfaces.figures = {{"us", 1e6 * median(surfaces.seconds)}};
   results.push_back(std::move(surfaces));
+  query.set_options({});
+
+  results.push_back(stopped(input, a, b, all, settings));
+  results.push_back(first_calls(input, a, b, all));
 
   Result first = result_of("first contact", input);
   bool found = false;
@@ -239,7 +295,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   results.push_back(carried("carried, trembling by 1e-5", input, body_a, a, b, 1e-5, settings));
   results.push_back(carried("carried, trembling by 1e-3", input, body_a, a, b, 1e-3, settings));
   shift(deep);
-  collide(a, b, {}, contacts);
+  query.run();
   results.push_back(overrun(input, a, b, keys(contacts), whole_deep));
   results.push_back(sweep_poses(settings.questions, settings));
   return results;

@@ -53,7 +53,7 @@ std::vector<Frame> bends(const Mesh& mesh, std::size_t ahead) {
 
 using Pairs = std::vector<std::uint64_t>;
 
-Pairs pairs_of(const Crossings& found) {
+Pairs pairs_of(const CrossingQuery& found) {
   Pairs pairs;
   for (const Crossing& c : found.pairs()) pairs.push_back(std::uint64_t{c.facet_a} << 32 | c.facet_b);
   return pairs;
@@ -100,13 +100,13 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   // Brute force on as many frames as a few seconds allow.
   const double facets = static_cast<double>(input.mesh.facet_count());
   const std::size_t checks = facets < 2000 ? 25 : facets < 10000 ? 3 : 0;
-  Crossings found;
+  CrossingQuery found;
   double pairs = 0, tested = 0, read = 0, leaf_pairs = 0;
   bool equal = true, moved = true;
   std::vector<Pairs> expected;
   for (std::size_t f = 0; f < a.frames.size(); ++f) {
     moved = moved && move(f);
-    crossings(a.collider, b.collider, found);
+    found.run(a.collider, b.collider);
     expected.push_back(pairs_of(found));
     if (f < checks) {
       const std::vector<Crossing> all = brute_force::crossings(a.collider, b.collider);
@@ -125,7 +125,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   timed(settings, [&] {
     for (std::size_t f = 0; f < a.frames.size(); ++f) {
       move(f);
-      own.seconds.push_back(processor_seconds_of([&] { crossings(a.collider, b.collider, found); }));
+      own.seconds.push_back(processor_seconds_of([&] { found.run(a.collider, b.collider); }));
       same = same && pairs_of(found) == expected[f];
       for (Rival& rival : rivals) {
         if (!rival.peer) continue;

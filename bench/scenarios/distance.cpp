@@ -29,8 +29,8 @@ Vec3 random_point(Random& random, double reach) {
 }
 
 Mesh world_mesh(const Collider& body) {
-  Mesh mesh{{}, body.mesh().facets};
-  for (std::uint32_t v = 0; v < body.mesh().vertex_count(); ++v) mesh.positions.push_back(body.vertex(v));
+  Mesh mesh{{}, {body.mesh_facets().begin(), body.mesh_facets().end()}};
+  for (std::uint32_t v = 0; v < body.vertex_count(); ++v) mesh.positions.push_back(body.vertex(v));
   return mesh;
 }
 
@@ -105,7 +105,7 @@ class Scene {
           RigidTransform::from_axis(axis, random.uniform(0, 2 * std::numbers::pi), out * (2 * size_));
       for (int step = 0; step < 20; ++step) {
         b_.place(placement);
-        const DistanceBounds d = query(a_, b_);
+        const DistanceBounds d = query.run(a_, b_);
         if (d.upper <= std::max(gap * 1.01, 1e-9 * size_)) break;
         placement.translation += (d.a.point - d.b.point) * (1 - std::max(gap, 1e-9 * size_) / d.upper);
       }
@@ -125,13 +125,13 @@ class Scene {
       std::size_t asked = 0, crossing = 0, unsound = 0, loose = 0;
       for (const RigidTransform& start : placements) {
         b_.place(start);
-        query(a_, b_, options);  // memory, and where frames are coherent the last answer
+        query.run(a_, b_, options);  // memory, and where frames are coherent the last answer
         for (int step = 0; step <= warm_steps; ++step) {
           RigidTransform moved = start;
           moved.translation += Vec3{1, 0.5, -0.3} * (0.002 * size_ * step);
           b_.place(moved);
           DistanceBounds found;
-          result.seconds.push_back(thread_seconds_of([&] { found = query(a_, b_, options); }));
+          result.seconds.push_back(thread_seconds_of([&] { found = query.run(a_, b_, options); }));
           sphere_tests += static_cast<double>(found.sphere_tests);
           facet_tests += static_cast<double>(found.facet_tests);
           crossing += found.crossing;
@@ -192,13 +192,13 @@ class Scene {
     }
     const double slack = 1e-12 * size_, radius = 0.02 * size_;
 
-    Touch touched;
+    TouchQuery touched;
     item(
         "half space, deepest",
         [&](std::size_t i) {
-          touch(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)}, {.nearest = true},
-                touched);
-          return touched.deepest.depth;
+          touched.run(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)},
+                      {.nearest = true});
+          return touched.result().deepest.depth;
         },
         [&](std::size_t i, double depth) {
           return std::abs(depth - 0.02 * size_ * static_cast<double>(i % 5)) <= slack;
@@ -206,9 +206,9 @@ class Scene {
     item(
         "half space, facets",
         [&](std::size_t i) {
-          touch(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)}, {.list = true},
-                touched);
-          return touched.facets.size();
+          touched.run(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)},
+                      {.list = true});
+          return touched.result().facets.size();
         },
         [&](std::size_t i, std::size_t count) {
           std::size_t below = 0;
@@ -220,8 +220,8 @@ class Scene {
     item(
         "sphere, nearest point",
         [&](std::size_t i) {
-          touch(a_, Sphere{points[i], radius}, {.nearest = true}, touched);
-          return touched.deepest.depth;
+          touched.run(a_, Sphere{points[i], radius}, {.nearest = true});
+          return touched.result().deepest.depth;
         },
         [&](std::size_t i, double depth) {
           return std::abs(radius - depth - std::sqrt(bvh.closest_point(points[i])->squared_distance)) <= slack;
@@ -229,15 +229,15 @@ class Scene {
     item(
         "sphere, touches?",
         [&](std::size_t i) {
-          touch(a_, Sphere{points[i], radius}, {.any = true}, touched);
-          return touched.touches;
+          touched.run(a_, Sphere{points[i], radius}, {.any = true});
+          return touched.result().touches;
         },
         [&](std::size_t i, bool touches) { return touches == bvh.closest_point(points[i], radius).has_value(); });
     item(
         "capsule, deepest",
         [&](std::size_t i) {
-          touch(a_, Capsule{points[i], others[i], radius}, {.nearest = true}, touched);
-          return touched.deepest.depth;
+          touched.run(a_, Capsule{points[i], others[i], radius}, {.nearest = true});
+          return touched.result().deepest.depth;
         },
         [&](std::size_t i, double depth) {
           double best = std::numeric_limits<double>::infinity();
@@ -266,7 +266,7 @@ class Scene {
         });
     const MeshReport report = inspect(input_.mesh);
     if (!report.has_volume()) return;
-    InsideTest inside(a_);
+    InsideQuery inside(a_);
     item(
         "inside?", [&](std::size_t i) { return inside.locate(points[i]); },
         [&](std::size_t i, const PointLocation& found) {

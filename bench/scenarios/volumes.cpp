@@ -110,7 +110,7 @@ void time_frames(std::vector<Contender>& contenders, const std::vector<Frame>& f
     }
 }
 
-void measure_looseness(std::vector<Contender>& contenders, const SphereTree& tree, const Mesh& bent,
+void measure_looseness(std::vector<Contender>& contenders, const SphereTree& tree, const MeshView& bent,
                        const Settings& settings) {
   const std::size_t levels = tree.level_count();
   Box box;
@@ -181,9 +181,7 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
     c.volumes->update(bent, serial_workers());
   }
   if (inspect(input.mesh).has_volume()) {
-    Mesh moved = input.mesh;
-    for (std::size_t i = 0; i < bent.size(); ++i) moved.positions[i] = Vec3(bent[i]);
-    measure_looseness(contenders, built.tree, moved, settings);
+    measure_looseness(contenders, built.tree, {bent, input.mesh.facets}, settings);
   }
   const Poses poses = make_poses(bent, input, built);
   std::vector<Result> results;

@@ -21,7 +21,7 @@ struct End {
   std::array<double, 3> weights;
 
   End(Soft& body, const morula::SurfacePoint& p) : weights(p.barycentric) {
-    for (int k = 0; k < 3; ++k) nodes[k] = &body.node(body.collider().mesh().facets[p.facet][k]);
+    for (int k = 0; k < 3; ++k) nodes[k] = &body.node(body.collider().mesh_facets()[p.facet][k]);
   }
   Vec3 velocity() const {
     Vec3 sum;

@@ -91,11 +91,7 @@ class Soft {
     const btSoftBody::Node& first = soft_->m_nodes[0];
     return morula::PositionView::strided(&first.m_x.m_floats[0], mesh_.vertex_count(), sizeof(btSoftBody::Node));
   }
-  bool follow() {
-    const bool good = static_cast<bool>(body_.update(nodes()));
-    collider_.set_positions(nodes());
-    return good;
-  }
+  bool follow() { return static_cast<bool>(body_.update(nodes())); }
 
   btSoftBody::Node& node(std::size_t number) { return soft_->m_nodes[static_cast<int>(number)]; }
   std::size_t node_count() const { return mesh_.vertex_count(); }
@@ -127,7 +123,7 @@ class Soft {
   const morula::Mesh& mesh_;
   morula::Body body_;
   morula::Collider collider_;
-  morula::InsideTest inside_;
+  morula::InsideQuery inside_;
   World& world_;
   std::unique_ptr<btSoftBody> soft_;
 };

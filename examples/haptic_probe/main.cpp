@@ -56,7 +56,7 @@ int main() {
   const morula::Mesh mesh = morula::sample_body("limb");
   morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid}));
   morula::Collider limb(mesh, body);
-  morula::InsideTest inside(limb);
+  morula::InsideQuery inside(limb);
   morula::Mesh now = mesh;                   // the limb of this frame
   std::vector<Vec3> before = now.positions;  // and of the last one
 
@@ -75,7 +75,6 @@ int main() {
       before = std::move(now.positions);
       now.positions = morula::deform(mesh, {morula::Bend{35}, morula::Twist{60}}, t);
       if (!body.update(now.positions)) return 1;
-      limb.set_positions(now.positions);
       // The centre was farther from the surface than any point of it has moved: none has passed through it.
       if (step > 0 && largest_move(before, now.positions) >= nearest) fault(step, "the surface came too fast");
     }

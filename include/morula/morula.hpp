@@ -16,6 +16,7 @@
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
@@ -28,11 +29,13 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/skin_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

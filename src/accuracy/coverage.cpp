@@ -13,18 +13,16 @@
 namespace morula {
 namespace {
 
-double rounding_allowance(const Mesh& mesh, std::span<const Sphere> spheres) {
-  double largest = 0;
-  for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(mesh.positions[v]));
-  for (const Sphere& s : spheres) largest = std::max({largest, largest_component(s.center), s.radius});
+double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres) {
+  double largest = largest_coordinate(mesh);
+  for (const Sphere& s : spheres) largest = std::max({largest, max_norm(s.center), s.radius});
   return largest * 0x1p-46;
 }
 
 // A share of the facets, gone through in order.
 class FacetRange {
  public:
-  FacetRange(const Mesh& mesh, std::span<const Sphere> spheres, const PowerDiagram& diagram, double tolerance)
+  FacetRange(const MeshView& mesh, std::span<const Sphere> spheres, const PowerDiagram& diagram, double tolerance)
       : gap(diagram, tolerance), mesh_(mesh), spheres_(spheres), diagram_(diagram), tolerance_(tolerance) {}
 
   void look_at(std::uint32_t facet) {
@@ -72,7 +70,7 @@ class FacetRange {
       bare_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   std::span<const Sphere> spheres_;
   const PowerDiagram& diagram_;
   double tolerance_;
@@ -85,7 +83,7 @@ class FacetRange {
 
 }  // namespace
 
-Coverage coverage(const Mesh& mesh, std::span<const Sphere> spheres, Workers& workers) {
+Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers& workers) {
   const StandardFloats standard;
   require_some_usable(spheres, "coverage");
   require_usable_scale(mesh);

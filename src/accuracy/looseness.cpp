@@ -24,51 +24,42 @@ Box box_of(std::span<const Sphere> spheres) {
   return box;
 }
 
-Box box_of(std::span<const Facet> facets, std::span<const Vec3> positions) {
-  Box box;
-  for (const Facet& f : facets)
-    for (const std::uint32_t v : f) {
-      if (!is_finite(positions[v]))
+Box box_of(const MeshView& mesh) {
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f)
+      if (!is_finite(mesh.positions[v]))
         throw std::invalid_argument("looseness: vertex " + std::to_string(v) + " has a coordinate that is not finite");
-      box.add(positions[v]);
-    }
-  return box;
-}
-
-// About the box centre, so that far from the origin nothing cancels.
-double signed_volume(std::span<const Facet> facets, std::span<const Vec3> positions, const Vec3& origin) {
-  double six_times = 0;
-  for (const Facet& f : facets)
-    six_times += dot(positions[f[0]] - origin, cross(positions[f[1]] - origin, positions[f[2]] - origin));
-  return six_times / 6;
+  return bounding_box(mesh);
 }
 
 }  // namespace
 
-Looseness looseness(const Mesh& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid, Workers& workers) {
+Looseness looseness(const MeshView& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid, Workers& workers) {
   const StandardFloats standard;
   return LoosenessMeter(mesh).measure(mesh.positions, spheres, grid, workers);
 }
 
-LoosenessMeter::LoosenessMeter(const Mesh& mesh) : facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
+LoosenessMeter::LoosenessMeter(const MeshView& mesh)
+    : facets_(mesh.facets.begin(), mesh.facets.end()), vertex_count_(mesh.vertex_count()) {
   const StandardFloats standard;
   const MeshReport report = inspect(mesh);
   closed_ = report.closed;
   oriented_ = report.oriented;
 }
 
-Looseness LoosenessMeter::measure(std::span<const Vec3> positions, std::span<const Sphere> spheres,
-                                  const VoxelGrid& grid, Workers& workers) const {
+Looseness LoosenessMeter::measure(const PositionView& positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
+                                  Workers& workers) const {
   const StandardFloats standard;
   if (positions.size() != vertex_count_)
     throw std::invalid_argument("looseness: " + std::to_string(positions.size()) + " positions for a mesh of " +
                                 std::to_string(vertex_count_) + " vertices");
   require_some_usable(spheres, "looseness");
-  const Box object = box_of(facets_, positions);
-  require_usable_scale(facets_, positions);
+  const MeshView mesh(positions, facets_);
+  const Box object = box_of(mesh);
+  require_usable_scale(mesh);
   const VoxelLattice lattice = voxel_lattice(grid, box_of(spheres), object);
   const Inside inside = !closed_ ? Inside::unknown : oriented_ ? Inside::nonzero_winding : Inside::odd_crossings;
-  const VoxelCounts counts = count_voxels(lattice, facets_, positions, inside, spheres, workers);
+  const VoxelCounts counts = count_voxels(lattice, mesh, inside, spheres, workers);
 
   Looseness result;
   result.voxel_edge = lattice.edge;
@@ -78,8 +69,7 @@ Looseness LoosenessMeter::measure(std::span<const Vec3> positions, std::span<con
   const auto volume_of = [&](std::size_t voxels) { return static_cast<double>(voxels) * voxel_volume; };
   result.union_volume = volume_of(counts.in_union);
   if (!closed_) return result;
-  result.object_volume =
-      oriented_ ? std::abs(signed_volume(facets_, positions, object.center())) : volume_of(counts.inside);
+  result.object_volume = oriented_ ? std::abs(signed_volume(mesh)) : volume_of(counts.inside);
   result.outside_volume = volume_of(counts.in_union - counts.in_both);
   if (result.object_volume > 0) {
     result.looseness = result.outside_volume / result.object_volume;

@@ -8,7 +8,7 @@
 
 namespace morula {
 
-std::vector<LevelMeasure> measure(const Mesh& mesh, const SphereTree& tree, const MeasureOptions& options,
+std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options,
                                   Workers& workers) {
   const StandardFloats standard;
   require_usable(mesh);

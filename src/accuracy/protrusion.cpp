@@ -38,7 +38,7 @@ class ProtrusionSearch {
       : object_(object),
         ball_(ball),
         // Distances are rounded too: below this, refinement would never end.
-        tolerance_(std::max(tolerance * ball.radius, 0x1p-46 * (largest_component(ball.center) + ball.radius))) {}
+        tolerance_(std::max(tolerance * ball.radius, 0x1p-46 * (max_norm(ball.center) + ball.radius))) {}
 
   BallProtrusion run() {
     // φ is 1-Lipschitz, so r + φ(c) is an upper bound; where the direction to the nearest surface point (or away from

@@ -224,8 +224,8 @@ int strip_height(const Window& window) {
 
 }  // namespace
 
-VoxelCounts count_voxels(const VoxelLattice& lattice, std::span<const Facet> facets, std::span<const Vec3> positions,
-                         Inside inside, std::span<const Sphere> spheres, Workers& workers) {
+VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
+                         std::span<const Sphere> spheres, Workers& workers) {
   std::vector<Sphere> balls;
   balls.reserve(spheres.size());
   for (const Sphere& s : spheres) balls.push_back({lattice.to_lattice(s.center), s.radius / lattice.edge});
@@ -237,13 +237,15 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, std::span<const Facet> fac
                 clamped(std::floor(balls[i].center.y + balls[i].radius) + 1, lattice.count[1])};
   });
 
-  std::vector<Vec3> vertices(inside == Inside::unknown ? 0 : positions.size());
-  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] = lattice.to_lattice(positions[v]);
-  const StripLists facets_of(inside == Inside::unknown ? 0 : facets.size(), strip_count, height, [&](std::size_t f) {
-    const double a = vertices[facets[f][0]].y, b = vertices[facets[f][1]].y, c = vertices[facets[f][2]].y;
-    return Rows{clamped(std::ceil(std::min({a, b, c})), lattice.count[1]),
-                clamped(std::ceil(std::max({a, b, c})), lattice.count[1])};
-  });
+  std::vector<Vec3> vertices(inside == Inside::unknown ? 0 : mesh.vertex_count());
+  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] = lattice.to_lattice(mesh.positions[v]);
+  const StripLists facets_of(inside == Inside::unknown ? 0 : mesh.facet_count(), strip_count, height,
+                             [&](std::size_t f) {
+                               const double a = vertices[mesh.facets[f][0]].y, b = vertices[mesh.facets[f][1]].y,
+                                            c = vertices[mesh.facets[f][2]].y;
+                               return Rows{clamped(std::ceil(std::min({a, b, c})), lattice.count[1]),
+                                           clamped(std::ceil(std::max({a, b, c})), lattice.count[1])};
+                             });
 
   std::vector<VoxelCounts> partial(static_cast<std::size_t>(strip_count));
   workers.run(partial.size(), [&](std::size_t strip) {
@@ -251,7 +253,7 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, std::span<const Facet> fac
     StripCounter counter(lattice, window, row_begin, std::min(row_begin + height, lattice.count[1]));
     for (const std::uint32_t i : balls_of[strip]) counter.add_sphere(balls[i].center, balls[i].radius);
     for (const std::uint32_t f : facets_of[strip])
-      counter.add_facet({vertices[facets[f][0]], vertices[facets[f][1]], vertices[facets[f][2]]});
+      counter.add_facet({vertices[mesh.facets[f][0]], vertices[mesh.facets[f][1]], vertices[mesh.facets[f][2]]});
     partial[strip] = counter.count(inside);
   });
   VoxelCounts counts;

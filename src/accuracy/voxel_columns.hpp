@@ -25,7 +25,7 @@ struct VoxelCounts {
 /// passed just beside it, on the same side for all facets that share it. A centre exactly on a facet along two axes
 /// counts as if it lay just beyond it along +x, +y or +z, so boxes side by side share no voxel; on a slanted facet it
 /// may count either way.
-VoxelCounts count_voxels(const VoxelLattice& lattice, std::span<const Facet> facets, std::span<const Vec3> positions,
-                         Inside inside, std::span<const Sphere> spheres, Workers& workers);
+VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
+                         std::span<const Sphere> spheres, Workers& workers);
 
 }  // namespace morula

@@ -13,7 +13,7 @@ namespace {
 constexpr double rounding_of_a_side = 1e-9;
 
 double longest_side(const Box& box) {
-  return largest_component(box.extent());
+  return max_norm(box.extent());
 }
 
 double edge_of(const VoxelGrid& grid, const Box& spheres, const Box& both) {

@@ -9,13 +9,20 @@
 
 namespace morula {
 
-Collider::Collider(const Mesh& mesh, const Body& body) : mesh_(&mesh), body_(&body), positions_(mesh.positions) {
+Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.pose()) {}
+
+Collider::Collider(const PosedTree& pose) : pose_(&pose) {}
+
+Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
+    : pose_(&pose), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
   const StandardFloats standard;
-  const SphereTree& tree = body.rest_tree();
-  const Cover& cover = body.cover();
+  const SphereTree& tree = *pose.tree;
   if (mesh.vertex_count() != cover.vertex_count || mesh.facet_count() != cover.facet_count)
     throw std::invalid_argument("the body is of another mesh: " + std::to_string(cover.facet_count) + " facets, not " +
                                 std::to_string(mesh.facet_count()));
+  if (cover.region_begin.size() != tree.node_count())
+    throw std::invalid_argument("the cover is of another tree: " + std::to_string(cover.region_begin.size()) +
+                                " nodes, not " + std::to_string(tree.node_count()));
   facet_begin_.assign(tree.node_count(), 0);
   facet_end_.assign(tree.node_count(), 0);
 
@@ -53,11 +60,11 @@ void Collider::place(const RigidTransform& placement) {
 
 void Collider::set_positions(const PositionView& positions) {
   const StandardFloats standard;
-  if (positions.size() != mesh_->vertex_count())
+  if (positions.size() != vertex_count())
     throw std::invalid_argument(std::to_string(positions.size()) + " positions for a mesh of " +
-                                std::to_string(mesh_->vertex_count()) + " vertices");
-  positions_ = positions;
-  positions_frame_ = body_->frame();
+                                std::to_string(vertex_count()) + " vertices");
+  given_ = positions;
+  given_frame_ = pose_->frame;
 }
 
 }  // namespace morula

@@ -4,8 +4,11 @@
 #include <morula/collide/contact_query.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "collide/facets/contact_geometry.hpp"
 #include "collide/front/front_walk.hpp"
+#include "collide/pairs/descent.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -17,39 +20,41 @@ struct ContactQuery::State {
   Contacts contacts{};
   bool front_from_outside = false;
 
-  using Code = ContactStatus::Code;
+  using Code = Status::Code;
 
-  ContactStatus usable() const {
+  Status usable() const {
+    const Needs needs{.all_spheres = !options.reach,
+                      .positions = options.surfaces || options.exact || options.containment};
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
       const ColliderPair& pair = walk.pairs[i];
-      if (!pair.a->body().is_current() || !pair.b->body().is_current()) return {Code::body_not_current, i};
-      if (!options.reach && !(pair.a->body().is_complete() && pair.b->body().is_complete()))
-        return {Code::body_not_complete, i};
-      if ((options.surfaces || options.exact || options.containment) &&
-          !(pair.a->has_current_positions() && pair.b->has_current_positions()))
-        return {Code::positions_not_current, i};
-      if (!has_level(*pair.a, *pair.b, options.level)) return {Code::bad_level, i};
+      for (Status status : {status_of(*pair.a, 0, needs), status_of(*pair.b, 1, needs)}) {
+        status.pair = i;
+        if (!status) return status;
+      }
+      if (!has_level(*pair.a, *pair.b, options.level)) return {.code = Code::bad_level, .pair = i};
     }
     return {};
   }
 
   // Is the front of these bodies and options? In the present frame, when it is to be continued.
-  ContactStatus fits(bool same_frame) const {
+  Status fits(bool same_frame) const {
     const Front& front = walk.front;
-    if (front.bodies.empty()) return {Code::no_front};
-    if (front.bodies.size() != walk.pairs.size()) return {Code::other_bodies};
+    if (front.pairs.empty()) return {Code::no_front};
+    if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
     const auto side = [&](const Front::Side& stamp, const Collider& collider) {
-      const std::size_t nodes = collider.body().spheres().size();
-      if (stamp.ownership != collider.body().ownership() || stamp.spheres.size() != nodes ||
+      const std::size_t nodes = collider.pose().spheres.size();
+      if (stamp.ownership != collider.pose().ownership || stamp.spheres.size() != nodes ||
           stamp.travelled.size() != nodes)
         return Code::other_bodies;
       if (!same_frame) return Code::ok;
-      if (stamp.frame != collider.body().frame()) return Code::other_frame;
+      if (stamp.frame != collider.pose().frame) return Code::other_frame;
       return stamp.placement == collider.placement() ? Code::ok : Code::other_placement;
     };
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      if (const Code code = side(front.bodies[i].a, *walk.pairs[i].a); code != Code::ok) return {code, i};
-      if (const Code code = side(front.bodies[i].b, *walk.pairs[i].b); code != Code::ok) return {code, i};
+      if (const Code code = side(front.pairs[i].a, *walk.pairs[i].a); code != Code::ok)
+        return {.code = code, .pair = i};
+      if (const Code code = side(front.pairs[i].b, *walk.pairs[i].b); code != Code::ok)
+        return {.code = code, .pair = i};
     }
     if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
       return {Code::other_options};
@@ -57,42 +62,33 @@ struct ContactQuery::State {
     return {};
   }
 
+  // Depth-first: no queue, and nothing to remember.
+  void descend() {
+    contacts.contacts.clear();
+    contacts.pair_tests = 0;
+    contacts.achieved_level.clear();
+    for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
+      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, options.margin, options.level.value_or(leaf_level));
+      contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
+        Contact& contact = contacts.contacts.emplace_back();
+        describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
+        contact.pair = i;
+        contact.node_a = node_a;
+        contact.node_b = node_b;
+        contact.finished = true;
+      });
+      contacts.achieved_level.push_back(trees.depth());
+    }
+    contacts.finished_count = contacts.contacts.size();
+    contacts.finished = true;
+    walk.extras.add(walk.pairs, options, nullptr, contacts);
+  }
+
   ContactStatus done() {
     front_from_outside = false;
-    return {.finished = contacts.finished, .pair_tests = contacts.pair_tests};
+    return {{}, contacts.finished, contacts.pair_tests};
   }
 };
-
-std::string message(const ContactStatus& status) {
-  const std::string which = "pair " + std::to_string(status.bodies) + ": ";
-  switch (status.code) {
-    case ContactStatus::Code::ok:
-      return {};
-    case ContactStatus::Code::body_not_current:
-      return which + "the last update of a body was refused: update it with good positions first";
-    case ContactStatus::Code::body_not_complete:
-      return which + "a body was updated lazily: give CollideOptions::reach, which calls Body::reach";
-    case ContactStatus::Code::positions_not_current:
-      return which +
-             "surfaces, crossings or containment are asked for without the positions of this frame: call "
-             "Collider::set_positions after it";
-    case ContactStatus::Code::no_front:
-      return "there is no front: call start() first";
-    case ContactStatus::Code::other_bodies:
-      return which + "the front is of other bodies or of another ownership: call start()";
-    case ContactStatus::Code::other_frame:
-      return which + "a body was updated since the front was made: call carry() or start()";
-    case ContactStatus::Code::other_placement:
-      return which + "a body was placed elsewhere since the front was made: call carry() or start()";
-    case ContactStatus::Code::other_options:
-      return "the front is of another margin or level: call start()";
-    case ContactStatus::Code::bad_front:
-      return "the front has indices out of range: call start()";
-    case ContactStatus::Code::bad_level:
-      return which + "neither tree has the level that contacts are asked for at";
-  }
-  return {};
-}
 
 ContactQuery::ContactQuery(CollideOptions options) {
   require_usable(options);
@@ -107,14 +103,14 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
   if (!(std::isfinite(weight) && weight >= 0))
     throw std::invalid_argument("the weight of a pair of bodies is " + std::to_string(weight) +
                                 ": it must be finite and not negative");
-  state_->walk.front.bodies.clear();
+  state_->walk.front.pairs.clear();
   state_->walk.extras.forget();
   state_->walk.pairs.push_back({&a, &b, weight});
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);
 }
 
 void ContactQuery::clear() {
-  state_->walk.front.bodies.clear();
+  state_->walk.front.pairs.clear();
   state_->walk.extras.forget();
   state_->walk.pairs.clear();
 }
@@ -128,10 +124,43 @@ const CollideOptions& ContactQuery::options() const {
   return state_->options;
 }
 
+ContactStatus ContactQuery::run(Workers& workers) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (const Status status = s.usable(); !status) return {status};
+  if (!s.options.budget.is_unlimited() || s.options.reach)
+    s.walk.start(s.options, false, workers, s.contacts);
+  else
+    s.descend();
+  s.walk.front.pairs.clear();
+  return s.done();
+}
+
+Status ContactQuery::warm_up(Workers& workers) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (const Status status = s.usable(); !status) return status;
+  const CollideOptions asked = std::exchange(s.options, [&] {
+    CollideOptions all = s.options;
+    all.budget = {};
+    return all;
+  }());
+  run(workers);
+  s.walk.start(s.options, true, workers, s.contacts);
+  s.options = asked;
+  s.walk.front.pairs.clear();
+  s.contacts.contacts.clear();
+  s.contacts.surfaces.clear();
+  s.contacts.crossings.clear();
+  s.contacts.finished_count = 0;
+  s.contacts.finished = false;
+  return {};
+}
+
 ContactStatus ContactQuery::start(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
-  if (const ContactStatus status = s.usable(); !status) return status;
+  if (const Status status = s.usable(); !status) return {status};
   s.walk.start(s.options, true, workers, s.contacts);
   return s.done();
 }
@@ -139,8 +168,8 @@ ContactStatus ContactQuery::start(Workers& workers) {
 ContactStatus ContactQuery::resume(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
-  if (const ContactStatus status = s.usable(); !status) return status;
-  if (const ContactStatus status = s.fits(true); !status) return status;
+  if (const Status status = s.usable(); !status) return {status};
+  if (const Status status = s.fits(true); !status) return {status};
   if (s.front_from_outside) s.walk.list_finished(s.options, s.contacts);
   s.walk.resume(s.options, workers, s.contacts);
   return s.done();
@@ -149,14 +178,30 @@ ContactStatus ContactQuery::resume(Workers& workers) {
 ContactStatus ContactQuery::carry(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
-  if (const ContactStatus status = s.usable(); !status) return status;
-  if (const ContactStatus status = s.fits(false); !status) return status;
+  if (const Status status = s.usable(); !status) return {status};
+  if (const Status status = s.fits(false); !status) return {status};
   s.walk.carry(s.options, workers, s.contacts);
   return s.done();
 }
 
 const Contacts& ContactQuery::contacts() const {
   return state_->contacts;
+}
+
+Contacts ContactQuery::take_contacts() {
+  return std::exchange(state_->contacts, Contacts{});
+}
+
+ContactSurface ContactQuery::surface(std::size_t contact) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (contact >= s.contacts.contacts.size())
+    throw std::invalid_argument("there is no contact " + std::to_string(contact) + ", but " +
+                                std::to_string(s.contacts.contacts.size()));
+  const Contact& c = s.contacts.contacts[contact];
+  const ColliderPair& pair = s.walk.pairs[c.pair];
+  require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.reach, .positions = true});
+  return s.walk.extras.surface_of(s.walk.pairs, c);
 }
 
 const Front& ContactQuery::front() const {

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <morula/collide/containment.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -73,13 +72,13 @@ bool holds(const Triangle& t, const Vec3& p) {
 }
 
 bool is_near(const Vec3& p) {
-  return is_finite(p) && largest_component(p) < 0x1p200;
+  return is_finite(p) && max_norm(p) < 0x1p200;
 }
 
 // Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
 // first of equals.
 HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, const Vec3& from, std::size_t& tests) {
-  const SphereTree& tree = body.body().rest_tree();
+  const SphereTree& tree = body.tree();
   const std::size_t level = std::min<std::size_t>(2, tree.level_count() - 1);
   const std::array<HalfLine, 6> lines{HalfLine(from, 0, 1),  HalfLine(from, 1, 1),  HalfLine(from, 2, 1),
                                       HalfLine(from, 0, -1), HalfLine(from, 1, -1), HalfLine(from, 2, -1)};
@@ -97,7 +96,7 @@ HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, co
 // Facets of all leaves whose spheres the half line may meet, ascending, each once.
 std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const HalfLine& line,
                        std::vector<std::uint32_t>& facets) {
-  const SphereTree& tree = body.body().rest_tree();
+  const SphereTree& tree = body.tree();
   std::array<std::uint32_t, max_depth * max_branching + 1> stack;
   std::size_t top = 0, tests = 0;
   facets.clear();
@@ -121,30 +120,19 @@ std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const
 
 }  // namespace
 
-std::vector<std::uint32_t> component_vertices(const Mesh& mesh) {
-  // Disjoint sets with path halving; the lowest vertex is the root.
-  std::vector<std::uint32_t> parents(mesh.vertex_count());
-  std::iota(parents.begin(), parents.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parents[v] != v) v = parents[v] = parents[parents[v]];
-    return v;
-  };
-  std::vector<bool> used(mesh.vertex_count(), false);
-  for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) {
-      used[v] = true;
-      const std::uint32_t a = root(f[0]), b = root(v);
-      parents[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<std::uint32_t> lowest;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-    if (used[v] && root(v) == v) lowest.push_back(v);
+std::vector<std::uint32_t> component_vertices(const MeshView& mesh) {
+  const Components pieces = components_by_vertices(mesh);
+  std::vector<std::uint32_t> lowest(pieces.count, 0xffffffffu);
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+    for (const std::uint32_t v : mesh.facets[f]) lowest[pieces.of_facet[f]] = std::min(lowest[pieces.of_facet[f]], v);
+  std::sort(lowest.begin(), lowest.end());
   return lowest;
 }
 
-InsideTest::InsideTest(const Collider& body) : body_(&body) {
+InsideQuery::InsideQuery(const Collider& body) : body_(&body) {
   const StandardFloats standard;
-  const MeshReport report = inspect(body.mesh());
+  if (!body.has_surface()) throw std::invalid_argument(message(Status{Status::Code::no_surface}));
+  const MeshReport report = inspect(body.surface());
   if (!report.closed)
     throw std::invalid_argument("an open surface has no inside: " + std::to_string(report.boundary_edges) +
                                 " of its edges have one facet only, " + std::to_string(report.nonmanifold_edges) +
@@ -152,13 +140,13 @@ InsideTest::InsideTest(const Collider& body) : body_(&body) {
   is_oriented_ = report.oriented;
 }
 
-PointLocation InsideTest::locate(const Vec3& point) {
+PointLocation InsideQuery::locate(const Vec3& point) {
   const StandardFloats standard;
   PointLocation result;
   result.status = askable(*body_);
-  if (result.status && !is_near(point)) result.status = {QueryStatus::Code::bad_shape};
+  if (result.status && !is_near(point)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = spheres_cover(body_->body());
+  result.certified = body_->pose().covers;
 
   const PlacedSpheres spheres(*body_);
   const Sphere root = spheres(0);
@@ -188,16 +176,17 @@ PointLocation InsideTest::locate(const Vec3& point) {
   return result;
 }
 
-Probe InsideTest::probe(const Sphere& ball) {
+Probe InsideQuery::probe(const Sphere& ball) {
   const StandardFloats standard;
   Probe result;
-  if (!touch(*body_, ball, {.nearest = true}, touch_)) {
-    result.status = touch_.status;
+  const Touch& touch = touch_.run(*body_, ball, {.nearest = true});
+  if (!touch.status) {
+    result.status = touch.status;
     return result;
   }
   const PointLocation location = locate(ball.center);
   result.inside = location.inside;
-  result.nearest = touch_.deepest.point;
+  result.nearest = touch.deepest.point;
   const Vec3 out = result.nearest.point - ball.center;
   const double away = length(out);
   result.distance = result.inside ? -away : away;
@@ -205,23 +194,23 @@ Probe InsideTest::probe(const Sphere& ball) {
   result.touches = result.depth >= 0;
   // From the centre through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
   // normal.
-  if (largest_component(out) > 0x1p-40 * largest_component(ball.center))
+  if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);
   else
     result.normal = normalized(area_vector(body_->triangle(result.nearest.facet)));
   return result;
 }
 
-bool InsideTest::components_inside(const Collider& other, std::span<const std::uint32_t> vertices,
-                                   Containment& result) {
+bool InsideQuery::components_inside(const Collider& other, std::span<const std::uint32_t> vertices,
+                                    Containment& result) {
   const StandardFloats standard;
   result.status = askable(*body_, 1);
   if (result.status) result.status = askable(other, 0);
   for (const std::uint32_t vertex : vertices)
-    if (result.status && vertex >= other.mesh().vertex_count()) result.status = {QueryStatus::Code::bad_option};
+    if (result.status && vertex >= other.vertex_count()) result.status = {Status::Code::bad_option};
   result.inside.clear();
   result.inside_count = 0;
-  result.certified = spheres_cover(body_->body());
+  result.certified = body_->pose().covers;
   if (!result.status) return false;
   for (const std::uint32_t vertex : vertices) {
     const bool inside = locate(other.vertex(vertex)).inside;

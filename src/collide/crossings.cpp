@@ -54,16 +54,15 @@ class Selection {
   std::size_t size_ = 0;
 };
 
-void require_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
-  for (const NodePair& pair : nodes)
-    if (pair.a >= a.body().rest_tree().node_count() || pair.b >= b.body().rest_tree().node_count())
-      throw std::invalid_argument("crossings: there is no pair of nodes " + std::to_string(pair.a) + " and " +
-                                  std::to_string(pair.b));
+bool have_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
+  return std::all_of(nodes.begin(), nodes.end(), [&](const NodePair& pair) {
+    return pair.a < a.tree().node_count() && pair.b < b.tree().node_count();
+  });
 }
 
 }  // namespace
 
-struct Crossings::State {
+struct CrossingQuery::State {
   std::vector<Crossing> found;
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
@@ -79,7 +78,7 @@ struct Crossings::State {
   void look_at(const NodePair& pair);
 };
 
-void Crossings::State::look_at(const NodePair& pair) {
+void CrossingQuery::State::look_at(const NodePair& pair) {
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
   // What both sides' facets have in common shrinks as each side looks at what the other has there.
   FloatBox common = range_a.box.meet(range_b.box);
@@ -107,8 +106,8 @@ void Crossings::State::look_at(const NodePair& pair) {
   }
 }
 
-void Crossings::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
-  const Vec3 origin = a.placement()(a.body().origin());
+void CrossingQuery::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
+  const Vec3 origin = a.placement()(a.pose().origin);
   facets_a.start(a, origin);
   facets_b.start(b, origin);
   tested.clear();
@@ -125,40 +124,47 @@ void Crossings::State::find(const Collider& a, const Collider& b, std::span<cons
   pairs_tested = tested.size();
 }
 
-Crossings::Crossings() : state_(std::make_unique<State>()) {}
-Crossings::~Crossings() = default;
-Crossings::Crossings(Crossings&&) noexcept = default;
-Crossings& Crossings::operator=(Crossings&&) noexcept = default;
+CrossingQuery::CrossingQuery() : state_(std::make_unique<State>()) {}
+CrossingQuery::~CrossingQuery() = default;
+CrossingQuery::CrossingQuery(CrossingQuery&&) noexcept = default;
+CrossingQuery& CrossingQuery::operator=(CrossingQuery&&) noexcept = default;
 
-std::span<const Crossing> Crossings::pairs() const {
+std::span<const Crossing> CrossingQuery::pairs() const {
   return state_->found;
 }
-std::size_t Crossings::leaf_pairs() const {
+std::size_t CrossingQuery::leaf_pairs() const {
   return state_->leaf_pairs;
 }
-std::size_t Crossings::facets_read() const {
+std::size_t CrossingQuery::facets_read() const {
   return state_->facets_read;
 }
-std::size_t Crossings::pairs_tested() const {
+std::size_t CrossingQuery::pairs_tested() const {
   return state_->pairs_tested;
 }
 
-void crossings(const Collider& a, const Collider& b, std::span<const NodePair> nodes, Crossings& result) {
+Status CrossingQuery::run(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
   const StandardFloats standard;
-  require_bodies(a, b, {.all_spheres = false, .positions = true});
-  require_nodes(a, b, nodes);
-  result.state().find(a, b, nodes);
+  if (const Status status = status_of_pair(a, b, {.all_spheres = false, .positions = true}); !status) return status;
+  if (!have_nodes(a, b, nodes)) return {Status::Code::bad_option};
+  state_->find(a, b, nodes);
+  return {};
 }
 
-void crossings(const Collider& a, const Collider& b, Crossings& result) {
+Status CrossingQuery::run(const Collider& a, const Collider& b) {
   const StandardFloats standard;
-  require_bodies(a, b, {.positions = true});
-  Crossings::State& state = result.state();
-  state.leaves.clear();
+  if (const Status status = status_of_pair(a, b, {.positions = true}); !status) return status;
+  state_->leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
-    state.leaves.push_back({node_a, node_b});
+    state_->leaves.push_back({node_a, node_b});
   });
-  state.find(a, b, state.leaves);
+  state_->find(a, b, state_->leaves);
+  return {};
+}
+
+std::vector<Crossing> crossings(const Collider& a, const Collider& b) {
+  CrossingQuery query;
+  require_good(query.run(a, b));
+  return {query.pairs().begin(), query.pairs().end()};
 }
 
 std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& b) {
@@ -168,7 +174,7 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
     Box box;
   };
   const auto boxed = [](const Collider& collider) {
-    std::vector<Boxed> all(collider.mesh().facet_count());
+    std::vector<Boxed> all(collider.mesh_facets().size());
     for (std::uint32_t facet = 0; facet < all.size(); ++facet) {
       all[facet].triangle = collider.triangle(facet);
       for (const Vec3& p : all[facet].triangle) all[facet].box.add(p);

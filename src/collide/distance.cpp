@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collide/facets/world_facets.hpp"
+#include "collide/pairs/meter.hpp"
 #include "collide/pairs/placed_spheres.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "geometry/slab.hpp"
@@ -43,8 +44,8 @@ class Search {
   Search(const Collider& a, const Collider& b, const DistanceOptions& options, Scratch& scratch)
       : a_(a),
         b_(b),
-        tree_a_(a.body().rest_tree()),
-        tree_b_(b.body().rest_tree()),
+        tree_a_(a.tree()),
+        tree_b_(b.tree()),
         spheres_a_(a),
         spheres_b_(b),
         options_(options),
@@ -83,7 +84,15 @@ class Search {
   }
 
  private:
-  bool has_budget() const { return answer_.sphere_tests + answer_.facet_tests < options_.budget; }
+  bool has_budget() {
+    const std::size_t tests = answer_.sphere_tests + answer_.facet_tests;
+    if (options_.budget.is_tests()) return tests < static_cast<std::size_t>(options_.budget.tests());
+    if (options_.budget.is_time() && !late_ && tests >= next_look_) {
+      next_look_ = tests + 64;
+      late_ = now(options_.clock) - start_ >= options_.budget.time();
+    }
+    return !late_;
+  }
   double lower() const {
     const double waiting = waiting_.empty() ? infinity : waiting_.front().bound;
     return std::min(answer_.upper, std::max(0.0, std::min(waiting, looked_at_)));
@@ -270,6 +279,10 @@ class Search {
   std::uint32_t version_ = 0;  // of slab_
   bool is_of_facets_ = true;   // the witnesses are the nearest points of two facets that were tried
   bool is_settled_ = false;
+  // Of a budget of time: when it began, after how many tests the clock is looked at again, and that it has run out.
+  std::chrono::nanoseconds start_{options_.budget.is_time() ? now(options_.clock) : std::chrono::nanoseconds{}};
+  std::size_t next_look_ = 0;
+  bool late_ = false;
 };
 
 }  // namespace
@@ -286,32 +299,33 @@ DistanceQuery::~DistanceQuery() = default;
 DistanceQuery::DistanceQuery(DistanceQuery&&) noexcept = default;
 DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
 
-DistanceBounds DistanceQuery::operator()(const Collider& a, const Collider& b, const DistanceOptions& options) {
+DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const DistanceOptions& options) {
   const StandardFloats standard;
   DistanceBounds refused;
   refused.upper = infinity;
   refused.status = askable(a, 0);
   if (refused.status) refused.status = askable(b, 1);
-  if (refused.status && !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0))
-    refused.status = {QueryStatus::Code::bad_option};
+  if (refused.status &&
+      !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0 && options.budget.tests() >= 0))
+    refused.status = {Status::Code::bad_option};
   if (!refused.status) return refused;
 
   State& s = *state_;
-  const bool same = s.ownership_a == a.body().ownership() && s.ownership_b == b.body().ownership() &&
-                    s.last_a < a.mesh().facet_count() && s.last_b < b.mesh().facet_count();
+  const bool same = s.ownership_a == a.pose().ownership && s.ownership_b == b.pose().ownership &&
+                    s.last_a < a.mesh_facets().size() && s.last_b < b.mesh_facets().size();
   const bool warm = options.warm_start && same;
   Search search(a, b, options, s.scratch);
   DistanceBounds answer = search.run(warm ? s.last_a : no_facet, warm ? s.last_b : no_facet);
-  answer.certified = spheres_cover(a.body()) && spheres_cover(b.body());
-  s.ownership_a = a.body().ownership();
-  s.ownership_b = b.body().ownership();
+  answer.certified = a.pose().covers && b.pose().covers;
+  s.ownership_a = a.pose().ownership;
+  s.ownership_b = b.pose().ownership;
   s.last_a = answer.a.facet;
   s.last_b = answer.b.facet;
   return answer;
 }
 
 DistanceBounds distance(const Collider& a, const Collider& b, const DistanceOptions& options) {
-  const DistanceBounds answer = DistanceQuery()(a, b, options);
+  const DistanceBounds answer = DistanceQuery().run(a, b, options);
   if (!answer.status) throw std::invalid_argument(message(answer.status));
   return answer;
 }

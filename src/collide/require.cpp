@@ -8,17 +8,32 @@
 
 namespace morula {
 
-QueryStatus status_of(const Collider& collider, std::uint8_t body, Needs needs) {
-  using Code = QueryStatus::Code;
-  if (!collider.body().is_current()) return {Code::body_not_current, body};
-  if (needs.all_spheres && !collider.body().is_complete()) return {Code::body_not_complete, body};
+Status status_of(const Collider& collider, std::uint8_t body, Needs needs) {
+  using Code = Status::Code;
+  if (!collider.pose().current) return {Code::body_not_current, body};
+  if (needs.all_spheres && !collider.pose().complete) return {Code::body_not_complete, body};
+  if (needs.positions && !collider.has_surface()) return {Code::no_surface, body};
   if (needs.positions && !collider.has_current_positions()) return {Code::positions_not_current, body};
   return {};
 }
 
+Status askable(const Collider& collider, std::uint8_t body) {
+  if (const Status status = status_of(collider, body, {.positions = true}); !status) return status;
+  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far, body};
+  return {};
+}
+
+Status status_of_pair(const Collider& a, const Collider& b, Needs needs) {
+  if (const Status status = status_of(a, 0, needs); !status) return status;
+  return status_of(b, 1, needs);
+}
+
+void require_good(const Status& status) {
+  if (!status) throw std::invalid_argument(message(status));
+}
+
 void require_bodies(const Collider& a, const Collider& b, Needs needs) {
-  for (const QueryStatus& status : {status_of(a, 0, needs), status_of(b, 1, needs)})
-    if (!status) throw std::invalid_argument(message(status));
+  require_good(status_of_pair(a, b, needs));
 }
 
 void require_usable(const CollideOptions& options) {
@@ -30,7 +45,7 @@ void require_usable(const CollideOptions& options) {
 }
 
 bool has_level(const Collider& a, const Collider& b, const std::optional<std::uint32_t>& level) {
-  return !level || *level < std::max(a.body().rest_tree().level_count(), b.body().rest_tree().level_count());
+  return !level || *level < std::max(a.tree().level_count(), b.tree().level_count());
 }
 
 }  // namespace morula

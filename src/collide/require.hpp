@@ -3,8 +3,8 @@
 // What queries ask of their arguments.
 #pragma once
 
+#include <morula/collide/collider.hpp>
 #include <morula/collide/contacts.hpp>
-#include <morula/collide/query_status.hpp>
 
 namespace morula {
 
@@ -14,7 +14,11 @@ struct Needs {
   bool positions = false;
 };
 /// ok, or the first fault.
-QueryStatus status_of(const Collider& collider, std::uint8_t body, Needs needs);
+Status status_of(const Collider& collider, std::uint8_t body, Needs needs);
+/// The first fault of either.
+Status status_of_pair(const Collider& a, const Collider& b, Needs needs);
+/// Throws std::invalid_argument with the message of a fault.
+void require_good(const Status& status);
 /// Throws std::invalid_argument with the message of the first fault of either.
 void require_bodies(const Collider& a, const Collider& b, Needs needs);
 /// Throws std::invalid_argument for a margin that is negative or not finite and for a negative budget.

@@ -161,7 +161,7 @@ Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   require_length(options.time_limit_seconds, "the time limit");
   require_usable(mesh);
   require_usable_scale(mesh);
-  const BuildRun run(options);
+  const BuildRun run(options, mesh);
   run.throw_if_stopped();
   return chosen.build(mesh, run, workers);
 }

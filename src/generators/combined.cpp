@@ -38,11 +38,11 @@ constexpr ReduceSettings thorough{
 Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                     const ReduceSettings& settings) {
   const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), workers);
+  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
     constexpr int rounds = 2;
-    if (nodes[0].level >= 2) exchange(mesh, lines, nodes, rounds, workers);
+    if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
   };
   Reducer reducer = combined_reducer(std::move(reductions), run);
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;

@@ -231,13 +231,13 @@ Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
 
 Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), workers);
+  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const Effort& effort = effort_of(run.quality);
   const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
-      if (nodes[0].level >= 2) exchange(mesh, lines, nodes, rounds, workers);
+      if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
     });
   };
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;

@@ -43,8 +43,8 @@ Sphere circumsphere(const Box& cell) {
 
 class OctreeDivider {
  public:
-  OctreeDivider(const Mesh& mesh, const BuildOptions& options)
-      : mesh_(mesh), branching_(static_cast<std::size_t>(options.branching)), pad_(largest_coordinate(mesh)) {}
+  OctreeDivider(const Mesh& mesh, const BuildRun& run)
+      : mesh_(mesh), branching_(static_cast<std::size_t>(run.branching)), pad_(run.largest_coordinate()) {}
 
   Division operator()(const BuildNode& node) const {
     std::vector<BuildNode> cells = occupied(node);
@@ -69,7 +69,7 @@ class OctreeDivider {
     std::vector<Vec3> points;
     corner_positions(mesh_, region, points);
     const Sphere smallest = enclosing_sphere(points);
-    const double radius = rounded_up_radius(smallest.radius, std::max(pad_, largest_component(smallest.center)));
+    const double radius = rounded_up_radius(smallest.radius, std::max(pad_, max_norm(smallest.center)));
     return {std::move(region), {smallest.center, radius}, cell, {}, {}, {}, {}};
   }
 
@@ -125,8 +125,8 @@ class OctreeDivider {
 }  // namespace
 
 Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  const Box box = bounding_box(mesh);
-  const double half = 0.5 * largest_component(box.extent());
+  const Box& box = run.box();
+  const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
   return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
 }

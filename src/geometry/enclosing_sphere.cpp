@@ -137,7 +137,7 @@ Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
   Box box;
   for (const Vec3& p : points) box.add(p);
   // In halves, whose difference cannot overflow.
-  const double half_extent = largest_component(box.upper * 0.5 - box.lower * 0.5);
+  const double half_extent = max_norm(box.upper * 0.5 - box.lower * 0.5);
   if (!(half_extent > 0) || !std::isfinite(half_extent)) return {points[0], farthest_distance(points[0], points)};
   const int exponent = -1 - std::ilogb(half_extent);
   std::vector<Vec3> scaled;

@@ -172,8 +172,8 @@ class Search {
   // Points on edges and in triangles are off by less than 11 u of the largest coordinate each, corners not at all.
   void bound() {
     double coordinate = 0;
-    for (const Vec3& p : a_) coordinate = std::max(coordinate, largest_component(p));
-    for (const Vec3& p : b_) coordinate = std::max(coordinate, largest_component(p));
+    for (const Vec3& p : a_) coordinate = std::max(coordinate, max_norm(p));
+    for (const Vec3& p : b_) coordinate = std::max(coordinate, max_norm(p));
     const auto is_corner = [](const Barycentric& b) { return b[0] == 1 || b[1] == 1 || b[2] == 1; };
     const bool corners = is_corner(best_.a) && is_corner(best_.b);
     const Vec3 direction = best_.point_b - best_.point_a;
@@ -211,8 +211,8 @@ class Search {
 
 NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
   double largest = 0;
-  for (const Vec3& p : a) largest = std::max(largest, largest_component(p));
-  for (const Vec3& p : b) largest = std::max(largest, largest_component(p));
+  for (const Vec3& p : a) largest = std::max(largest, max_norm(p));
+  for (const Vec3& p : b) largest = std::max(largest, max_norm(p));
   if (largest == 0 || !(largest < least_ordinary)) return Search(a, b).run();
   // So small that squares vanish: larger by a power of two, which changes no digit on the way there.
   const int exponent = -std::ilogb(largest);
@@ -240,7 +240,7 @@ double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x) {
 }
 
 double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& any_direction) {
-  const double largest = largest_component(any_direction);
+  const double largest = max_norm(any_direction);
   if (!(largest > 0) || !is_finite(any_direction)) return 0;
   // Its size does not matter; so that no square of it vanishes.
   const int exponent = std::ilogb(largest);

@@ -3,8 +3,8 @@
 // Two triangles, or a segment or a point and a triangle: where they are nearest, and bounds that hold in real numbers.
 #pragma once
 
-#include <morula/geometry/triangle.hpp>
 #include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 #include <span>
 
 namespace morula {

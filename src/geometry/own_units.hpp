@@ -4,28 +4,49 @@
 #pragma once
 
 #include <cmath>
-#include <morula/geometry/mesh.hpp>
-#include <optional>
+#include <cstdlib>
+#include <morula/geometry/mesh_view.hpp>
+#include <vector>
 
 namespace morula {
 
-struct OwnUnits {
-  Mesh mesh;     // about its box's centre
-  int exponent;  // the unit is 2^exponent
+/// Meshes of ordinary size stay as they are and need no copy: scaling by a power of two changes no digit. Others have
+/// their vertices about the box's centre.
+class OwnUnits {
+ public:
+  /// box: of the mesh.
+  OwnUnits(const MeshView& mesh, const Box& box) : view_(mesh), box_(box) {
+    // In halves, which do not overflow.
+    const double size = max_norm(box.upper * 0.5 - box.lower * 0.5);
+    constexpr int ordinary = 100;
+    if (!(size > 0) || !std::isfinite(size) || std::abs(std::ilogb(size)) <= ordinary) return;
+    exponent_ = std::ilogb(size);
+    const Vec3 middle = box.lower * 0.5 + box.upper * 0.5;
+    const auto scaled = [&](const Vec3& p) {
+      return Vec3{std::ldexp(p.x - middle.x, -exponent_), std::ldexp(p.y - middle.y, -exponent_),
+                  std::ldexp(p.z - middle.z, -exponent_)};
+    };
+    positions_.reserve(mesh.vertex_count());
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) positions_.push_back(scaled(mesh.positions[v]));
+    view_.positions = positions_;
+    box_ = {scaled(box.lower), scaled(box.upper)};
+  }
+  OwnUnits(const OwnUnits&) = delete;
+  OwnUnits& operator=(const OwnUnits&) = delete;
+
+  const MeshView& mesh() const { return view_; }
+  const Box& box() const { return box_; }
+  /// The unit is 2^exponent.
+  int exponent() const { return exponent_; }
+
+ private:
+  MeshView view_;
+  Box box_;
+  int exponent_ = 0;
+  std::vector<Vec3> positions_;
 };
 
-/// Nothing for meshes of ordinary size, which need it not: scaling by a power of two changes no digit.
-inline std::optional<OwnUnits> in_own_units(const Mesh& mesh) {
-  const Box box = bounding_box(mesh);
-  // In halves, which do not overflow.
-  const double size = largest_component(box.upper * 0.5 - box.lower * 0.5);
-  constexpr int ordinary = 100;
-  if (!(size > 0) || !std::isfinite(size) || std::abs(std::ilogb(size)) <= ordinary) return std::nullopt;
-  OwnUnits own{mesh, std::ilogb(size)};
-  const Vec3 middle = box.lower * 0.5 + box.upper * 0.5;
-  const auto scaled = [&](double x) { return std::ldexp(x, -own.exponent); };
-  for (Vec3& p : own.mesh.positions) p = {scaled(p.x - middle.x), scaled(p.y - middle.y), scaled(p.z - middle.z)};
-  return own;
-}
+double surface_area(const OwnUnits& own);
+double signed_volume(const OwnUnits& own);
 
 }  // namespace morula

@@ -36,7 +36,7 @@ RigidTransform RigidTransform::from_quaternion(double w, double x, double y, dou
 
 RigidTransform RigidTransform::from_axis(const Vec3& axis, double angle_radians, const Vec3& translation) {
   const StandardFloats standard;
-  const int exponent = common_exponent(largest_component(axis));
+  const int exponent = common_exponent(max_norm(axis));
   const Vec3 scaled{std::ldexp(axis.x, -exponent), std::ldexp(axis.y, -exponent), std::ldexp(axis.z, -exponent)};
   const double size = length(scaled);
   if (!(size > 0)) return from_quaternion(1, 0, 0, 0, translation);

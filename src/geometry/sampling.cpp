@@ -12,7 +12,7 @@
 
 namespace morula {
 
-std::vector<SurfacePoint> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+std::vector<SurfacePoint> sample_surface(const MeshView& mesh, std::size_t count, std::uint64_t seed) {
   const StandardFloats standard;
   require_usable_scale(mesh);
   std::vector<double> area_up_to(mesh.facet_count());

@@ -21,19 +21,13 @@ std::string short_text(double x) {
 
 }  // namespace
 
-void require_usable_scale(std::span<const Facet> facets, std::span<const Vec3> positions) {
-  double largest = 0;
-  for (const Facet& f : facets)
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(positions[v]));
+void require_usable_scale(const MeshView& mesh) {
+  const double largest = largest_coordinate(mesh);
   if (largest == 0 || (largest >= least_usable_scale && largest <= greatest_usable_scale)) return;
   throw std::invalid_argument("the mesh's largest coordinate is " + short_text(largest) +
                               ", and squares of its lengths would " + (largest < 1 ? "vanish" : "overflow") +
                               ": scale the mesh so that its largest coordinate is between " +
                               short_text(least_usable_scale) + " and " + short_text(greatest_usable_scale));
-}
-
-void require_usable_scale(const Mesh& mesh) {
-  require_usable_scale(mesh.facets, mesh.positions);
 }
 
 bool has_usable_scale(const Sphere& sphere) {
@@ -43,7 +37,7 @@ bool has_usable_scale(const Sphere& sphere) {
 }
 
 double scaled_length(const Vec3& v) {
-  const double largest = largest_component(v);
+  const double largest = max_norm(v);
   if (!(largest > 0) || !is_finite(v)) return length(v);
   // By a power of two, which changes no digit.
   const int exponent = std::ilogb(largest);

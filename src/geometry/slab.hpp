@@ -25,7 +25,7 @@ class Slab {
     double farthest = -std::numeric_limits<double>::infinity();
     for (const Vec3& p : t) {
       const Vec3 w = p - from_;
-      farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * largest_component(w));
+      farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * max_norm(w));
     }
     return farthest;
   }
@@ -34,7 +34,7 @@ class Slab {
 
   /// The direction with a largest |coordinate| of 1…2; zero and what is not finite stay as they are.
   static Vec3 ordinary(const Vec3& direction) {
-    const double largest = largest_component(direction);
+    const double largest = max_norm(direction);
     if (!(largest > 0) || !std::isfinite(largest)) return direction;
     const int exponent = std::ilogb(largest);
     return {std::ldexp(direction.x, -exponent), std::ldexp(direction.y, -exponent), std::ldexp(direction.z, -exponent)};

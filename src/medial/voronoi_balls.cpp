@@ -13,7 +13,7 @@ namespace morula {
 
 struct VoronoiBalls::Data {
   Data(const Box& box_, const SignedDistance& shape_)
-      : box(box_), shape(shape_), cell(largest_component(box_.extent()) / Delaunay::lattice_size) {
+      : box(box_), shape(shape_), cell(max_norm(box_.extent()) / Delaunay::lattice_size) {
     assert(!box_.is_empty() && is_finite(box_.extent()));
     if (!(cell > 0)) cell = 1;  // one point has any lattice
   }

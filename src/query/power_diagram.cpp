@@ -356,6 +356,15 @@ PowerDiagram::Growth PowerDiagram::least_growth(std::span<const Vec3> points) co
   return best;
 }
 
+PowerDiagram::Growth least_growth(std::span<const Sphere> spheres, std::span<const Vec3> points) {
+  PowerDiagram::Growth best{0, std::numeric_limits<double>::infinity()};
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+    const double amount = farthest_distance(spheres[i].center, points) - spheres[i].radius;
+    if (amount < best.amount) best = {i, amount};
+  }
+  return best;
+}
+
 void PowerDiagram::candidates(const Triangle& triangle, std::vector<std::uint32_t>& found) const {
   found.clear();
   const Vec3 middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;

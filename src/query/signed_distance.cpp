@@ -15,57 +15,32 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 
-// Values of neighbors_ that are no facet: the edge is the surface's border, or slivers or a third facet meet there.
-constexpr std::uint32_t border = 0xffffffffu, undecided = 0xfffffffeu;
+// A value of neighbors_ that is no facet: slivers or a third facet meet at the edge. no_facet: the surface's border.
+constexpr std::uint32_t undecided = several_facets;
 
 // A facet whose height is below this share of its longest edge has a normal that rounding has turned. Across it the
 // surface goes on in a direction that its neighbours' normals do not show, so leaving it out of an average is no cure:
 // what touches it is decided by the winding number.
 constexpr double sliver_ratio = 1e-7;
 
-bool repeats_an_index(const Facet& f) {
-  return f[0] == f[1] || f[1] == f[2] || f[2] == f[0];
-}
-
-bool has_edge(const Facet& f, std::uint32_t a, std::uint32_t b) {
-  return (f[0] == a || f[1] == a || f[2] == a) && (f[0] == b || f[1] == b || f[2] == b);
-}
-
-// Facets around each vertex, ascending. Those with a repeated index are left out: they are edges or points.
-struct Fans {
-  std::vector<std::uint32_t> begin, facets;
-
-  explicit Fans(const Mesh& mesh) : begin(mesh.vertex_count() + 1, 0) {
-    for (const Facet& f : mesh.facets)
-      if (!repeats_an_index(f))
-        for (const std::uint32_t v : f) ++begin[v + 1];
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) begin[v + 1] += begin[v];
-    facets.resize(begin.back());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (std::uint32_t f = 0; f < mesh.facet_count(); ++f)
-      if (!repeats_an_index(mesh.facets[f]))
-        for (const std::uint32_t v : mesh.facets[f]) facets[next[v]++] = f;
-  }
-  std::uint32_t count(std::uint32_t vertex) const { return begin[vertex + 1] - begin[vertex]; }
-};
-
 }  // namespace
 
-SignedDistance::SignedDistance(const Mesh& mesh, Workers& workers) : SignedDistance(mesh, nullptr, workers) {}
+SignedDistance::SignedDistance(const MeshView& mesh, Workers& workers) : SignedDistance(mesh, nullptr, workers) {}
 
-SignedDistance::SignedDistance(const Mesh& mesh, SignMethod method, Workers& workers)
+SignedDistance::SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers)
     : SignedDistance(mesh, &method, workers) {}
 
-SignedDistance::SignedDistance(const Mesh& mesh, const SignMethod* method, Workers& workers) : bvh_(mesh, workers) {
+SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, Workers& workers) : bvh_(mesh, workers) {
   const StandardFloats standard;
-  const MeshReport report = inspect(mesh);
+  const Connectivity sides = connectivity(mesh);
+  const MeshReport report = inspect(mesh, sides);
   has_volume_ = report.has_volume();
   if (has_volume_ && report.volume < 0) orientation_ = -1;
   if (method)
     method_ = *method;
   else if (has_volume_ && report.manifold && separates_sides())
     method_ = SignMethod::pseudo_normal;
-  if (method_ == SignMethod::pseudo_normal) prepare_normals(mesh, workers);
+  if (method_ == SignMethod::pseudo_normal) prepare_normals(mesh, sides, workers);
 }
 
 // At a facet's middle the rest of the surface has winding number ½ if there is nothing on one side and one layer of
@@ -84,8 +59,8 @@ bool SignedDistance::separates_sides() const {
   return true;
 }
 
-void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
-  facets_ = mesh.facets;
+void SignedDistance::prepare_normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers) {
+  facets_.assign(mesh.facets.begin(), mesh.facets.end());
   facet_normals_.resize(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
@@ -98,15 +73,13 @@ void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
     }
   });
 
-  const Fans fans(mesh);
   const auto is_sliver = [&](std::uint32_t f) { return facet_normals_[f] == Vec3{}; };
   vertex_normals_.resize(mesh.vertex_count());
   parallel_for(workers, mesh.vertex_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       Vec3 sum;
       double angles = 0;
-      for (std::uint32_t i = fans.begin[v]; i < fans.begin[v + 1]; ++i) {
-        const std::uint32_t f = fans.facets[i];
+      for (const std::uint32_t f : connectivity.vertex_facets(static_cast<std::uint32_t>(v))) {
         if (is_sliver(f)) {
           angles = 0;
           break;
@@ -126,17 +99,10 @@ void SignedDistance::prepare_normals(const Mesh& mesh, Workers& workers) {
   neighbors_.resize(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t a = mesh.facets[f][(k + 1) % 3], b = mesh.facets[f][(k + 2) % 3];
-        // Around the vertex of fewer facets: a fan of n facets then costs n steps, not n².
-        if (fans.count(b) < fans.count(a)) std::swap(a, b);
-        std::uint32_t found = border;
-        for (std::uint32_t i = fans.begin[a]; i < fans.begin[a + 1]; ++i) {
-          const std::uint32_t other = fans.facets[i];
-          if (other == f || !has_edge(mesh.facets[other], a, b)) continue;
-          found = found == border && !is_sliver(other) ? other : undecided;
-        }
-        neighbors_[f][k] = found;
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t other = connectivity.facet_across(static_cast<std::uint32_t>(f), (k + 1) % 3);
+        const bool is_facet = other != no_facet && other != several_facets;
+        neighbors_[f][k] = is_facet && is_sliver(other) ? undecided : other;
       }
   });
 }
@@ -167,7 +133,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
       const std::uint32_t other = neighbors_[closest.facet][b[0] == 0 ? 0 : b[1] == 0 ? 1 : 2];
       if (other == undecided || normal == Vec3{}) {
         normal = {};
-      } else if (other != border) {
+      } else if (other != no_facet) {
         normal = (normal + facet_normals_[other]) * 0.5;
       }
     }

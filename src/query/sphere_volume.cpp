@@ -120,7 +120,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
   // So small that it is a point beside the object's coordinates: in units of its radius those would overflow.
   const Box& box = object.bvh().bounding_box();
   constexpr double smallest_share = 0x1p-60;
-  if (!(ball.radius > smallest_share * std::max(largest_component(box.lower), largest_component(box.upper))))
+  if (!(ball.radius > smallest_share * std::max(max_norm(box.lower), max_norm(box.upper))))
     return object.is_inside(ball.center) ? volume(ball) : 0;
   std::vector<std::uint32_t> near;
   object.bvh().facets_touching(ball, near);

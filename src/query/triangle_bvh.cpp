@@ -59,7 +59,7 @@ void far_fields(const Clusters& c, const Vec3& p, double* squared_distances, dou
 
 }  // namespace
 
-TriangleBvh::TriangleBvh(const Mesh& mesh, Workers& workers)
+TriangleBvh::TriangleBvh(const MeshView& mesh, Workers& workers)
     : data_([&] {
         const StandardFloats standard;
         return std::make_unique<const Data>(Data{wide::build(mesh, workers)});
@@ -82,7 +82,7 @@ const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
 
 std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, double max_distance) const {
   const StandardFloats standard;
-  if (!(max_distance >= 0) || !(largest_component(p) < too_far)) return std::nullopt;
+  if (!(max_distance >= 0) || !(max_norm(p) < too_far)) return std::nullopt;
   const wide::Tree& tree = data_->tree;
   constexpr std::uint32_t none = 0xffffffffu;
   double limit = max_distance * max_distance;
@@ -122,7 +122,7 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
   facets.clear();
   if (!(ball.radius >= 0)) return;
   const wide::Tree& tree = data_->tree;
-  if (!(std::max(largest_component(ball.center), ball.radius) < too_far)) {
+  if (!(std::max(max_norm(ball.center), ball.radius) < too_far)) {
     if (!(scaled_length(ball.center) <= ball.radius)) return;
     facets.resize(tree.facets.size());
     std::iota(facets.begin(), facets.end(), 0u);
@@ -149,7 +149,7 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
 
 double TriangleBvh::winding_number(const Vec3& p, double accuracy) const {
   const StandardFloats standard;
-  if (is_finite(p) && !(largest_component(p) < too_far)) return 0;
+  if (is_finite(p) && !(max_norm(p) < too_far)) return 0;
   const wide::Tree& tree = data_->tree;
   const double squared_accuracy = accuracy * accuracy;
   double sum = 0;

@@ -16,8 +16,6 @@
 namespace morula::wide {
 namespace {
 
-using lanes::Float4;
-
 // Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
 // one chunk. Large enough to amortise a chunk, small enough that a few cores have something to do.
 constexpr std::uint32_t subtree_grain = 4096;
@@ -31,8 +29,8 @@ struct FloatBox {
   Float4 minus_upper{infinity, infinity, infinity, infinity};
 
   void add(const FloatBox& other) {
-    lower = lanes::min(other.lower, lower);
-    minus_upper = lanes::min(other.minus_upper, minus_upper);
+    lower = min(other.lower, lower);
+    minus_upper = min(other.minus_upper, minus_upper);
   }
   Float4 doubled_center() const { return lower - minus_upper; }
   float half_area() const {
@@ -70,7 +68,7 @@ struct Summary {
 Box facet_box(const Triangle& t) {
   Box box;
   for (const Vec3& corner : t) box.add(corner);
-  const double pad = 0x1p-48 * std::max(largest_component(box.lower), largest_component(box.upper));
+  const double pad = 0x1p-48 * std::max(max_norm(box.lower), max_norm(box.upper));
   return {box.lower - Vec3{pad, pad, pad}, box.upper + Vec3{pad, pad, pad}};
 }
 
@@ -132,7 +130,7 @@ void set_slab(Slabs& slabs, int k, const Summary& s, std::span<const Triangle> t
       lower = std::min(lower, height);
       upper = std::max(upper, height);
     }
-  const double pad = 0x1p-44 * std::max(largest_component(s.box.lower), largest_component(s.box.upper));
+  const double pad = 0x1p-44 * std::max(max_norm(s.box.lower), max_norm(s.box.upper));
   for (int axis = 0; axis < 3; ++axis) slabs.normal[axis][k] = normal[axis];
   slabs.lower[k] = lower - pad;
   slabs.upper[k] = upper + pad;
@@ -140,7 +138,7 @@ void set_slab(Slabs& slabs, int k, const Summary& s, std::span<const Triangle> t
 
 class Builder {
  public:
-  Builder(const Mesh& mesh, Workers& workers) : mesh_(mesh), workers_(workers) {}
+  Builder(const MeshView& mesh, Workers& workers) : mesh_(mesh), workers_(workers) {}
 
   Tree build() {
     const std::size_t count = mesh_.facet_count();
@@ -188,7 +186,7 @@ class Builder {
     Box& whole = tree_.box;
     for (const Box& box : boxes) whole.add(box);
     const Vec3 center = whole.center();
-    const double size = largest_component(whole.extent());
+    const double size = max_norm(whole.extent());
     const double scale = size > 1e-300 ? 1 / size : 0;
     parallel_for(workers_, count, facet_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
@@ -343,7 +341,7 @@ class Builder {
   struct Binning {
     Float4 lower, scale, last;
     Float4 operator()(const FloatBox& box) const {
-      return lanes::min(lanes::max((box.doubled_center() - lower) * scale, Float4{}), last);
+      return min(max((box.doubled_center() - lower) * scale, Float4{}), last);
     }
   };
 
@@ -413,7 +411,7 @@ class Builder {
     return cut;
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   Workers& workers_;
   Tree tree_;
   std::vector<Reference> references_;
@@ -422,7 +420,7 @@ class Builder {
 
 }  // namespace
 
-Tree build(const Mesh& mesh, Workers& workers) {
+Tree build(const MeshView& mesh, Workers& workers) {
   require_usable_scale(mesh);
   return Builder(mesh, workers).build();
 }

@@ -11,7 +11,7 @@
 #include <morula/parallel/workers.hpp>
 #include <vector>
 
-#include "simd/lanes.hpp"
+#include "simd/float4.hpp"
 
 namespace morula::wide {
 
@@ -61,33 +61,32 @@ struct Tree {
 };
 
 /// Depends on the mesh alone, not on the workers.
-Tree build(const Mesh& mesh, Workers& workers);
+Tree build(const MeshView& mesh, Workers& workers);
 
 /// Squared distances from p to the boxes of all children, in the order of operations of squared_length, so that
 /// rounding is monotone: never more than the squared distance to a point inside the box.
 inline void squared_distances(const Node& node, const Vec3& p, double* result) {
-  using namespace lanes;
-  const Double2 zero = both(0), x = both(p.x), y = both(p.y), z = both(p.z);
+  const Double2 zero(0), x(p.x), y(p.y), z(p.z);
   for (int k = 0; k < width; k += 2) {
-    const Double2 dx = max(max(load(node.lower[0] + k) - x, x - load(node.upper[0] + k)), zero);
-    const Double2 dy = max(max(load(node.lower[1] + k) - y, y - load(node.upper[1] + k)), zero);
-    const Double2 dz = max(max(load(node.lower[2] + k) - z, z - load(node.upper[2] + k)), zero);
-    store(dx * dx + dy * dy + dz * dz, result + k);
+    const Double2 dx = max(max(Double2::load(node.lower[0] + k) - x, x - Double2::load(node.upper[0] + k)), zero);
+    const Double2 dy = max(max(Double2::load(node.lower[1] + k) - y, y - Double2::load(node.upper[1] + k)), zero);
+    const Double2 dz = max(max(Double2::load(node.lower[2] + k) - z, z - Double2::load(node.upper[2] + k)), zero);
+    (dx * dx + dy * dy + dz * dz).store(result + k);
   }
 }
 
 /// The same for slabs; raises `result` where the slab is farther. Never more than the computed squared distance to a
 /// facet, like squared_distances().
 inline void raise_to_slabs(const Slabs& slabs, const Vec3& p, double* result) {
-  using namespace lanes;
   // Heights and normals are rounded by a few ulps of the point's coordinates: of the surface's, which the slabs are
   // padded by, and of the distance.
-  const Double2 sure = both(1 - 0x1p-44), zero = both(0), x = both(p.x), y = both(p.y), z = both(p.z);
+  const Double2 sure(1 - 0x1p-44), zero(0), x(p.x), y(p.y), z(p.z);
   for (int k = 0; k < width; k += 2) {
-    const Double2 height =
-        x * load(slabs.normal[0] + k) + y * load(slabs.normal[1] + k) + z * load(slabs.normal[2] + k);
-    const Double2 gap = max(max(load(slabs.lower + k) - height, height - load(slabs.upper + k)), zero) * sure;
-    store(max(gap * gap, load(result + k)), result + k);
+    const Double2 height = x * Double2::load(slabs.normal[0] + k) + y * Double2::load(slabs.normal[1] + k) +
+                           z * Double2::load(slabs.normal[2] + k);
+    const Double2 gap =
+        max(max(Double2::load(slabs.lower + k) - height, height - Double2::load(slabs.upper + k)), zero) * sure;
+    max(gap * gap, Double2::load(result + k)).store(result + k);
   }
 }
 

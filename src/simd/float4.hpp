@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Four floats at once, for the loops that take the time: every point of every frame, every line of every fit. One type
-// with vector instructions and its scalar twin: the same operations in the same order, so the same bits.
+// Four floats, or two doubles, in one register: for code of fixed width, which every processor runs alike. Each type
+// has a scalar twin that does the same operations in the same order, so the same bits; it takes over where the compiler
+// has no vector types. Loops that gain from wider registers are kernels: every_processor.inl, wide.inl.
+//
+// Minima and maxima are the second where the two are equal or not comparable, as the instructions of x86 have it.
+// NEON's own have other ideas of NaN and of zeros' signs.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <morula/geometry/vector.hpp>
-#if !defined(MORULA_SCALAR)
-#if defined(__SSE2__)
-#define MORULA_SSE 1
-#include <emmintrin.h>
-#elif defined(__aarch64__) && defined(__GNUC__)
-#define MORULA_NEON 1
-#include <arm_neon.h>
-#endif
-#endif
+
+#include "simd/instructions.hpp"
 
 namespace morula {
 
@@ -25,17 +25,61 @@ struct alignas(16) LocalPoint {
 };
 static_assert(sizeof(LocalPoint) == 16);
 
+class ScalarDouble2 {
+ public:
+  ScalarDouble2() = default;
+  explicit ScalarDouble2(double all) : lane_{all, all} {}
+  ScalarDouble2(double a, double b) : lane_{a, b} {}
+  static ScalarDouble2 load(const double* two) { return {two[0], two[1]}; }
+  /// Two numbers of a type, widened, of any alignment.
+  template <class Number>
+  static ScalarDouble2 read(const std::byte* two) {
+    Number lane[2];
+    std::memcpy(lane, two, sizeof lane);
+    return {static_cast<double>(lane[0]), static_cast<double>(lane[1])};
+  }
+  void store(double* two) const { two[0] = lane_[0], two[1] = lane_[1]; }
+  double operator[](int lane) const { return lane_[static_cast<std::size_t>(lane)]; }
+
+  ScalarDouble2 operator-() const { return {-lane_[0], -lane_[1]}; }
+  friend ScalarDouble2 operator+(const ScalarDouble2& a, const ScalarDouble2& b) { return {a[0] + b[0], a[1] + b[1]}; }
+  friend ScalarDouble2 operator-(const ScalarDouble2& a, const ScalarDouble2& b) { return {a[0] - b[0], a[1] - b[1]}; }
+  friend ScalarDouble2 operator*(const ScalarDouble2& a, const ScalarDouble2& b) { return {a[0] * b[0], a[1] * b[1]}; }
+  friend ScalarDouble2 min(const ScalarDouble2& a, const ScalarDouble2& b) {
+    return {a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
+  }
+  friend ScalarDouble2 max(const ScalarDouble2& a, const ScalarDouble2& b) {
+    return {a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+  }
+
+ private:
+  std::array<double, 2> lane_;
+};
+
 class ScalarFloat4 {
  public:
   ScalarFloat4() = default;
   explicit ScalarFloat4(float all) : lane_{all, all, all, all} {}
   explicit ScalarFloat4(const Vec3f& v) : lane_{v.x, v.y, v.z, 0.0f} {}
-  static ScalarFloat4 counting() { return ScalarFloat4(0.0f, 1.0f, 2.0f, 3.0f); }
-  static ScalarFloat4 load(const float* four) { return ScalarFloat4(four[0], four[1], four[2], four[3]); }
-  static ScalarFloat4 load(const LocalPoint& p) { return ScalarFloat4(p.x, p.y, p.z, p.unused); }
+  ScalarFloat4(float a, float b, float c, float d) : lane_{a, b, c, d} {}
+  static ScalarFloat4 counting() { return {0.0f, 1.0f, 2.0f, 3.0f}; }
+  static ScalarFloat4 load(const float* four) { return {four[0], four[1], four[2], four[3]}; }
+  static ScalarFloat4 load(const LocalPoint& p) { return {p.x, p.y, p.z, p.unused}; }
+  /// Three floats of any alignment, and 0.
+  static ScalarFloat4 read_three(const std::byte* three) {
+    float lane[3];
+    std::memcpy(lane, three, sizeof lane);
+    return {lane[0], lane[1], lane[2], 0.0f};
+  }
+  /// The lanes of a, then those of b, each rounded to the nearest float.
+  static ScalarFloat4 rounded(const ScalarDouble2& a, const ScalarDouble2& b) {
+    return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(b[0]), static_cast<float>(b[1])};
+  }
   void store(LocalPoint& p) const { p = {lane_[0], lane_[1], lane_[2], lane_[3]}; }
   std::array<float, 4> lanes() const { return lane_; }
+  float operator[](int lane) const { return lane_[static_cast<std::size_t>(lane)]; }
 
+  ScalarFloat4 operator-() const { return {-lane_[0], -lane_[1], -lane_[2], -lane_[3]}; }
   friend ScalarFloat4 operator+(const ScalarFloat4& a, const ScalarFloat4& b) {
     return a.with(b, [](float s, float t) { return s + t; });
   }
@@ -48,7 +92,6 @@ class ScalarFloat4 {
   friend ScalarFloat4 operator/(const ScalarFloat4& a, const ScalarFloat4& b) {
     return a.with(b, [](float s, float t) { return s / t; });
   }
-  /// The second where the two are equal or not comparable, as the instruction has it.
   friend ScalarFloat4 min(const ScalarFloat4& a, const ScalarFloat4& b) {
     return a.with(b, [](float s, float t) { return s < t ? s : t; });
   }
@@ -57,6 +100,15 @@ class ScalarFloat4 {
   }
   friend ScalarFloat4 sqrt(const ScalarFloat4& a) {
     return a.with(a, [](float s, float) { return std::sqrt(s); });
+  }
+  /// All bits of a lane that is not a number, none of the others.
+  friend ScalarFloat4 not_numbers(const ScalarFloat4& a) {
+    return a.with(a, [](float s, float) { return std::bit_cast<float>(s == s ? 0u : ~0u); });
+  }
+  friend ScalarFloat4 operator|(const ScalarFloat4& a, const ScalarFloat4& b) {
+    return a.with(b, [](float s, float t) {
+      return std::bit_cast<float>(std::bit_cast<std::uint32_t>(s) | std::bit_cast<std::uint32_t>(t));
+    });
   }
   /// Rounded towards zero, as numbers and as floats. Lanes must fit an int.
   ScalarFloat4 truncated(std::array<int, 4>& whole) const {
@@ -68,127 +120,220 @@ class ScalarFloat4 {
   /// Rows become columns.
   static void transpose(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, ScalarFloat4& d) {
     const ScalarFloat4 rows[4]{a, b, c, d};
-    for (int k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < 4; ++k) {
       a.lane_[k] = rows[k].lane_[0], b.lane_[k] = rows[k].lane_[1];
       c.lane_[k] = rows[k].lane_[2], d.lane_[k] = rows[k].lane_[3];
     }
   }
   /// Four points become their x, their y and their z.
-  static void transpose_points(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, const ScalarFloat4& d) {
-    const ScalarFloat4 rows[4]{a, b, c, d};
-    for (int k = 0; k < 4; ++k)
-      a.lane_[k] = rows[k].lane_[0], b.lane_[k] = rows[k].lane_[1], c.lane_[k] = rows[k].lane_[2];
+  static void transpose_points(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, ScalarFloat4 d) {
+    transpose(a, b, c, d);
   }
 
  private:
-  ScalarFloat4(float a, float b, float c, float d) : lane_{a, b, c, d} {}
   template <class Operation>
   ScalarFloat4 with(const ScalarFloat4& other, const Operation& operation) const {
     ScalarFloat4 result;
-    for (int k = 0; k < 4; ++k) result.lane_[k] = operation(lane_[k], other.lane_[k]);
+    for (std::size_t k = 0; k < 4; ++k) result.lane_[k] = operation(lane_[k], other.lane_[k]);
     return result;
   }
   std::array<float, 4> lane_;
 };
 
-#if defined(MORULA_SSE)
+#ifdef MORULA_VECTORS
 
-class SseFloat4 {
+class VectorDouble2 {
  public:
-  SseFloat4() = default;
-  explicit SseFloat4(float all) : v_(_mm_set1_ps(all)) {}
-  explicit SseFloat4(const Vec3f& v) : v_(_mm_setr_ps(v.x, v.y, v.z, 0.0f)) {}
-  static SseFloat4 counting() { return SseFloat4(_mm_setr_ps(0.0f, 1.0f, 2.0f, 3.0f)); }
-  static SseFloat4 load(const float* four) { return SseFloat4(_mm_loadu_ps(four)); }
-  static SseFloat4 load(const LocalPoint& p) { return SseFloat4(_mm_load_ps(&p.x)); }
-  void store(LocalPoint& p) const { _mm_store_ps(&p.x, v_); }
-  std::array<float, 4> lanes() const {
-    std::array<float, 4> four;
-    _mm_storeu_ps(four.data(), v_);
-    return four;
+  typedef double Register __attribute__((vector_size(16)));
+
+  VectorDouble2() = default;
+  explicit VectorDouble2(double all) : v_{all, all} {}
+  explicit VectorDouble2(Register v) : v_(v) {}
+  VectorDouble2(double a, double b) : v_{a, b} {}
+  static VectorDouble2 load(const double* two) {
+    Register v;
+    std::memcpy(&v, two, sizeof v);
+    return VectorDouble2(v);
+  }
+  template <class Number>
+  static VectorDouble2 read(const std::byte* two) {
+    if constexpr (sizeof(Number) == sizeof(double)) {
+      Register v;
+      std::memcpy(&v, two, sizeof v);
+      return VectorDouble2(v);
+    }
+#if defined(__x86_64__)
+    double both;  // two floats fill it
+    std::memcpy(&both, two, sizeof both);
+    return VectorDouble2(_mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(both))));
+#else
+    Number lane[2];
+    std::memcpy(lane, two, sizeof lane);
+    return {static_cast<double>(lane[0]), static_cast<double>(lane[1])};
+#endif
+  }
+  void store(double* two) const {
+    std::memcpy(two, &v_, sizeof v_);
+  }
+  double operator[](int lane) const {
+    return v_[lane];
+  }
+  Register lanes() const {
+    return v_;
   }
 
-  friend SseFloat4 operator+(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_add_ps(a.v_, b.v_)); }
-  friend SseFloat4 operator-(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_sub_ps(a.v_, b.v_)); }
-  friend SseFloat4 operator*(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_mul_ps(a.v_, b.v_)); }
-  friend SseFloat4 operator/(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_div_ps(a.v_, b.v_)); }
-  friend SseFloat4 min(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_min_ps(a.v_, b.v_)); }
-  friend SseFloat4 max(SseFloat4 a, SseFloat4 b) { return SseFloat4(_mm_max_ps(a.v_, b.v_)); }
-  friend SseFloat4 sqrt(SseFloat4 a) { return SseFloat4(_mm_sqrt_ps(a.v_)); }
-  SseFloat4 truncated(std::array<int, 4>& whole) const {
-    const __m128i integers = _mm_cvttps_epi32(v_);
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(whole.data()), integers);
-    return SseFloat4(_mm_cvtepi32_ps(integers));
+  VectorDouble2 operator-() const {
+    return VectorDouble2(-v_);
   }
-  static void transpose(SseFloat4& a, SseFloat4& b, SseFloat4& c, SseFloat4& d) {
-    _MM_TRANSPOSE4_PS(a.v_, b.v_, c.v_, d.v_);
+  friend VectorDouble2 operator+(VectorDouble2 a, VectorDouble2 b) {
+    return VectorDouble2(a.v_ + b.v_);
   }
-  static void transpose_points(SseFloat4& a, SseFloat4& b, SseFloat4& c, SseFloat4 d) {
-    const __m128 xy_ab = _mm_unpacklo_ps(a.v_, b.v_), xy_cd = _mm_unpacklo_ps(c.v_, d.v_);
-    const __m128 z_ab = _mm_unpackhi_ps(a.v_, b.v_), z_cd = _mm_unpackhi_ps(c.v_, d.v_);
-    a.v_ = _mm_movelh_ps(xy_ab, xy_cd);
-    b.v_ = _mm_movehl_ps(xy_cd, xy_ab);
-    c.v_ = _mm_movelh_ps(z_ab, z_cd);
+  friend VectorDouble2 operator-(VectorDouble2 a, VectorDouble2 b) {
+    return VectorDouble2(a.v_ - b.v_);
+  }
+  friend VectorDouble2 operator*(VectorDouble2 a, VectorDouble2 b) {
+    return VectorDouble2(a.v_ * b.v_);
+  }
+  friend VectorDouble2 min(VectorDouble2 a, VectorDouble2 b) {
+    return VectorDouble2(a.v_ < b.v_ ? a.v_ : b.v_);
+  }
+  friend VectorDouble2 max(VectorDouble2 a, VectorDouble2 b) {
+    return VectorDouble2(a.v_ > b.v_ ? a.v_ : b.v_);
   }
 
  private:
-  explicit SseFloat4(__m128 v) : v_(v) {}
-  __m128 v_;
+  Register v_;
 };
-using Float4 = SseFloat4;
 
-#elif defined(MORULA_NEON)
-
-class NeonFloat4 {
+class VectorFloat4 {
  public:
-  NeonFloat4() = default;
-  explicit NeonFloat4(float all) : v_(vdupq_n_f32(all)) {}
-  explicit NeonFloat4(const Vec3f& v) : v_{v.x, v.y, v.z, 0.0f} {}
-  static NeonFloat4 counting() { return NeonFloat4(float32x4_t{0.0f, 1.0f, 2.0f, 3.0f}); }
-  static NeonFloat4 load(const float* four) { return NeonFloat4(vld1q_f32(four)); }
-  static NeonFloat4 load(const LocalPoint& p) { return NeonFloat4(vld1q_f32(&p.x)); }
-  void store(LocalPoint& p) const { vst1q_f32(&p.x, v_); }
+  typedef float Register __attribute__((vector_size(16)));
+
+  VectorFloat4() = default;
+  explicit VectorFloat4(float all) : v_{all, all, all, all} {}
+  explicit VectorFloat4(const Vec3f& v) : v_{v.x, v.y, v.z, 0.0f} {}
+  explicit VectorFloat4(Register v) : v_(v) {}
+  VectorFloat4(float a, float b, float c, float d) : v_{a, b, c, d} {}
+  static VectorFloat4 counting() { return {0.0f, 1.0f, 2.0f, 3.0f}; }
+  static VectorFloat4 load(const float* four) {
+    Register v;
+    std::memcpy(&v, four, sizeof v);
+    return VectorFloat4(v);
+  }
+  static VectorFloat4 load(const LocalPoint& p) { return VectorFloat4(*reinterpret_cast<const Aligned*>(&p)); }
+  static VectorFloat4 read_three(const std::byte* three) {
+    float z;
+    std::memcpy(&z, three + 8, sizeof z);
+#if defined(__x86_64__)
+    double xy;  // two floats fill it
+    std::memcpy(&xy, three, sizeof xy);
+    return VectorFloat4(_mm_movelh_ps(_mm_castpd_ps(_mm_set_sd(xy)), _mm_set_ss(z)));
+#else
+    float xy[2];
+    std::memcpy(xy, three, sizeof xy);
+    return {xy[0], xy[1], z, 0.0f};
+#endif
+  }
+  static VectorFloat4 rounded(VectorDouble2 a, VectorDouble2 b) {
+#if defined(__x86_64__)
+    return VectorFloat4(_mm_movelh_ps(_mm_cvtpd_ps(a.lanes()), _mm_cvtpd_ps(b.lanes())));
+#elif defined(__aarch64__)
+    return VectorFloat4(vcvt_high_f32_f64(vcvt_f32_f64(a.lanes()), b.lanes()));
+#else
+    return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(b[0]), static_cast<float>(b[1])};
+#endif
+  }
+  void store(LocalPoint& p) const {
+    *reinterpret_cast<Aligned*>(&p) = v_;
+  }
   std::array<float, 4> lanes() const {
-    std::array<float, 4> four;
-    vst1q_f32(four.data(), v_);
-    return four;
+    return std::bit_cast<std::array<float, 4>>(v_);
+  }
+  float operator[](int lane) const {
+    return v_[lane];
   }
 
-  friend NeonFloat4 operator+(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vaddq_f32(a.v_, b.v_)); }
-  friend NeonFloat4 operator-(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vsubq_f32(a.v_, b.v_)); }
-  friend NeonFloat4 operator*(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vmulq_f32(a.v_, b.v_)); }
-  friend NeonFloat4 operator/(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vdivq_f32(a.v_, b.v_)); }
-  // Its own minima and maxima have other ideas of NaN and of zeros' signs.
-  friend NeonFloat4 min(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vbslq_f32(vcltq_f32(a.v_, b.v_), a.v_, b.v_)); }
-  friend NeonFloat4 max(NeonFloat4 a, NeonFloat4 b) { return NeonFloat4(vbslq_f32(vcgtq_f32(a.v_, b.v_), a.v_, b.v_)); }
-  friend NeonFloat4 sqrt(NeonFloat4 a) { return NeonFloat4(vsqrtq_f32(a.v_)); }
-  NeonFloat4 truncated(std::array<int, 4>& whole) const {
-    const int32x4_t integers = vcvtq_s32_f32(v_);
-    vst1q_s32(whole.data(), integers);
-    return NeonFloat4(vcvtq_f32_s32(integers));
+  VectorFloat4 operator-() const {
+    return VectorFloat4(-v_);
   }
-  static void transpose(NeonFloat4& a, NeonFloat4& b, NeonFloat4& c, NeonFloat4& d) {
-    const float32x4_t xy_ac = vzip1q_f32(a.v_, c.v_), xy_bd = vzip1q_f32(b.v_, d.v_);
-    const float32x4_t zw_ac = vzip2q_f32(a.v_, c.v_), zw_bd = vzip2q_f32(b.v_, d.v_);
-    a.v_ = vzip1q_f32(xy_ac, xy_bd), b.v_ = vzip2q_f32(xy_ac, xy_bd);
-    c.v_ = vzip1q_f32(zw_ac, zw_bd), d.v_ = vzip2q_f32(zw_ac, zw_bd);
+  friend VectorFloat4 operator+(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ + b.v_);
   }
-  static void transpose_points(NeonFloat4& a, NeonFloat4& b, NeonFloat4& c, NeonFloat4 d) { transpose(a, b, c, d); }
+  friend VectorFloat4 operator-(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ - b.v_);
+  }
+  friend VectorFloat4 operator*(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ * b.v_);
+  }
+  friend VectorFloat4 operator/(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ / b.v_);
+  }
+  friend VectorFloat4 min(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ < b.v_ ? a.v_ : b.v_);
+  }
+  friend VectorFloat4 max(VectorFloat4 a, VectorFloat4 b) {
+    return VectorFloat4(a.v_ > b.v_ ? a.v_ : b.v_);
+  }
+  friend VectorFloat4 sqrt(VectorFloat4 a) {
+#if defined(__x86_64__)
+    return VectorFloat4(_mm_sqrt_ps(a.v_));
+#elif defined(__aarch64__)
+    return VectorFloat4(vsqrtq_f32(a.v_));
+#else
+    return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+#endif
+  }
+  friend VectorFloat4 not_numbers(VectorFloat4 a) {
+    return of_bits(a.v_ != a.v_);
+  }
+  friend VectorFloat4 operator|(VectorFloat4 a, VectorFloat4 b) {
+    return of_bits(bits(a.v_) | bits(b.v_));
+  }
+  VectorFloat4 truncated(std::array<int, 4>& whole) const {
+    const Integers integers = __builtin_convertvector(v_, Integers);
+    std::memcpy(whole.data(), &integers, sizeof integers);
+    return VectorFloat4(__builtin_convertvector(integers, Register));
+  }
+  static void transpose(VectorFloat4& a, VectorFloat4& b, VectorFloat4& c, VectorFloat4& d) {
+    const Register xy_ab = __builtin_shufflevector(a.v_, b.v_, 0, 4, 1, 5);
+    const Register xy_cd = __builtin_shufflevector(c.v_, d.v_, 0, 4, 1, 5);
+    const Register zw_ab = __builtin_shufflevector(a.v_, b.v_, 2, 6, 3, 7);
+    const Register zw_cd = __builtin_shufflevector(c.v_, d.v_, 2, 6, 3, 7);
+    a.v_ = __builtin_shufflevector(xy_ab, xy_cd, 0, 1, 4, 5);
+    b.v_ = __builtin_shufflevector(xy_ab, xy_cd, 2, 3, 6, 7);
+    c.v_ = __builtin_shufflevector(zw_ab, zw_cd, 0, 1, 4, 5);
+    d.v_ = __builtin_shufflevector(zw_ab, zw_cd, 2, 3, 6, 7);
+  }
+  static void transpose_points(VectorFloat4& a, VectorFloat4& b, VectorFloat4& c, VectorFloat4 d) {
+    transpose(a, b, c, d);
+  }
 
  private:
-  explicit NeonFloat4(float32x4_t v) : v_(v) {}
-  float32x4_t v_;
+  typedef float Aligned __attribute__((vector_size(16), may_alias));
+  typedef std::int32_t Integers __attribute__((vector_size(16)));
+  static Integers bits(Register v) {
+    return std::bit_cast<Integers>(v);
+  }
+  static VectorFloat4 of_bits(Integers bits) {
+    return VectorFloat4(std::bit_cast<Register>(bits));
+  }
+  Register v_;
 };
-using Float4 = NeonFloat4;
+
+using Double2 = VectorDouble2;
+using Float4 = VectorFloat4;
 
 #else
+
+using Double2 = ScalarDouble2;
 using Float4 = ScalarFloat4;
+
 #endif
 
 /// Largest of the four.
-template <class Wide>
-float largest_lane(const Wide& wide) {
-  const std::array<float, 4> lane = wide.lanes();
+template <class Four>
+float largest_lane(const Four& four) {
+  const std::array<float, 4> lane = four.lanes();
   const float a = lane[0] > lane[1] ? lane[0] : lane[1], b = lane[2] > lane[3] ? lane[2] : lane[3];
   return a > b ? a : b;
 }

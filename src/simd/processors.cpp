@@ -13,10 +13,8 @@ std::size_t supported_kinds() {
   const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
   return avx512 ? 4 : 3;
-#elif defined(MORULA_VECTORS)
-  return 2;
 #else
-  return 1;
+  return compiled_kinds;
 #endif
 }
 
@@ -28,6 +26,11 @@ std::size_t processors::choose_kinds() {
   const std::size_t kinds = supported_kinds();
   chosen_kinds.store(kinds, std::memory_order_relaxed);
   return kinds;
+}
+
+const char* kind_name(std::size_t kind) {
+  constexpr const char* names[]{"plain loops", "registers of four", "AVX2", "AVX-512"};
+  return names[kind];
 }
 
 void allow_kinds(std::size_t most) {

@@ -1,24 +1,24 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The kinds of processor that kernels are compiled for: plain loops everywhere, registers of four floats (SSE2, NEON),
-// AVX2, AVX-512.
+// AVX2, AVX-512. And the table in which a set of kernels lies once per kind.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
+#include <span>
 
-// Wider registers than the compiler may assume are asked for region by region.
-#if defined(__GNUC__) && !defined(MORULA_SCALAR)
-#define MORULA_VECTORS 1
-#if defined(__x86_64__)
-#define MORULA_DISPATCH 1
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
-#endif
+#include "simd/instructions.hpp"
 
 namespace morula {
+
+#if defined(MORULA_DISPATCH)
+inline constexpr std::size_t compiled_kinds = 4;
+#elif defined(MORULA_VECTORS)
+inline constexpr std::size_t compiled_kinds = 2;
+#else
+inline constexpr std::size_t compiled_kinds = 1;
+#endif
 
 namespace processors {
 
@@ -34,7 +34,32 @@ inline std::size_t runnable_kinds() {
   return kinds != 0 ? kinds : processors::choose_kinds();
 }
 
+/// "plain loops", "registers of four", "AVX2", "AVX-512". kind < compiled_kinds.
+const char* kind_name(std::size_t kind);
+
 /// Tests only: from now on at most so many, of those that the processor can run. At least 1, plain loops.
 void allow_kinds(std::size_t most);
+
+/// A set of kernels (a pointer to a function, or a struct of such) as each kind has it. All kinds give the same bits.
+template <class Kernels>
+struct KernelTable {
+  Kernels of_kind[compiled_kinds];
+
+  /// Those that this processor can run, narrowest first.
+  std::span<const Kernels> runnable() const { return std::span<const Kernels>(of_kind).first(runnable_kinds()); }
+  const Kernels& widest() const { return of_kind[runnable_kinds() - 1]; }
+};
+
+// The rows of a KernelTable: what has this name in namespace plain and, after every_processor.inl, in the other kinds'.
+#if defined(MORULA_DISPATCH)
+#define MORULA_EVERY_KIND(name) \
+  { plain::name, baseline::name, avx2::name, avx512::name }
+#elif defined(MORULA_VECTORS)
+#define MORULA_EVERY_KIND(name) \
+  { plain::name, baseline::name }
+#else
+#define MORULA_EVERY_KIND(name) \
+  { plain::name }
+#endif
 
 }  // namespace morula

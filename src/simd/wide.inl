@@ -1,26 +1,45 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Registers of MORULA_LANES floats, and points in them: what the kernels of all loops are made of. See
-// every_processor.inl, which includes this first, for why nothing here comes from a header.
+// Registers of MORULA_LANES floats, and points in them: what the kernels of all loops are made of. The words are those
+// of Float4. See every_processor.inl, which includes this first, for why nothing here comes from a header.
 
 constexpr int lanes = MORULA_LANES;
 typedef float Wide __attribute__((vector_size(4 * lanes)));
 typedef float LooseWide __attribute__((vector_size(4 * lanes), aligned(4), may_alias));
 typedef float Four __attribute__((vector_size(16), may_alias));
-typedef std::int32_t WideMask __attribute__((vector_size(4 * lanes)));  // what comparisons give: all ones or zeros
 
 inline Wide all(float x) {
   return x - Wide{};
 }
-// The second where the two are equal.
-inline Wide larger(Wide a, Wide b) {
+// The second where the two are equal or not comparable, as of Float4.
+inline Wide max(Wide a, Wide b) {
   return a > b ? a : b;
 }
-inline Wide smaller(Wide a, Wide b) {
+inline Wide min(Wide a, Wide b) {
   return a < b ? a : b;
 }
-#ifndef MORULA_DISPATCH
-// Bit i: lane i of a comparison. x86 has an instruction for it, each kind its own.
+// Bit i: lane i of a comparison. x86 has instructions for it, each kind its own.
+#ifdef MORULA_DISPATCH
+inline unsigned lanes_equal(Wide a, Wide b) {
+#if MORULA_LANES == 16
+  return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+#elif MORULA_LANES == 8
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ)));
+#else
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(a, b)));
+#endif
+}
+inline unsigned lanes_at_most(Wide a, Wide b) {
+#if MORULA_LANES == 16
+  return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+#elif MORULA_LANES == 8
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
+#else
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(a, b)));
+#endif
+}
+#else
+typedef std::int32_t WideMask __attribute__((vector_size(4 * lanes)));  // all ones or zeros
 inline unsigned lane_bits(WideMask mask) {
 #ifdef __aarch64__
   constexpr uint32x4_t bit_of_lane{1, 2, 4, 8};
@@ -31,7 +50,20 @@ inline unsigned lane_bits(WideMask mask) {
   return bits;
 #endif
 }
+inline unsigned lanes_equal(Wide a, Wide b) {
+  return lane_bits(a == b);
+}
+inline unsigned lanes_at_most(Wide a, Wide b) {
+  return lane_bits(a <= b);
+}
 #endif
+
+inline Wide load(const float* first) {
+  return *reinterpret_cast<const LooseWide*>(first);
+}
+inline void store(Wide a, float* first) {
+  *reinterpret_cast<LooseWide*>(first) = a;
+}
 inline Four load_point(const LocalPoint& p) {
   return *reinterpret_cast<const Four*>(&p);
 }
@@ -69,7 +101,7 @@ struct WidePoints {
 #define MORULA_PICK(a, b, i, j, k, l) \
   __builtin_shufflevector(a, b, i, j, (k) + 8, (l) + 8, (i) + 4, (j) + 4, (k) + 12, (l) + 12)
 #else
-#define MORULA_PICK(a, b, i, j, k, l)                                                                            \
+#define MORULA_PICK(a, b, i, j, k, l)                                                                             \
   __builtin_shufflevector(a, b, i, j, (k) + 16, (l) + 16, (i) + 4, (j) + 4, (k) + 20, (l) + 20, (i) + 8, (j) + 8, \
                           (k) + 24, (l) + 24, (i) + 12, (j) + 12, (k) + 28, (l) + 28)
 #endif
@@ -108,17 +140,20 @@ inline Rows load_run(const LocalPoint* points) {
 
 inline float largest_lane(Wide wide) {
 #if MORULA_LANES == 16
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14));
 #elif MORULA_LANES == 8
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 4, 5, 6, 7, 0, 1, 2, 3));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1, 6, 7, 4, 5));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2, 5, 4, 7, 6));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 4, 5, 6, 7, 0, 1, 2, 3));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1, 6, 7, 4, 5));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2, 5, 4, 7, 6));
 #else
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1));
-  wide = larger(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1));
+  wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2));
 #endif
   return wide[0];
+}
+inline float least_lane(Wide wide) {
+  return -largest_lane(-wide);
 }

@@ -14,11 +14,6 @@
 namespace morula {
 namespace {
 
-double largest_coordinate(const Mesh& mesh) {
-  const Box box = bounding_box(mesh);
-  return std::max(largest_component(box.lower), largest_component(box.upper));
-}
-
 struct Piece {
   std::uint32_t facet;
   std::uint32_t leaf;  // index into the leaves
@@ -96,7 +91,7 @@ SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions
 // The smaller of {same centre, larger radius} and {smallest sphere of the points}, padded against rounding.
 Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, double pad_coordinate) {
   const auto padded = [&](const Vec3& center, double farthest) {
-    return Sphere{center, rounded_up_radius(farthest, std::max(pad_coordinate, largest_component(center)))};
+    return Sphere{center, rounded_up_radius(farthest, std::max(pad_coordinate, max_norm(center)))};
   };
   const Sphere same_center = padded(sphere.center, farthest_distance(sphere.center, points));
   const Sphere smallest = enclosing_sphere(points);
@@ -118,7 +113,7 @@ double excess_at_any_scale(const Sphere& sphere, const Vec3& p) {
   }
   if (!is_finite(difference) || std::isnan(radius)) return std::numeric_limits<double>::infinity();
   if (std::isinf(radius)) return -radius;
-  const double largest = std::max(largest_component(difference), std::abs(radius));
+  const double largest = std::max(max_norm(difference), std::abs(radius));
   if (largest == 0) return 0;
   const int exponent = std::ilogb(largest);
   const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
@@ -134,7 +129,7 @@ double underflow_of(const Cover& cover, std::uint32_t corner, const PositionView
   if (corner < cover.vertex_count) return 0;
   double largest = 0;
   for (const std::uint32_t v : cover.cut_points[corner - cover.vertex_count].vertex)
-    largest = std::max(largest, largest_component(positions[v]));
+    largest = std::max(largest, max_norm(positions[v]));
   // Larger coordinates have products that are normal numbers, or too small beside them to matter.
   return largest > 0 && largest < 0x1p-960 ? 3 * std::numeric_limits<double>::denorm_min() : 0;
 }

@@ -3,41 +3,70 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/tree/cover.hpp>
+#include <utility>
 
 #include "parallel/float_environment.hpp"
 
 namespace morula {
 namespace {
 
-bool sizes_agree(const Mesh& mesh, const Built& built, std::vector<std::string>& faults) {
-  const Cover& c = built.cover;
-  const auto expect = [&](bool holds, const char* what) {
-    if (!holds) faults.emplace_back(what);
-    return holds;
-  };
-  bool ok = expect(c.vertex_count == mesh.vertex_count(), "the cover is for another number of vertices") &&
-            expect(c.facet_count == mesh.facet_count(), "the cover is for another number of facets") &&
-            expect(c.corner_begin.size() == c.patch_count() + 1 && c.corner_begin.front() == 0 &&
-                       c.corner_begin.back() == c.corners.size(),
-                   "corner_begin does not span the corners") &&
-            expect(c.region_begin.size() == built.tree.node_count() && c.region_end.size() == built.tree.node_count(),
-                   "the cover is for another number of nodes");
-  if (!ok) return false;
-  for (std::size_t p = 0; p < c.patch_count(); ++p)
-    ok = ok && expect(c.corner_begin[p] + 3 <= c.corner_begin[p + 1], "a patch has fewer than three corners") &&
-         expect(c.patch_facet[p] < mesh.facet_count(), "a patch lies on a facet that the mesh does not have");
+// The first broken promise of the patches, in words; empty when all hold. Nothing is read that the check before it has
+// not shown to be there.
+std::string fault_of_patches(const Cover& c) {
+  if (c.corner_begin.size() != c.patch_count() + 1 || c.corner_begin.front() != 0 ||
+      c.corner_begin.back() != c.corners.size())
+    return "corner_begin does not span the corners of all patches";
+  for (std::size_t p = 0; p < c.patch_count(); ++p) {
+    // Not begin + 3, which goes around at the end of 32 bits.
+    if (c.corner_begin[p + 1] < c.corner_begin[p] || c.corner_begin[p + 1] - c.corner_begin[p] < 3)
+      return "patch " + std::to_string(p) + " has fewer than 3 corners";
+    if (c.patch_facet[p] >= c.facet_count)
+      return "patch " + std::to_string(p) + " lies on facet " + std::to_string(c.patch_facet[p]) + " of " +
+             std::to_string(c.facet_count);
+  }
+  const std::uint64_t points = std::uint64_t{c.vertex_count} + c.cut_points.size();
   for (const std::uint32_t corner : c.corners)
-    ok = ok && expect(corner < c.vertex_count + c.cut_points.size(), "a corner is neither a vertex nor a cut point");
-  for (const CutPoint& point : c.cut_points) {
+    if (corner >= points)
+      return "a patch has corner " + std::to_string(corner) + " of " + std::to_string(points) +
+             ", neither a vertex nor a cut point";
+  return {};
+}
+
+std::string fault_of_cut_points(const Cover& c) {
+  for (std::size_t i = 0; i < c.cut_points.size(); ++i) {
+    const CutPoint& point = c.cut_points[i];
+    const auto cut_point = [i] { return "cut point " + std::to_string(i); };
     double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      ok = ok && expect(point.vertex[k] < c.vertex_count, "a cut point lies on a vertex that the mesh does not have") &&
-           expect(point.weight[k] >= 0 && point.weight[k] <= 1, "a cut point has a weight outside 0…1");
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (point.vertex[k] >= c.vertex_count)
+        return cut_point() + " refers to vertex " + std::to_string(point.vertex[k]) + " of " +
+               std::to_string(c.vertex_count);
+      if (!(point.weight[k] >= 0 && point.weight[k] <= 1)) return cut_point() + " has a weight that is not in 0…1";
       sum += point.weight[k];
     }
-    ok = ok && expect(std::abs(sum - 1) < 1e-12, "the weights of a cut point do not add up to 1");
+    if (!(std::abs(sum - 1) < 1e-12)) return cut_point() + " has weights that do not add up to 1";
   }
-  return ok;
+  return {};
+}
+
+void check_regions(const SphereTree& tree, const Cover& cover, std::vector<std::string>& faults) {
+  if (cover.region_begin[0] != 0 || cover.region_end[0] != cover.patch_count())
+    faults.emplace_back("the root does not own the whole surface");
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
+    if (cover.region_begin[i] >= cover.region_end[i])
+      faults.push_back("node " + std::to_string(i) + " owns no patches");
+    if (cover.region_end[i] > cover.patch_count())
+      faults.push_back("the region of node " + std::to_string(i) + " goes beyond the last patch");
+    std::uint32_t next = cover.region_begin[i];
+    for (std::uint32_t c = 0; c < tree.child_count[i]; ++c) {
+      const std::uint32_t child = tree.first_child[i] + c;
+      if (cover.region_begin[child] != next)
+        faults.push_back("the regions of node " + std::to_string(i) + "'s children do not follow one another");
+      next = cover.region_end[child];
+    }
+    if (!tree.is_leaf(i) && next != cover.region_end[i])
+      faults.push_back("the region of node " + std::to_string(i) + " is not the union of its children's");
+  }
 }
 
 // Barycentric coordinates of a corner on a facet; false when it lies elsewhere.
@@ -66,7 +95,7 @@ double barycentric_area(const Barycentric& a, const Barycentric& b, const Baryce
 constexpr double area_rounding = 1e-12;
 
 // Convex, counter-clockwise polygons inside the facet whose areas add up to the whole: they tile it.
-void check_tiling(const Mesh& mesh, const Cover& cover, std::vector<std::string>& faults) {
+void check_tiling(const MeshView& mesh, const Cover& cover, std::vector<std::string>& faults) {
   std::vector<double> share(mesh.facet_count());
   std::vector<std::uint32_t> patches(mesh.facet_count());
   std::vector<Barycentric> polygon;
@@ -103,34 +132,27 @@ void check_tiling(const Mesh& mesh, const Cover& cover, std::vector<std::string>
   }
 }
 
-void check_regions(const Built& built, std::vector<std::string>& faults) {
-  const SphereTree& tree = built.tree;
-  const Cover& cover = built.cover;
-  for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-    if (cover.region_begin[i] >= cover.region_end[i] || cover.region_end[i] > cover.patch_count())
-      faults.push_back("node " + std::to_string(i) + " owns no patches");
-    std::uint32_t next = cover.region_begin[i];
-    for (std::uint32_t c = 0; c < tree.child_count[i]; ++c) {
-      const std::uint32_t child = tree.first_child[i] + c;
-      if (cover.region_begin[child] != next)
-        faults.push_back("the regions of node " + std::to_string(i) + "'s children do not follow one another");
-      next = cover.region_end[child];
-    }
-    if (!tree.is_leaf(i) && next != cover.region_end[i])
-      faults.push_back("the region of node " + std::to_string(i) + " is not the union of its children's");
-  }
-  if (cover.region_begin[0] != 0 || cover.region_end[0] != cover.patch_count())
-    faults.emplace_back("the root does not own the whole surface");
-}
-
 }  // namespace
 
-std::vector<std::string> validate(const Mesh& mesh, const Built& built) {
+std::vector<std::string> validate(const SphereTree& tree, const Cover& cover) {
+  for (std::string fault : {fault_of_patches(cover), fault_of_cut_points(cover)})
+    if (!fault.empty()) return {std::move(fault)};
+  if (cover.region_begin.size() != tree.node_count() || cover.region_end.size() != tree.node_count())
+    return {"the cover is for another number of nodes"};
+  std::vector<std::string> faults;
+  check_regions(tree, cover, faults);
+  return faults;
+}
+
+std::vector<std::string> validate(const MeshView& mesh, const Built& built) {
   const StandardFloats standard;
   std::vector<std::string> faults = validate(built.tree);
-  if (!faults.empty() || !sizes_agree(mesh, built, faults)) return faults;
+  if (!faults.empty()) return faults;
+  if (built.cover.vertex_count != mesh.vertex_count()) return {"the cover is for another number of vertices"};
+  if (built.cover.facet_count != mesh.facet_count()) return {"the cover is for another number of facets"};
+  faults = validate(built.tree, built.cover);
+  if (!faults.empty()) return faults;
   check_tiling(mesh, built.cover, faults);
-  check_regions(built, faults);
   if (!faults.empty()) return faults;
   const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres);
   if (!certificate.covered)

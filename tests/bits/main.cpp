@@ -11,7 +11,6 @@
 
 #include "claims.hpp"
 #include "simd/processors.hpp"
-#include "update/points/kernels.hpp"
 
 namespace morula::bits {
 namespace {
@@ -39,10 +38,10 @@ int run(bool quick) {
   bool all_same = true;
   for (std::size_t kind = 1; kind < kinds; ++kind) {
     allow_kinds(kind);
-    all_same &= same(kernels().instructions, motions(serial_workers()), moving);
+    all_same &= same(kind_name(kind - 1), motions(serial_workers()), moving);
   }
   allow_kinds(kinds);
-  all_same &= same(kernels().instructions, motions(serial_workers()), moving);
+  all_same &= same(kind_name(kinds - 1), motions(serial_workers()), moving);
   for (const unsigned count : {2u, 3u}) {
     Workers workers(count);
     if (workers.thread_count() != count) break;

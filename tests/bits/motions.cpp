@@ -154,8 +154,8 @@ class Pair {
     ContactQuery query({.priority = Priority::overlap});
     query.add(a_.collider, b_.collider);
     DistanceQuery distance;
-    InsideTest test(a_.collider);
-    Crossings pairs;
+    InsideQuery test(a_.collider);
+    CrossingQuery pairs;
     bool is_first = true;
     Random random(31);
     for (int step = 0; step < 12; ++step) {
@@ -175,13 +175,13 @@ class Pair {
       query.resume(*workers_);
       add(carried, query.contacts());
 
-      crossings(a_.collider, b_.collider, pairs);
+      pairs.run(a_.collider, b_.collider);
       for (const Crossing& x : pairs.pairs())
         crossing.add(x.facet_a).add(x.facet_b).add(x.segment.from).add(x.segment.to);
       crossing.add(pairs.pairs_tested());
 
-      for (const std::size_t budget : {std::size_t{60}, DistanceOptions::no_budget}) {
-        const DistanceBounds bounds = distance(a_.collider, b_.collider, {.budget = budget});
+      for (const Budget& budget : {Budget(60), Budget()}) {
+        const DistanceBounds bounds = distance.run(a_.collider, b_.collider, {.budget = budget});
         distances.add(bounds.lower).add(bounds.upper).add(bounds.a).add(bounds.b).add(bounds.crossing);
         distances.add(bounds.sphere_tests).add(bounds.facet_tests);
       }

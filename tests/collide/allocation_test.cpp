@@ -24,12 +24,13 @@ TEST(Allocation, no_query_allocates_with_a_reused_result) {
   const CollideOptions cases[]{{}, {.level = 2, .margin = 0.1}, {.budget = 500}, {.surfaces = true}, timed};
   Workers three(3);
   for (const CollideOptions& each : cases) {
-    Contacts contacts;
+    ContactQuery plain(each);
+    plain.add(*a.collider, *b.collider);
+    const Contacts& contacts = plain.contacts();
     ContactQuery query(each);
     query.add(*a.collider, *b.collider);
     const auto all = [&] {
-      collide(*a.collider, *b.collider, each, contacts);
-      bool good = overlap(*a.collider, *b.collider);
+      bool good = plain.run() && overlap(*a.collider, *b.collider);
       good = query.start() && query.resume(three) && query.carry(three) && query.carry() && good;
       return good && !contacts.contacts.empty();
     };

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <set>
 
+#include "stale_pose.hpp"
+
 namespace morula {
 namespace {
 
@@ -69,9 +71,15 @@ TEST_F(Limb, collider_knows_whether_its_positions_are_current) {
   std::vector<Vec3> moved = mesh.positions;
   for (Vec3& p : moved) p.x *= 1.5;
   ASSERT_TRUE(body.update(moved));
-  EXPECT_FALSE(collider.has_current_positions());
-  collider.set_positions(moved);
-  EXPECT_TRUE(collider.has_current_positions());
+  EXPECT_TRUE(collider.has_current_positions()) << "the body was given them";
+  EXPECT_EQ(collider.vertex(11), moved[11]);
+  test::StalePose late(mesh, built.cover, body.pose());
+  EXPECT_FALSE(late.collider.has_current_positions());
+  late.collider.set_positions(moved);
+  EXPECT_TRUE(late.collider.has_current_positions());
+  EXPECT_EQ(late.collider.vertex(11), moved[11]);
+  late.next_frame();
+  EXPECT_FALSE(late.collider.has_current_positions());
   const RigidTransform placement = RigidTransform::from_axis({1, 1, 0}, 1.0, {0, 0, 3});
   collider.place(placement);
   EXPECT_EQ(collider.vertex(11), placement(moved[11]));

@@ -12,6 +12,8 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
 
+#include "simd/processors.hpp"
+
 namespace morula {
 namespace {
 
@@ -148,7 +150,7 @@ struct SphereContact {
   double depth;
 };
 SphereContact contact_of(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b) {
-  const Sphere sa = a.body().sphere(node_a), sb = b.body().sphere(node_b);
+  const Sphere sa = a.pose().sphere(node_a), sb = b.pose().sphere(node_b);
   const Vec3 ca = a.placement()(sa.center), cb = b.placement()(sb.center);
   const double apart = distance(ca, cb);
   const Vec3 n = normalized(ca - cb);
@@ -184,9 +186,9 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
           ++apart;
       }
     // Pairs of depth 0 can be left out, and nothing is lost.
-    Crossings all, kept;
-    crossings(one.collider, two.collider, all);
-    crossings(one.collider, two.collider, close, kept);
+    CrossingQuery all, kept;
+    all.run(one.collider, two.collider);
+    kept.run(one.collider, two.collider, close);
     ASSERT_EQ(kept.pairs().size(), all.pairs().size());
   }
   EXPECT_GT(contacts, 100u);
@@ -234,10 +236,11 @@ TEST(FacetKernels, give_the_bits_of_plain_loops) {
     std::vector<float> expected(64), other(64);
     const float least = all_facet_kernels().front().squared_gaps(list, p, expected.data());
     const float reach = all_facet_kernels().front().reach(list, p);
-    for (const FacetKernels& kernels : all_facet_kernels()) {
-      ASSERT_EQ(kernels.squared_gaps(list, p, other.data()), least) << kernels.name;
-      ASSERT_EQ(other, expected) << kernels.name;
-      ASSERT_EQ(kernels.reach(list, p), reach) << kernels.name;
+    for (std::size_t kind = 0; kind < all_facet_kernels().size(); ++kind) {
+      const FacetKernels& kernels = all_facet_kernels()[kind];
+      ASSERT_EQ(kernels.squared_gaps(list, p, other.data()), least) << kind_name(kind);
+      ASSERT_EQ(other, expected) << kind_name(kind);
+      ASSERT_EQ(kernels.reach(list, p), reach) << kind_name(kind);
     }
   }
 }

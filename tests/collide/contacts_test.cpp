@@ -5,12 +5,13 @@
 
 #include <limits>
 #include <map>
-#include <morula/collide/contacts.hpp>
+#include <morula/collide/contact_query.hpp>
 #include <morula/collide/overlap.hpp>
 #include <numbers>
 #include <set>
 
 #include "specimens.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -25,13 +26,13 @@ std::pair<std::uint32_t, std::uint32_t> nodes_of(const Contact& c) {
 
 // In double, in the world: how far spheres of two nodes are apart; negative where they overlap.
 double gap(const Collider& a, const Collider& b, std::uint32_t node_a, std::uint32_t node_b) {
-  const Sphere s = a.body().sphere(node_a), t = b.body().sphere(node_b);
+  const Sphere s = a.pose().sphere(node_a), t = b.pose().sphere(node_b);
   return distance(a.placement()(s.center), b.placement()(t.center)) - s.radius - t.radius;
 }
 
 // A pair is to be found when it and all pairs above it overlap: by this much at the least.
 bool reached(const Collider& a, const Collider& b, std::uint32_t node_a, std::uint32_t node_b, double margin) {
-  const SphereTree &tree_a = a.body().rest_tree(), &tree_b = b.body().rest_tree();
+  const SphereTree &tree_a = a.tree(), &tree_b = b.tree();
   while (gap(a, b, node_a, node_b) <= margin) {
     if (node_a == 0 && node_b == 0) return true;
     const std::uint32_t level_a = tree_a.level_of(node_a), level_b = tree_b.level_of(node_b);
@@ -265,11 +266,19 @@ TEST(Collide, facets_are_the_nearest_of_the_nodes) {
 
 TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   Specimen a("blob", 6, quick), b("blob", 6, quick);
-  Contacts contacts = collide(*a.collider, *b.collider);
+  ContactQuery query;
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.run());
+  const Contacts& contacts = query.contacts();
   ASSERT_FALSE(contacts.contacts.empty());
   const std::size_t count = contacts.contacts.size(), tests = contacts.pair_tests;
   const auto refused = [&](const CollideOptions& options) {
-    EXPECT_THROW(collide(*a.collider, *b.collider, options, contacts), std::invalid_argument);
+    EXPECT_THROW(collide(*a.collider, *b.collider, options), std::invalid_argument);
+    try {
+      query.set_options(options);
+      EXPECT_FALSE(query.run());
+    } catch (const std::invalid_argument&) {
+    }
     EXPECT_EQ(contacts.contacts.size(), count);
     EXPECT_EQ(contacts.pair_tests, tests);
   };
@@ -282,8 +291,9 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   std::vector<Vec3> bad = a.positions;
   bad[a.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
   EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.surfaces = true}));
-  ASSERT_TRUE(a.body->update(a.positions));
-  refused({.surfaces = true});
+  test::StalePose late(a.mesh, a.built.cover, a.body->pose());
+  EXPECT_NO_THROW(collide(late.collider, *b.collider));
+  EXPECT_THROW(collide(late.collider, *b.collider, {.surfaces = true}), std::invalid_argument);
   ASSERT_FALSE(a.body->update(bad));
   refused({});
   EXPECT_THROW(overlap(*a.collider, *b.collider), std::invalid_argument);

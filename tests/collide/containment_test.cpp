@@ -11,6 +11,7 @@
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -21,7 +22,7 @@ TEST(Containment, locate_equals_the_sum_of_solid_angles) {
   Random random(31);
   for (const char* name : {"limb", "torus", "two"}) {
     PlacedBody body(sample_body(name, 16));
-    InsideTest inside(body.collider);
+    InsideQuery inside(body.collider);
     int in = 0, out = 0;
     for (int round = 0; round < 300; ++round) {
       if (round % 20 == 0) body.deform(test::rippled(body.mesh.positions, 0.15, static_cast<std::uint64_t>(round)));
@@ -48,13 +49,13 @@ TEST(Containment, half_lines_through_vertices_and_edges_are_counted_once) {
   // A lattice of which every half line along an axis goes through corners, along edges and along sides.
   const Mesh box = test::box_mesh({-1, -1, -1}, {1, 1, 1}, 4);
   PlacedBody body(box);
-  InsideTest inside(body.collider);
+  InsideQuery inside(body.collider);
   for (int i = -5; i <= 5; ++i)
     for (int j = -5; j <= 5; ++j)
       for (int k = -5; k <= 5; ++k) {
         const Vec3 p{0.25 * i, 0.25 * j, 0.25 * k};
         const PointLocation found = inside.locate(p);
-        const double reach = largest_component(p);
+        const double reach = max_norm(p);
         EXPECT_EQ(found.on_surface, reach == 1) << i << " " << j << " " << k;
         EXPECT_EQ(found.inside, reach <= 1) << i << " " << j << " " << k;
         EXPECT_EQ(found.winding, reach < 1 ? 1 : 0) << i << " " << j << " " << k;
@@ -69,7 +70,7 @@ TEST(Containment, half_lines_through_vertices_and_edges_are_counted_once) {
 
 TEST(Containment, knows_vertices_edges_and_slanted_facets_as_surface) {
   PlacedBody body(test::icosphere(2));
-  InsideTest inside(body.collider);
+  InsideQuery inside(body.collider);
   for (std::uint32_t f = 0; f < body.mesh.facet_count(); ++f) {
     const Triangle t = body.collider.triangle(f);
     EXPECT_TRUE(inside.locate(t[0]).on_surface);
@@ -80,7 +81,7 @@ TEST(Containment, knows_vertices_edges_and_slanted_facets_as_surface) {
     }
   }
   PlacedBody tent({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}}, 1);
-  InsideTest in_tent(tent.collider);
+  InsideQuery in_tent(tent.collider);
   EXPECT_TRUE(in_tent.locate({0.5, 0.5, 1}).on_surface) << "on the slanted side, exactly";
   EXPECT_TRUE(in_tent.locate({1, 1, 0}).on_surface) << "on an edge";
   EXPECT_TRUE(in_tent.locate({0.5, 0.5, std::nextafter(1.0, 0.0)}).inside);
@@ -92,7 +93,7 @@ TEST(Containment, understands_cavities_overlaps_and_inverted_bodies) {
   const Mesh outer = test::icosphere(2, 2.0), inner = test::icosphere(2, 1.0);
   const auto winding_at_center = [](Mesh mesh) {
     PlacedBody body(std::move(mesh));
-    return InsideTest(body.collider).locate({0.01, 0.02, 0.03});
+    return InsideQuery(body.collider).locate({0.01, 0.02, 0.03});
   };
   EXPECT_FALSE(winding_at_center(test::joined(outer, test::inverted(inner))).inside) << "a cavity";
   EXPECT_EQ(winding_at_center(test::joined(outer, inner)).winding, 2) << "two layers";
@@ -110,7 +111,7 @@ TEST(Containment, tells_which_components_are_inside) {
   PlacedBody pair(test::joined(test::icosphere(1, 0.5), test::icosphere(1, 0.5, {4, 0, 0})));
   const std::vector<std::uint32_t> parts = component_vertices(pair.mesh);
   EXPECT_EQ(parts.size(), inspect(pair.mesh).component_count);
-  InsideTest in_shell(shell.collider), in_pair(pair.collider);
+  InsideQuery in_shell(shell.collider), in_pair(pair.collider);
   Containment found;
   ASSERT_TRUE(in_shell.components_inside(pair.collider, parts, found));
   EXPECT_EQ(found.inside, (std::vector<std::uint8_t>{1, 0}));
@@ -133,7 +134,7 @@ TEST(Containment, components_are_those_that_inspection_counts) {
 TEST(Containment, a_probe_knows_its_side) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 3));
   box.collider.place({.translation = {10, 0, 0}});
-  InsideTest inside(box.collider);
+  InsideQuery inside(box.collider);
   const Probe deep = inside.probe({{10.5, 0.1, 0.2}, 0.1});
   EXPECT_TRUE(deep.inside && deep.touches);
   EXPECT_NEAR(deep.distance, -0.5, 1e-15);
@@ -153,10 +154,10 @@ TEST(Containment, a_probe_knows_its_side) {
 
 TEST(Containment, refuses_open_surfaces_and_bad_points) {
   PlacedBody plate(test::grid_plate(3));
-  EXPECT_THROW(InsideTest{plate.collider}, std::invalid_argument);
+  EXPECT_THROW(InsideQuery{plate.collider}, std::invalid_argument);
   PlacedBody ball(test::icosphere(1));
-  InsideTest inside(ball.collider);
-  using Code = QueryStatus::Code;
+  InsideQuery inside(ball.collider);
+  using Code = Status::Code;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(inside.locate({0, nan, 0}).status.code, Code::bad_shape);
   EXPECT_EQ(inside.probe({{0, 0, 0}, -1}).status.code, Code::bad_shape);
@@ -166,10 +167,14 @@ TEST(Containment, refuses_open_surfaces_and_bad_points) {
   const std::uint32_t none = 1000;
   EXPECT_FALSE(inside.components_inside(plate.collider, {&none, 1}, found));
   EXPECT_EQ(found.status.code, Code::bad_option);
-  ASSERT_TRUE(ball.body.update(ball.mesh.positions));
-  EXPECT_EQ(inside.locate({0, 0, 0}).status.code, Code::positions_not_current);
-  EXPECT_FALSE(inside.components_inside(plate.collider, component_vertices(plate.mesh), found));
-  EXPECT_EQ(found.status, (QueryStatus{Code::positions_not_current, 1}));
+  test::StalePose late(ball.mesh, ball.built.cover, ball.body.pose());
+  late.collider.set_positions(ball.mesh.positions);
+  InsideQuery in_late(late.collider);
+  EXPECT_TRUE(in_late.locate({0, 0, 0}).status);
+  late.next_frame();
+  EXPECT_EQ(in_late.locate({0, 0, 0}).status.code, Code::positions_not_current);
+  EXPECT_FALSE(in_late.components_inside(plate.collider, component_vertices(plate.mesh), found));
+  EXPECT_EQ(found.status, (Status{Code::positions_not_current, 1}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -21,7 +22,7 @@ double tolerance_of(const Collider& a, const Collider& b) {
 void expect_witnesses(const Collider& a, const Collider& b, const DistanceBounds& found) {
   const double slack = tolerance_of(a, b);
   for (const auto& [body, p] : {std::pair{&a, &found.a}, std::pair{&b, &found.b}}) {
-    ASSERT_LT(p->facet, body->mesh().facet_count());
+    ASSERT_LT(p->facet, body->mesh_facets().size());
     EXPECT_LE(distance(at_barycentric(body->triangle(p->facet), p->barycentric), p->point), slack);
     double sum = 0;
     for (const double w : p->barycentric) {
@@ -56,7 +57,7 @@ TEST(Distance, equals_brute_force_over_random_poses) {
   DistanceQuery query;
   for_random_pairs(60, [&](const Collider& a, const Collider& b, int round) {
     const double expected = test::slow_distance(a, b), slack = tolerance_of(a, b);
-    const DistanceBounds found = query(a, b);
+    const DistanceBounds found = query.run(a, b);
     ASSERT_TRUE(found.status && found.complete && found.certified) << round;
     EXPECT_LE(found.lower, expected + slack) << round;
     EXPECT_GE(found.upper, expected - slack) << round;
@@ -168,14 +169,14 @@ TEST(Distance, of_touching_bodies_is_zero_and_of_nearly_touching_ones_is_not) {
 TEST(Distance, a_body_laid_on_itself_crosses_at_every_budget) {
   for (const Mesh& mesh : {test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2), test::icosphere(2)}) {
     PlacedBody a(mesh), b(mesh);
-    for (const std::size_t budget : {std::size_t{0}, std::size_t{1}, std::size_t{50}, DistanceOptions::no_budget}) {
+    for (const Budget& budget : {Budget(0), Budget(1), Budget(50), Budget()}) {
       const DistanceBounds same = distance(a.collider, b.collider, {.budget = budget});
-      EXPECT_TRUE(same.crossing) << budget;
-      EXPECT_EQ(same.upper, 0) << budget;
-      EXPECT_EQ(same.lower, 0) << budget;
+      EXPECT_TRUE(same.crossing) << budget.tests();
+      EXPECT_EQ(same.upper, 0) << budget.tests();
+      EXPECT_EQ(same.lower, 0) << budget.tests();
     }
     DistanceQuery query;
-    for (int again = 0; again < 3; ++again) EXPECT_TRUE(query(a.collider, b.collider).crossing);
+    for (int again = 0; again < 3; ++again) EXPECT_TRUE(query.run(a.collider, b.collider).crossing);
   }
 }
 
@@ -205,7 +206,7 @@ TEST(Distance, warm_start_keeps_the_bits_of_upper_bounds_and_points) {
   for (int frame = 0; frame < 40; ++frame) {
     a.deform(test::rippled(a.mesh.positions, 0.01 * frame, 3));
     b.collider.place(RigidTransform::from_axis({1, 2, 3}, 0.05 * frame, {0.2, 1.5 + 0.05 * frame, 0.3}));
-    const DistanceBounds x = warm(a.collider, b.collider), y = distance(a.collider, b.collider);
+    const DistanceBounds x = warm.run(a.collider, b.collider), y = distance(a.collider, b.collider);
     EXPECT_NEAR(x.lower, y.lower, 1e-14);
     EXPECT_EQ(x.upper, y.upper);
     if (x.crossing) continue;
@@ -230,27 +231,26 @@ TEST(Distance, refuses_what_it_cannot_answer) {
   b.collider.place({.translation = {5, 0, 0}});
   DistanceQuery query;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  using Code = QueryStatus::Code;
-  EXPECT_EQ(query(a.collider, b.collider, {.tolerance = nan}).status.code, Code::bad_option);
-  EXPECT_EQ(query(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);
-  EXPECT_EQ(query(a.collider, b.collider, {.near_enough = nan}).status.code, Code::bad_option);
+  using Code = Status::Code;
+  EXPECT_EQ(query.run(a.collider, b.collider, {.tolerance = nan}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.near_enough = nan}).status.code, Code::bad_option);
   std::vector<Vec3> moved = b.mesh.positions;
-  ASSERT_TRUE(b.body.update(moved));
-  const DistanceBounds stale = query(a.collider, b.collider);
-  EXPECT_EQ(stale.status, (QueryStatus{Code::positions_not_current, 1}));
+  test::StalePose late(b.mesh, b.built.cover, b.body.pose());
+  const DistanceBounds stale = query.run(a.collider, late.collider);
+  EXPECT_EQ(stale.status, (Status{Code::positions_not_current, 1}));
   EXPECT_EQ(stale.lower, 0);
   EXPECT_EQ(stale.upper, std::numeric_limits<double>::infinity());
-  EXPECT_THROW(distance(a.collider, b.collider), std::invalid_argument);
-  b.collider.set_positions(moved);
-  EXPECT_TRUE(query(a.collider, b.collider).status);
+  EXPECT_THROW(distance(a.collider, late.collider), std::invalid_argument);
+  late.collider.set_positions(moved);
+  EXPECT_TRUE(query.run(a.collider, late.collider).status);
   std::vector<Vec3> bad = a.mesh.positions;
   bad[0].x = nan;
   ASSERT_FALSE(a.body.update(bad));
-  EXPECT_EQ(query(a.collider, b.collider).status, (QueryStatus{Code::body_not_current, 0}));
+  EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::body_not_current, 0}));
   ASSERT_TRUE(a.body.update(moved));
-  a.collider.set_positions(moved);
   a.collider.place({.translation = {1e300, 0, 0}});
-  EXPECT_EQ(query(a.collider, b.collider).status, (QueryStatus{Code::placement_too_far, 0}));
+  EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::placement_too_far, 0}));
   for (const Code code : {Code::body_not_current, Code::positions_not_current, Code::placement_too_far,
                           Code::bad_option, Code::bad_shape})
     EXPECT_FALSE(message({code, 1}).empty());

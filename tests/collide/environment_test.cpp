@@ -130,8 +130,8 @@ Record everything(const Inputs& in, Workers& workers) {
   record.add("overlap", std::uint64_t{overlap(a, b)});
   record_contacts(record, collide(a, b, {.surfaces = true, .exact = true}));
   record_contacts(record, collide(a, b, {.budget = 50, .surfaces = true}));
-  Crossings crossed;
-  crossings(a, b, crossed);
+  CrossingQuery crossed;
+  crossed.run(a, b);
   record.add("crossings", crossed.pairs().size());
   for (const RigidTransform& place : {in.placement, RigidTransform{.translation = {5, 1, 2}}}) {
     b.place(place);
@@ -145,7 +145,7 @@ Record everything(const Inputs& in, Workers& workers) {
   record.add("touch below", touched.lower);
   const RayHit hit = first_hit(a, {.origin = {0.1, 0.05, -9}, .direction = {0.01, 0.02, 1}});
   record.add("hit", hit.t);
-  InsideTest inside(a);
+  InsideQuery inside(a);
   record.add("winding", static_cast<std::uint64_t>(inside.locate({0.01, 0.02, 0.03}).winding));
   record.add("probe", inside.probe({{0.01, 0.02, 0.03}, 0.1}).depth);
   const SignedDistance signed_distance(in.limb, workers);

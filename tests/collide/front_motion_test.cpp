@@ -32,7 +32,7 @@ TEST(FrontMotion, no_gap_changes_by_more_than_was_travelled) {
   a.place(test::random_placement(random, 1));
   b.place(test::random_placement(random, 1));
   const SphereTree &tree_a = a.body->rest_tree(), &tree_b = b.body->rest_tree();
-  Front::Bodies bodies;
+  Front::Pair bodies;
   begin_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
   const Pairs first(a, b);
   std::vector<double> scratch;
@@ -79,9 +79,9 @@ TEST(FrontMotion, at_rest_nothing_travels) {
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
   a.place(RigidTransform::from_axis({1, 2, 3}, 0.5, {1e6, 0, 0}));
-  Front::Bodies bodies;
+  Front::Pair bodies;
   begin_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
-  const Front::Bodies before = bodies;
+  const Front::Pair before = bodies;
   std::vector<double> scratch;
   a.body->update(a.positions);
   follow_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "collide/pairs/pair_frame.hpp"
+#include "simd/processors.hpp"
 #include "specimens.hpp"
 
 namespace morula {
@@ -51,15 +52,16 @@ TEST(PairKernels, all_processors_give_the_bits_of_plain_loops) {
       std::uint64_t expected[64], masks[64];
       const float least = kernels[0].test_and_measure(frame, block, expected);
       EXPECT_TRUE(std::isfinite(least));
-      for (const PairKernels& kernel : kernels) {
+      for (std::size_t kind = 0; kind < kernels.size(); ++kind) {
+        const PairKernels& kernel = kernels[kind];
         std::fill(masks, masks + 64, 0x5555u);
         kernel.test(frame, block, masks);
-        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kernel.instructions;
+        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kind_name(kind);
         std::fill(masks, masks + 64, 0x5555u);
         EXPECT_EQ(std::bit_cast<std::uint32_t>(kernel.test_and_measure(frame, block, masks)),
                   std::bit_cast<std::uint32_t>(least))
-            << kernel.instructions;
-        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kernel.instructions;
+            << kind_name(kind);
+        EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kind_name(kind);
       }
     }
 }

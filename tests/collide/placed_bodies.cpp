@@ -117,8 +117,8 @@ double slow_distance(const Triangle& a, const Triangle& b) {
 
 double slow_distance(const Collider& a, const Collider& b) {
   double best = infinity;
-  const auto count_a = static_cast<std::uint32_t>(a.mesh().facet_count());
-  const auto count_b = static_cast<std::uint32_t>(b.mesh().facet_count());
+  const auto count_a = static_cast<std::uint32_t>(a.mesh_facets().size());
+  const auto count_b = static_cast<std::uint32_t>(b.mesh_facets().size());
   std::vector<Triangle> others;
   for (std::uint32_t f = 0; f < count_b; ++f) others.push_back(b.triangle(f));
   for (std::uint32_t f = 0; f < count_a && best > 0; ++f) {
@@ -135,14 +135,14 @@ double slow_distance(const Collider& a, const Collider& b) {
 
 double slow_winding(const Collider& body, const Vec3& p) {
   double sum = 0;
-  for (std::uint32_t f = 0; f < body.mesh().facet_count(); ++f) sum += solid_angle(body.triangle(f), p);
+  for (std::uint32_t f = 0; f < body.mesh_facets().size(); ++f) sum += solid_angle(body.triangle(f), p);
   return sum / (4 * std::numbers::pi);
 }
 
 double largest_coordinate(const Collider& body) {
   double largest = 0;
-  for (const Facet& f : body.mesh().facets)
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(body.vertex(v)));
+  for (const Facet& f : body.mesh_facets())
+    for (const std::uint32_t v : f) largest = std::max(largest, max_norm(body.vertex(v)));
   return largest;
 }
 

@@ -18,8 +18,8 @@ using test::allocations;
 TEST(QueryAllocation, none_when_the_same_questions_have_been_asked_before) {
   test::PlacedBody a(test::icosphere(3)), b(test::uv_sphere(15, 9, 0.7)), plate(test::grid_plate(5));
   DistanceQuery query;
-  InsideTest inside(a.collider);
-  Touch touched;
+  InsideQuery inside(a.collider);
+  TouchQuery touched;
   Containment contained;
   const std::vector<std::uint32_t> parts = component_vertices(b.mesh);
   const std::size_t before_all = allocations;
@@ -27,17 +27,18 @@ TEST(QueryAllocation, none_when_the_same_questions_have_been_asked_before) {
     bool good = true;
     for (const double x : {0.0, 0.5, 1.65, 1.9, 3.0}) {
       b.collider.place(RigidTransform::from_axis({1, 2, 3}, x, {x, 0.1, 0.2}));
-      for (const bool warm : {true, false}) good = good && query(a.collider, b.collider, {.warm_start = warm}).status;
-      good = good && query(a.collider, b.collider, {.exact = false, .budget = 40}).status;
-      good = good && touch(a.collider, HalfSpace{{0, 0, 1}, x - 1}, {.list = true}, touched);
-      good = good && touch(a.collider, Sphere{{x, 0, 0}, 0.5}, {.nearest = true}, touched);
-      good = good && touch(a.collider, Capsule{{x, 0, 0}, {x, 3, 0}, 0.3}, {.any = true}, touched);
+      for (const bool warm : {true, false})
+        good = good && query.run(a.collider, b.collider, {.warm_start = warm}).status;
+      good = good && query.run(a.collider, b.collider, {.exact = false, .budget = 40}).status;
+      good = good && touched.run(a.collider, HalfSpace{{0, 0, 1}, x - 1}, {.list = true}).status;
+      good = good && touched.run(a.collider, Sphere{{x, 0, 0}, 0.5}, {.nearest = true}).status;
+      good = good && touched.run(a.collider, Capsule{{x, 0, 0}, {x, 3, 0}, 0.3}, {.any = true}).status;
       good = good && first_hit(b.collider, {{5, 0.1, 0.2}, {-1, 0, 0}}).status;
       good = good && inside.locate({x, 0, 0}).status && inside.probe({{x, 0, 0}, 0.1}).status;
       good = good && inside.components_inside(b.collider, parts, contained);
       // Refusals as well.
-      good = good && !touch(a.collider, Sphere{{x, 0, 0}, -1}, {}, touched);
-      good = good && !query(a.collider, b.collider, {.tolerance = -1}).status;
+      good = good && !touched.run(a.collider, Sphere{{x, 0, 0}, -1}, {}).status;
+      good = good && !query.run(a.collider, b.collider, {.tolerance = -1}).status;
     }
     return good;
   };

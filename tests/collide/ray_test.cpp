@@ -8,6 +8,7 @@
 #include <support/meshes.hpp>
 
 #include "placed_bodies.hpp"
+#include "stale_pose.hpp"
 
 namespace morula {
 namespace {
@@ -18,7 +19,7 @@ using test::PlacedBody;
 double slow_first_hit(const Collider& body, const Ray& ray, double* nearest_edge) {
   double first = std::numeric_limits<double>::infinity();
   *nearest_edge = first;
-  for (std::uint32_t f = 0; f < body.mesh().facet_count(); ++f) {
+  for (std::uint32_t f = 0; f < body.mesh_facets().size(); ++f) {
     const Triangle t = body.triangle(f);
     const Vec3 n = area_vector(t);
     const double slope = dot(n, ray.direction);
@@ -133,12 +134,13 @@ TEST(Ray, refuses_what_is_no_ray) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Ray& bad : {Ray{{nan, 0, 0}, {0, 0, 1}}, Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{0, 0, 0}, {0, nan, 1}},
                          Ray{{0, 0, 0}, {0, 0, 1}, -1}, Ray{{0, 0, 0}, {0, 0, 1}, nan}}) {
-    const RayHit found = first_hit(box.collider, bad);
-    EXPECT_EQ(found.status.code, QueryStatus::Code::bad_shape);
+    EXPECT_THROW(first_hit(box.collider, bad), std::invalid_argument);
+    const RayHit found = RayQuery().run(box.collider, bad);
+    EXPECT_EQ(found.status.code, Status::Code::bad_shape);
     EXPECT_FALSE(found.hit || found.certified);
   }
-  ASSERT_TRUE(box.body.update(box.mesh.positions));
-  EXPECT_EQ(first_hit(box.collider, {}).status.code, QueryStatus::Code::positions_not_current);
+  const test::StalePose late(box.mesh, box.built.cover, box.body.pose());
+  EXPECT_EQ(RayQuery().run(late.collider, {}).status.code, Status::Code::positions_not_current);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ RigidTransform random_placement(Random& random, double reach, const Vec3& about)
 std::vector<Crossing> crossings_by_brute_force(const Collider& a, const Collider& b) {
   const auto triangles = [](const Collider& c) {
     std::vector<Triangle> list;
-    for (std::uint32_t f = 0; f < c.mesh().facet_count(); ++f) list.push_back(c.triangle(f));
+    for (std::uint32_t f = 0; f < c.mesh_facets().size(); ++f) list.push_back(c.triangle(f));
     return list;
   };
   const std::vector<Triangle> all_a = triangles(a), all_b = triangles(b);
@@ -94,7 +94,7 @@ std::size_t crossings_missed(const std::vector<Crossing>& crossings, const Colli
     return std::find(list.begin(), list.end(), facet) != list.end();
   };
   return static_cast<std::size_t>(std::count_if(crossings.begin(), crossings.end(), [&](const Crossing& x) {
-    const double coordinate = largest_component(x.point);
+    const double coordinate = max_norm(x.point);
     return std::none_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
       return distance(x.point, c.point) <= c.error_bound * (1 + 1e-9) + 1e-14 * coordinate &&
              has(a, c.node_a, x.facet_a) && has(b, c.node_b, x.facet_b);

@@ -20,12 +20,12 @@ TEST(SurfaceAllocation, warm_queries_allocate_nothing) {
   const BuildOptions options{.method = Method::octree, .branching = 8, .depth = 2};
   const Body body_a(mesh, build(mesh, options)), body_b(other, build(other, options));
   Collider a(mesh, body_a), b(other, body_b);
-  Crossings found;
+  CrossingQuery found;
   SurfaceScratch scratch;
   std::size_t sum = 0;
   const auto ask = [&](double shift) {
     a.place({.translation = {shift, 0.3, 0.1}});
-    crossings(a, b, found);
+    found.run(a, b);
     sum += found.pairs().size();
     scratch.start(a, b);
     for (std::uint32_t node = 0; node < body_a.spheres().size(); node += 7) {

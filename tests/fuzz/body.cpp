@@ -245,8 +245,8 @@ void ask(Bytes& in, const Side& a, const Side& b) {
   const std::vector<Crossing> truth = brute_force::crossings(*a.collider, *b.collider);
   const bool covers = a.covers && b.covers;
   const bool overlaps = overlap(*a.collider, *b.collider);
-  Crossings found_pairs;
-  crossings(*a.collider, *b.collider, found_pairs);
+  CrossingQuery found_pairs;
+  found_pairs.run(*a.collider, *b.collider);
   CollideOptions options;
   options.exact = in.flag();
   options.surfaces = in.flag();

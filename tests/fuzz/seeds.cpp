@@ -10,6 +10,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <string>
 
+#include "../io/gltf_files.hpp"
 #include "io/array/npy.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
@@ -43,6 +44,10 @@ std::string big_endian(auto value) {
 }
 
 void add_meshes(Seeds seeds) {
+  for (const test::GltfMaker& file : {test::tetrahedron(), test::bending_arm()}) {
+    seeds.add("4" + file.text());
+    seeds.add("5" + file.glb());
+  }
   Mesh bar = sample_body("bar", 3);
   bar.facets.resize(24);
   for (const Mesh& mesh : {specimen_mesh(), bar}) {

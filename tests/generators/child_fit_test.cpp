@@ -34,7 +34,7 @@ struct WholeFit {
   explicit WholeFit(Mesh m, std::size_t most = 8, std::uint64_t seed = 1, double cell = 0.25)
       : mesh(std::move(m)),
         shape(mesh),
-        lines(mesh, shape, lattice_cells(mesh, 8, 3), serial_workers()),
+        lines(mesh, shape, lattice_cells(shape.bvh(), 8, 3), serial_workers()),
         input(fit_input(mesh, shape, lines)),
         node(root_of(mesh, seed)),
         points(region_points(input, node, most, 0.1)),

@@ -23,7 +23,7 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
   const SignedDistance shape(mesh);
   const ObjectLines lines(mesh, shape, 96, serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
-  const BuildRun run({.method = Method::grid, .depth = 2});
+  const BuildRun run({.method = Method::grid, .depth = 2}, mesh);
   const ReduceSettings settings{
       .fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
       .changes = {0, 0, 0},
@@ -33,7 +33,7 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
                         [&](std::vector<BuildNode>& nodes) {
                           if (nodes[0].level != 2) return;
                           made.before = nodes;
-                          exchange(mesh, lines, nodes, rounds, workers);
+                          exchange(input, nodes, rounds, workers);
                           made.after = nodes;
                         });
   return made;
@@ -84,8 +84,8 @@ TEST(Demand, is_positive_and_larger_where_the_surface_is_finely_structured) {
   const Mesh mesh =
       test::joined(test::icosphere(4), test::translated(test::scaled(sample_body("torus", 16), 0.15), {1.25, 0, 0}));
   const SignedDistance shape(mesh);
-  const BuildRun run({.method = Method::morula, .depth = 2, .quality = Quality::fast});
-  const ObjectLines lines(mesh, shape, lattice_cells(mesh, run.branching, run.depth), serial_workers());
+  const BuildRun run({.method = Method::morula, .depth = 2, .quality = Quality::fast}, mesh);
+  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
   const Built first = fast_tree(input, run, serial_workers());
   const Demand demand = demand_from(input, first, serial_workers());

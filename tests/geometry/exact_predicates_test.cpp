@@ -68,7 +68,7 @@ TEST(ExactPredicates, agree_with_integers_on_grids_and_close_to_planes_at_any_sc
     exact += side.value == 0;
     for (const Projection projection : projections) {
       const Vec3 e = round % 4 == 1 ? a + (b - a) * 2.0 : d;
-      if (largest_component(e) > 0x1p40) continue;
+      if (max_norm(e) > 0x1p40) continue;
       ASSERT_EQ(orient2d(a * s, b * s, e * s, projection), integer_orient2d(a, b, e, projection)) << "scale " << s;
     }
   }

@@ -23,7 +23,7 @@ TEST(RoundedUpRadius, contains_a_point_at_the_distance_that_was_measured) {
   Random random(1);
   for (int round = 0; round < 100000; ++round) {
     const Vec3 p = random_vector(random), c = random_vector(random);
-    const double radius = rounded_up_radius(distance(c, p), std::max(largest_component(p), largest_component(c)));
+    const double radius = rounded_up_radius(distance(c, p), std::max(max_norm(p), max_norm(c)));
     ASSERT_LE(length(Wide(p) - Wide(c)), static_cast<long double>(radius)) << round;
   }
 }
@@ -41,7 +41,7 @@ TEST(RoundedUpRadius, contains_a_cut_point_that_was_rounded_where_it_is) {
     const Wide real = Wide(v[0]) * static_cast<long double>(c) + Wide(v[1]) * static_cast<long double>(a) +
                       Wide(v[2]) * static_cast<long double>(b);
     const Vec3 center = rounded + 0x1p-51 * random_vector(random);
-    const double radius = rounded_up_radius(distance(center, rounded), largest_component(about));
+    const double radius = rounded_up_radius(distance(center, rounded), max_norm(about));
     ASSERT_LE(length(real - Wide(center)), static_cast<long double>(radius)) << round;
   }
 }

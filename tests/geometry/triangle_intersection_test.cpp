@@ -99,7 +99,7 @@ void expect_verdict(const Triangle& a, const Triangle& b, bool expected) {
   if (!common) return;
   double size = 0;
   for (const Triangle* const t : {&a, &b})
-    for (const Vec3& p : *t) size = std::max(size, largest_component(p));
+    for (const Vec3& p : *t) size = std::max(size, max_norm(p));
   for (const Vec3& end : {common->from, common->to})
     for (const Triangle* const t : {&a, &b}) ASSERT_LE(std::sqrt(closest_point(*t, end).squared_distance), 1e-9 * size);
 }

@@ -219,9 +219,9 @@ TEST(HostileTrees, native) {
       {"corner_few.morula", forge.with("corner_begin", 1, 2u), 0, "patch 0 has fewer than 3 corners"},
       {"corner.morula", forge.with("corners", 7, cut_vertices), 0,
        "a patch has corner " + std::to_string(cut_vertices)},
-      {"root_region.morula", forge.with("region_end", 0, 1u), 0, "the root's region is not all patches"},
+      {"root_region.morula", forge.with("region_end", 0, 1u), 0, "the root does not own the whole surface"},
       {"region_beyond.morula", forge.with("region_end", nodes - 1, no_such), 0, "region of node "},
-      {"region_backwards.morula", forge.with("region_begin", 1, no_such), 0, "region of node 0"},
+      {"region_backwards.morula", forge.with("region_begin", 1, no_such), 0, "the regions of node 0's children"},
   };
   // Any damage at all is found, wherever it is.
   for (std::size_t at = 24; at < good.size(); at += 97) {

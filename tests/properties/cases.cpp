@@ -118,7 +118,7 @@ void refitted_body(const Source& source, Dice& dice, Record& record) {
 using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
 std::set<Key> keys(const Contacts& contacts) {
   std::set<Key> all;
-  for (const Contact& c : contacts.contacts) all.insert({c.bodies, c.node_a, c.node_b});
+  for (const Contact& c : contacts.contacts) all.insert({c.pair, c.node_a, c.node_b});
   return all;
 }
 
@@ -129,7 +129,7 @@ CollideOptions random_options(const Actor& a, const Actor& b, const Collider& si
         static_cast<std::uint32_t>(dice.below(std::max(a.built().tree.level_count(), b.built().tree.level_count())));
   if (dice.chance(0.4)) {
     Box box;
-    for (const Facet& f : side.mesh().facets)
+    for (const Facet& f : side.mesh_facets())
       for (const std::uint32_t v : f) box.add(side.positions()[v]);
     options.margin = box.diagonal() * dice.pick({1e-6, 0.01, 0.1, 0.5});
   }

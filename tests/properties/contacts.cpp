@@ -23,7 +23,7 @@ Point point(const Vec3& v) {
 std::vector<Triangle> world_facets(const Collider& c) {
   const RigidTransform& t = c.placement();
   std::vector<Triangle> facets;
-  for (const Facet& f : c.mesh().facets) {
+  for (const Facet& f : c.mesh_facets()) {
     Triangle world;
     for (std::size_t k = 0; k < 3; ++k) {
       const Point p = point(c.positions()[f[k]]);
@@ -37,7 +37,7 @@ std::vector<Triangle> world_facets(const Collider& c) {
 
 // Which facets a node has a part of, from the cover.
 std::vector<std::vector<bool>> owned_facets(const Collider& c) {
-  const Cover& cover = c.body().cover();
+  const Cover& cover = c.cover();
   std::vector<std::vector<bool>> owned(cover.region_begin.size(), std::vector<bool>(cover.facet_count));
   for (std::size_t node = 0; node < owned.size(); ++node)
     for (std::uint32_t p = cover.region_begin[node]; p < cover.region_end[node]; ++p)
@@ -105,7 +105,7 @@ PairJudge::PairJudge(const Collider& a, const Collider& b, Dice& dice)
   for (const Point& p : all) largest = std::max(largest, largest_coordinate(p));
   for (const Collider* c : {&a, &b}) {
     largest = std::max(largest, largest_coordinate(point(c->placement().translation)));
-    for (const Facet& f : c->mesh().facets)
+    for (const Facet& f : c->mesh_facets())
       for (const std::uint32_t v : f) largest = std::max(largest, largest_coordinate(point(c->positions()[v])));
   }
   const Extent whole(all);
@@ -160,8 +160,8 @@ PairJudge::PairJudge(const Collider& a, const Collider& b, Dice& dice)
 void PairJudge::judge_facets(Record& record) const {
   ++record.counts.poses_of_pairs;
   // Where both are, for what fails: relative to the first one's own place.
-  record.place.second = {{}, b_.mesh().facets};
-  for (std::uint32_t v = 0; v < b_.mesh().vertex_count(); ++v) {
+  record.place.second = {{}, {b_.mesh_facets().begin(), b_.mesh_facets().end()}};
+  for (std::uint32_t v = 0; v < b_.vertex_count(); ++v) {
     const Vec3 p = b_.vertex(v) - a_.placement().translation;
     record.place.second.positions.push_back(a_.placement().turn_back(p));
   }
@@ -176,8 +176,8 @@ void PairJudge::judge_facets(Record& record) const {
   record.expect(static_cast<Real>(bounds.lower) <= nearest + 8 * error_, "missed-distance",
                 "the lower bound is " + std::to_string(bounds.lower) + ", two points are " +
                     std::to_string(static_cast<double>(nearest)) + " apart");
-  Crossings found;
-  crossings(a_, b_, found);
+  CrossingQuery found;
+  found.run(a_, b_);
   judge_list(found.pairs(), record, "missed-crossing");
 }
 
@@ -202,7 +202,7 @@ void PairJudge::judge_contacts(const Contacts& contacts, std::uint32_t bodies, d
   const Real slack = 8 * error_;
   const auto held = [&](std::uint32_t i, std::uint32_t j, const std::optional<Point>& at) {
     for (const Contact& c : contacts.contacts) {
-      if (c.bodies != bodies || !owned_a_[c.node_a][i] || !owned_b_[c.node_b][j]) continue;
+      if (c.pair != bodies || !owned_a_[c.node_a][i] || !owned_b_[c.node_b][j]) continue;
       if (!at || oracle::distance(point(c.point), *at) <= c.error_bound + slack) return true;
     }
     return false;
@@ -233,13 +233,13 @@ void PairJudge::judge_listed(const Contacts& contacts, std::uint32_t bodies, Rec
 
 RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice, bool on_lattice) {
   const auto any_point = [&](const Collider& c) {
-    const Facet& f = c.mesh().facets[dice.below(c.mesh().facet_count())];
+    const Facet& f = c.mesh_facets()[dice.below(c.mesh_facets().size())];
     const Vec3 p = c.positions()[f[dice.below(3)]];
     return dice.chance(0.6) ? p : (p + c.positions()[f[dice.below(3)]]) * 0.5;
   };
   // Where cover is lost first: a corner of a patch, or close to one.
   const auto any_corner = [&](const Collider& c) {
-    const Cover& cover = c.body().cover();
+    const Cover& cover = c.cover();
     const auto corners = cover.patch(dice.below(cover.patch_count()));
     const std::size_t first = dice.below(corners.size());
     const Vec3 p = corner_position(cover, corners[first], c.positions());
@@ -266,7 +266,7 @@ RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& di
   const Vec3 on_a = a.placement()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
   const Vec3 on_b = any_point(b);
   t.translation = on_a - t.turn(on_b);
-  const double size = largest_component(t.translation);
+  const double size = max_norm(t.translation);
   if (on_lattice && size > 0) {
     // 2^-12: fine enough for most lattices to keep what touches, coarse enough for whole numbers.
     const double step = std::exp2(std::ceil(std::log2(size)) - 12);

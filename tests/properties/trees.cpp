@@ -73,7 +73,7 @@ std::string sizes(int branching, int depth) {
 std::vector<oracle::Ball> with_rounding_of_double(std::vector<oracle::Ball> balls, const Mesh& mesh) {
   double largest = 0;
   for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(mesh.positions[v]));
+    for (const std::uint32_t v : f) largest = std::max(largest, max_norm(mesh.positions[v]));
   for (oracle::Ball& ball : balls) ball.radius += 0x1p-49L * (largest + largest_coordinate(ball.center) + ball.radius);
   return balls;
 }

@@ -36,7 +36,7 @@ Side exact_side(const Mesh& mesh, const Vec3& p, double orientation) {
   const double turns = orientation * brute_force::winding_number(mesh, p);
   const double off = std::sqrt(brute_force::closest_point(mesh, p).squared_distance);
   const Box box = bounding_box(mesh);
-  const double scale = std::max(largest_component(box.lower), largest_component(box.upper));
+  const double scale = std::max(max_norm(box.lower), max_norm(box.upper));
   if (off < 1e-13 * scale || std::abs(turns - std::round(turns)) > 0.1) return Side::unsure;
   return turns > 0.5 ? Side::inside : Side::outside;
 }

@@ -202,7 +202,7 @@ TEST(SphereVolume, changes_no_faster_than_the_ball_moves) {
   for (const Mesh& mesh : meshes) {
     const SignedDistance object(mesh);
     const Box box = bounding_box(mesh);
-    const double ulp = 0x1p-52 * std::max(largest_component(box.lower), largest_component(box.upper));
+    const double ulp = 0x1p-52 * std::max(max_norm(box.lower), max_norm(box.upper));
     Random random(10);
     for (int i = 0; i < 400; ++i) {
       const Sphere ball = hard_ball(mesh, random);

@@ -58,7 +58,7 @@ std::string told(const std::string& name, double size, double offset) {
 double reach_of(const Mesh& mesh) {
   double largest = 0;
   for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) largest = std::max(largest, largest_component(mesh.positions[v]));
+    for (const std::uint32_t v : f) largest = std::max(largest, max_norm(mesh.positions[v]));
   return largest;
 }
 

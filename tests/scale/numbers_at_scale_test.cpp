@@ -78,8 +78,8 @@ TEST(NumbersAtScale, turns_do_not_depend_on_the_length_of_their_axis) {
           RigidTransform::from_quaternion(0.9 * size, axis.x * size, axis.y * size, axis.z * size);
       const RigidTransform other = RigidTransform::from_quaternion(0.9, axis.x, axis.y, axis.z);
       for (std::size_t row = 0; row < 3; ++row) {
-        EXPECT_LT(largest_component(turn.rows[row] - expected.rows[row]), 1e-14) << size;
-        EXPECT_LT(largest_component(same.rows[row] - other.rows[row]), 1e-14) << size;
+        EXPECT_LT(max_norm(turn.rows[row] - expected.rows[row]), 1e-14) << size;
+        EXPECT_LT(max_norm(same.rows[row] - other.rows[row]), 1e-14) << size;
       }
     }
 }
@@ -97,7 +97,7 @@ TEST(NumbersAtScale, motions_are_those_of_a_unit_body_or_refused) {
       }
       const std::vector<Vec3> moved = deform(mesh, motions, 0.6);
       for (std::size_t v = 0; v < moved.size(); ++v)
-        EXPECT_LT(largest_component(moved[v] / size - unit[v]), 1e-9) << test::told(body.name, size, 0);
+        EXPECT_LT(max_norm(moved[v] / size - unit[v]), 1e-9) << test::told(body.name, size, 0);
     }
   }
   // Each of them in range, all together not.

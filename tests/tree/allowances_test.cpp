@@ -98,15 +98,19 @@ TEST(Validate, names_every_broken_size_and_index) {
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corners.push_back(0); }), "does not span"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_begin.push_back(0); }), "another number of nodes"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end.push_back(4); }), "another number of nodes"));
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corner_begin[1] = 4; }), "fewer than three corners"));
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.patch_facet[3] = 3; }), "that the mesh does not have"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corner_begin[1] = 4; }), "patch 1 has fewer than 3 corners"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corner_begin[1] = 2; }), "patch 0 has fewer than 3 corners"));
+  // 0xffffffff + 3 is 2 in 32 bits.
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corner_begin[1] = ~0u; }), "patch 1 has fewer than 3 corners"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.patch_facet[3] = 3; }), "patch 3 lies on facet 3 of 3"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.corners[1] = 5; }), "neither a vertex nor a cut point"));
 }
 
 TEST(Validate, names_every_bad_cut_point) {
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.cut_points[0].vertex[2] = 4; }), "vertex that the mesh does not"));
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.cut_points[0].weight = {1.5, -0.5, 0}; }), "outside 0"));
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.cut_points[0].weight = {0.6, 0.6, -0.2}; }), "outside 0"));
+  EXPECT_TRUE(
+      mentions(faults_after([](Cover& c) { c.cut_points[0].vertex[2] = 4; }), "cut point 0 refers to vertex 4 of 4"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.cut_points[0].weight = {1.5, -0.5, 0}; }), "not in 0"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.cut_points[0].weight = {0.6, 0.6, -0.2}; }), "not in 0"));
   for (const double off : {2e-12, -2e-12, 1e-9, -1e-9})
     EXPECT_TRUE(mentions(faults_after([&](Cover& c) { c.cut_points[0].weight[1] += off; }), "do not add up to 1"))
         << off;
@@ -125,7 +129,7 @@ TEST(Validate, names_every_region_that_is_not_its_childrens) {
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[2] = 3; }), "not the union"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[0] = 3, c.region_end[2] = 3; }), "whole surface"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_begin[1] = c.region_begin[0] = 1; }), "whole surface"));
-  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[2] = 5; }), "owns no patches"));
+  EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[2] = 5; }), "beyond the last patch"));
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[1] = c.region_begin[2] = 0; }), "owns no patches"));
 }
 

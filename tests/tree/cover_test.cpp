@@ -196,7 +196,7 @@ TEST_F(CoverOfABlob, validate_notices_regions_that_are_not_their_childrens) {
 TEST_F(CoverOfABlob, validate_notices_wrong_sizes_and_indices) {
   EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.vertex_count += 1; }), "number of vertices"));
   EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.corners[5] = 0xfffffff; }), "neither a vertex"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.patch_facet[5] = 0xfffffff; }), "does not have"));
+  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.patch_facet[5] = 0xfffffff; }), "lies on facet"));
   EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.cut_points[0].weight[0] += 0.1; }), "cut point"));
   EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.region_end.pop_back(); }), "number of nodes"));
 }

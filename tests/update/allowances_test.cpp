@@ -402,7 +402,7 @@ TEST(WrappingRadius, pays_for_reading_centres_far_from_the_origin) {
     const double size = 1e-7;
     const Spheref inner{Vec3f(random_vector(random) * size), static_cast<float>(random.uniform(0, size))};
     const Vec3f center(random_vector(random) * size);
-    const Rounding rounding{size, largest_component(origin), 0};
+    const Rounding rounding{size, max_norm(origin), 0};
     ASSERT_TRUE(contains_as_read(origin, {center, wrapped(rounding, center, inner)}, inner)) << round;
   }
 }

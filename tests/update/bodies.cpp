@@ -93,7 +93,7 @@ class TreeMaker {
     const std::vector<Vec3> points = corner_points(patches);
     Box box;
     double largest = 0;
-    for (const Vec3& p : points) box.add(p), largest = std::max(largest, largest_component(p));
+    for (const Vec3& p : points) box.add(p), largest = std::max(largest, max_norm(p));
     const double shift = how_.center_shift * box.diagonal();
     const Vec3 center = box.center() + Vec3{random_.uniform(-shift, shift), random_.uniform(-shift, shift),
                                             random_.uniform(-shift, shift)};

@@ -153,6 +153,10 @@ TEST(UpdateErrors, what_does_not_belong_together_is_refused) {
   refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corners[5] = 0x7fffffff; }, "corner out of range");
   refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin.back() += 1; }, "corners past the end");
   refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin.clear(); }, "no corner offsets");
+  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.patch_facet[3] = 0x7fffffff; }, "patch on no facet");
+  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin[1] = 2; }, "patch of two corners");
+  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.region_end[1] = 0x7fffffff; }, "region beyond the patches");
+  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 1e-11; }, "weights nearly 1");
   refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].vertex[1] = 0x7fffffff; },
          "cut point off the mesh");
   refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 0.5; }, "weights not 1");

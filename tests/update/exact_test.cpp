@@ -30,7 +30,7 @@ Mesh with_positions(const Mesh& mesh, std::vector<Vec3> positions) {
 Built scaled_and_moved(Built built, double factor, const Vec3& offset) {
   for (Sphere& s : built.tree.spheres) {
     s.center = s.center * factor + offset;
-    s.radius = rounded_up_radius(s.radius * factor, largest_component(s.center) + s.radius * factor);
+    s.radius = rounded_up_radius(s.radius * factor, max_norm(s.center) + s.radius * factor);
   }
   return built;
 }

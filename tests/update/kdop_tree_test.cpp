@@ -39,7 +39,7 @@ void expect_tight_cover(const KDopTree& dops, const Specimen& b, const std::vect
   double largest = 0;
   for (const Facet& f : b.mesh.facets)
     for (const std::uint32_t v : f)
-      largest = std::max({largest, largest_component(positions[v] - dops.origin()), largest_component(positions[v])});
+      largest = std::max({largest, max_norm(positions[v] - dops.origin()), max_norm(positions[v])});
   for (std::uint32_t node = 0; node < dops.node_count(); ++node)
     for (std::size_t i = 0; i < dops.directions().size(); ++i) {
       const auto [lower, upper] = extent(b.built, node, dops.directions()[i], dops.origin(), positions);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <morula/geometry/triangle.hpp>
+#include <stdexcept>
+#include <string>
 
 namespace morula::test {
 namespace {
@@ -183,6 +185,8 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
       case Rule::approach2:
         result.now[node] = plain.approach2(node, positions, result.rest, result.now);
         break;
+      default:
+        throw std::invalid_argument("the reference does not know the rule " + std::string(name(rule)));
     }
   }
   return result;

@@ -78,7 +78,7 @@ void require_good(const ContactStatus& status) {
 }
 
 CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
-                            Crossings& crossed, Workers& workers) {
+                            CrossingQuery& crossed, Workers& workers) {
   a.move_to(frame, workers);
   b.move_to(frame, workers);
   CollidedFrame result{.name_a = a.frame_name(frame), .name_b = b.frame_name(frame)};
@@ -95,7 +95,7 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
   result.pair_tests = found.pair_tests;
   result.achieved_level = found.achieved_level.front();
   if (o.exact) {
-    crossings(a.collider(), b.collider(), crossed);
+    crossed.run(a.collider(), b.collider());
     result.exact_microseconds = 1e6 * watch.lap();
     result.crossings.assign(crossed.pairs().begin(), crossed.pairs().end());
   }
@@ -104,9 +104,7 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
 
 int collide_command(const Options& o) {
   const std::vector<Rule> rules = parse_rules(o.rule);
-  if (std::count(rules.begin(), rules.end(), Rule::modal) > 0) {
-    throw UsageError("--rule modal needs the coordinates of a modal model: not offered here");
-  }
+  require_position_rules(rules);
   ContactQuery query = make_query(o);
   const std::string format = extension(o.output);
   if (!o.output.empty()) {
@@ -117,14 +115,13 @@ int collide_command(const Options& o) {
   Workers workers = make_workers(o.threads);
   Side a(o.a, rules, o.sph_origin, workers), b(o.b, rules, o.sph_origin, workers);
   if (o.level) {
-    const std::size_t levels =
-        std::max(a.collider().body().rest_tree().level_count(), b.collider().body().rest_tree().level_count());
+    const std::size_t levels = std::max(a.collider().tree().level_count(), b.collider().tree().level_count());
     if (*o.level >= levels)
       throw UsageError(fmt::format("--level {}: the trees have levels 0 to {}", *o.level, levels - 1));
   }
   query.add(a.collider(), b.collider());
 
-  Crossings crossed;
+  CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {

@@ -31,7 +31,7 @@ RigidTransform parse_placement(const SideFiles& files) {
     if (axis == Vec3{}) throw UsageError(fmt::format("{} '{}': the axis has no direction", option, files.turn));
   }
   // Squares of very long and very short axes would leave the range of double.
-  axis = axis / largest_component(axis);
+  axis = axis / max_norm(axis);
   degrees = std::fmod(degrees, 360);
   return RigidTransform::from_axis(axis, degrees * std::numbers::pi / 180, place);
 }

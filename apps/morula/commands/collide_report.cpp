@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <morula/io/csv.hpp>
 
 #include "shared/figures.hpp"
 #include "shared/files.hpp"

@@ -100,7 +100,7 @@ void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("convert", "Convert between mesh formats, or between tree formats");
   command->add_option("IN", o->input, "Mesh or tree file")->required()->type_name("");
-  command->add_option("OUT", o->output, "Mesh (.obj .off .ply) or tree (.morula .sph .json) file")
+  command->add_option("OUT", o->output, "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json) file")
       ->required()
       ->type_name("");
   command

@@ -9,6 +9,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/rule_levels.hpp>
 #include <optional>
 
 #include "commands/frames.hpp"
@@ -16,7 +17,6 @@
 #include "commands/sphere_output.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
-#include "shared/exact_check.hpp"
 #include "shared/figures.hpp"
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
@@ -61,10 +61,16 @@ std::string why_refused(const UpdateStatus& status) {
     case UpdateStatus::Code::bad_coordinate:
       return fmt::format("coordinate {} is not finite, or moves the body too far for single precision",
                          status.first_bad_coordinate);
+    case UpdateStatus::Code::bad_transform:
+      return fmt::format("the transform of bone {} is not finite, or moves the body too far for single precision",
+                         status.first_bad_transform);
     case UpdateStatus::Code::bad_range:
     case UpdateStatus::Code::needs_coordinates:
+    case UpdateStatus::Code::needs_transforms:
     case UpdateStatus::Code::no_modes:
+    case UpdateStatus::Code::no_skin:
     case UpdateStatus::Code::wrong_coordinate_count:
+    case UpdateStatus::Code::wrong_transform_count:
     case UpdateStatus::Code::ok:
       break;
   }
@@ -92,7 +98,6 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
                       Workers& workers) {
   Outcome outcome;
   outcome.checked = o.check && any_promises_cover(body);
-  Mesh mesh = rest;
   Progress progress(o.measure ? "updating and measuring" : "updating");
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
@@ -105,9 +110,9 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
     }
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
     if (o.measure) {
-      mesh.positions = positions;
       outcome.measured.push_back(
-          {frames.name(i), o.tree, measure(mesh, body.current_tree(), measure_options(rest), workers)});
+          {frames.name(i), o.tree,
+           measure({positions, rest.facets}, body.current_tree(), measure_options(rest), workers)});
     }
     output.write(body);
   }
@@ -119,7 +124,7 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
   const BindReport& bind = body.bind_report();
   Json json{{"mesh", o.mesh},
             {"tree", o.tree},
-            {"motion", o.files.are_modal() ? o.files.coordinates : o.files.motion},
+            {"motion", o.files.moving()},
             {"output", o.output},
             {"rule", describe_rules(body.options().rules, body.rest_tree().level_count())},
             {"frames", outcome.microseconds.size()},
@@ -143,6 +148,9 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
   if (o.files.are_modal()) {
     json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
   }
+  if (o.files.are_skinned()) {
+    json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
+  }
   if (o.measure) json["measured"] = frames_json(outcome.measured);
   if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
   return json;
@@ -151,6 +159,17 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
 void print_measured(const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
   fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
+}
+
+// "exact, wrapped and modal".
+std::string covering_rules() {
+  std::vector<std::string_view> names;
+  for (const RuleTraits& row : rule_table) {
+    if (row.covers) names.push_back(row.name);
+  }
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
 void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome,
@@ -179,9 +198,8 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
-  const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
-  if (!std::all_of(rules.begin(), rules.end(), covers)) {
-    fmt::print("note         rules other than exact, wrapped and modal may leave surface bare: {} says how much\n",
+  if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
+    fmt::print("note         rules other than {} may leave surface bare: {} says how much\n", covering_rules(),
                o.measure ? "the table" : "--measure");
   }
   fmt::print("written      {}\n", output.name());
@@ -194,22 +212,23 @@ UpdateOptions update_options(const Options& o) {
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
                         .conservative = o.conservative,
                         .details = parse_rule_details(o.details)};
-  if (!o.files.are_modal() && std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0) {
-    throw UsageError("--rule modal needs a modal model: give --modes and --coords instead of MOTION");
-  }
   return options;
 }
 
-int update_command(const Options& o) {
+int update_command(const Options& given) {
+  Options o = given;
   require_frames(o.files);
   UpdateOptions options = update_options(o);
+  require_rules_followed(options.rules, o.files);
   const std::string format = sphere_format(o.format, o.output);
   Workers workers = make_workers(o.threads);
   const Mesh mesh = read_mesh(o.mesh);
   Frames frames(o.files, mesh);
   options.modes = frames.take_modes();
-  require_sphere_output(o.output, format, frames.count(),
-                        {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates});
+  options.skin = frames.take_skin();
+  require_sphere_output(
+      o.output, format, frames.count(),
+      {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin, o.files.transforms});
   const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   if (options.rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
@@ -242,7 +261,10 @@ void add_update(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   command
-      ->add_option("MOTION", o->files.motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
+      ->add_option(
+          "MOTION", o->files.motion,
+          "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, or .gltf and .glb, whose animation is "
+          "played")
       ->type_name("");
   command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")
@@ -251,6 +273,18 @@ void add_update(CLI::App& app, Run& run) {
       ->type_name("FILE");
   command->add_option("--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
       ->type_name("FILE");
+  command->add_option("--skin", o->files.skin, "Instead of MOTION: weights, a .npy of shape (vertices, bones); or glTF")
+      ->type_name("FILE");
+  command
+      ->add_option("--transforms", o->files.transforms,
+                   "Of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
+      ->type_name("FILE");
+  command->add_option("--fps", o->files.animation.frames_per_second, "Of glTF: frames a second; default: 30")
+      ->type_name("RATE")
+      ->transform(number_above_zero());
+  command->add_option("--animation", o->files.animation.animation, "Of glTF: which animation, counted from 0")
+      ->type_name("N")
+      ->transform(whole_number(0, 1000000));
   command
       ->add_option("--rule", o->rule,
                    fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",

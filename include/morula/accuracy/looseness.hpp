@@ -43,14 +43,15 @@ struct Looseness {
 /// spheres: one level set, at least one sphere. Same bits for any number of workers. Error O(voxel edge × area).
 /// Cost: O(F × columns per facet + spheres × columns per sphere), bits along columns; memory is bounded by one strip of
 /// columns per worker. Throws std::invalid_argument for a bad grid, bad spheres and coordinates that are not finite.
-Looseness looseness(const Mesh& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid = {},
+Looseness looseness(const MeshView& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid = {},
                     Workers& workers = serial_workers());
 
-/// For many frames of one mesh: `mesh.positions` replaced by deformed ones.
+/// For many frames of one mesh.
 class LoosenessMeter {
  public:
-  explicit LoosenessMeter(const Mesh& mesh);  ///< inspects connectivity once; borrows nothing
-  Looseness measure(std::span<const Vec3> positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
+  explicit LoosenessMeter(const MeshView& mesh);  ///< inspects connectivity once; borrows nothing
+  /// positions: one per vertex, at rest or deformed.
+  Looseness measure(const PositionView& positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
                     Workers& workers = serial_workers()) const;
   /// Inside and outside are well defined: closed and consistently oriented.
   bool has_volume() const { return closed_ && oriented_; }

@@ -27,7 +27,7 @@ struct MeasureOptions {
 };
 
 /// One entry per level. tree: in mesh coordinates, at rest or of a frame whose positions the mesh has.
-std::vector<LevelMeasure> measure(const Mesh& mesh, const SphereTree& tree, const MeasureOptions& options = {},
+std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options = {},
                                   Workers& workers = serial_workers());
 
 }  // namespace morula

@@ -1,61 +1,91 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One side of a collision query: a body, where it is, and what queries need of it beside its spheres.
+// Collider: one side of a collision query. A posed tree, where it is, and the surface that its nodes own.
 #pragma once
 
+#include <morula/geometry/mesh.hpp>
 #include <morula/geometry/rigid_transform.hpp>
+#include <morula/geometry/status.hpp>
 #include <morula/geometry/triangle.hpp>
+#include <morula/tree/cover.hpp>
+#include <morula/tree/posed_tree.hpp>
 #include <morula/update/body.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace morula {
 
-/// Borrows mesh and body: both must outlive it, at the same addresses. Made once per body and ownership: a
-/// RefittedBody needs another collider when its epoch changes.
+/// Borrows the body's state or the pose, the mesh's arrays and the cover. All of them must outlive it; all of them may
+/// be moved meanwhile, with whatever holds them. Made once per tree and cover: a rebuilding body needs another collider
+/// when its epoch changes.
 class Collider {
  public:
-  /// body must have been made from mesh. Throws std::invalid_argument when their sizes differ.
+  /// A body with its surface. It must have been made from mesh. Throws std::invalid_argument when their sizes differ.
   /// Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
   Collider(const Mesh& mesh, const Body& body);
+  /// A pose with the surface that it goes with: a copy of a body's pose, for one. Facets need set_positions().
+  Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose);
+  /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
+  explicit Collider(const PosedTree& pose);
 
   /// Where the body is from now on, on top of its deformation: x ↦ placement(x). Throws std::invalid_argument unless
   /// all is finite and deviation_from_rigid(placement) ≤ largest_rigid_deviation; nothing has changed then.
   void place(const RigidTransform& placement);
   const RigidTransform& placement() const { return placement_; }
 
-  /// The positions that the body's last update was given. The view's data is borrowed until the next update; needed
-  /// only by what looks at facets, and refused there when the body has been updated since. A body at rest that was
-  /// never updated needs none: the mesh's serve. Throws std::invalid_argument for a wrong count.
+  /// The vertices of the present frame, for a pose that does not know them: spheres of the caller's own, or a body that
+  /// follows coordinates alone. A body that was given positions needs no call: they are read where it keeps the view.
+  /// The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
   void set_positions(const PositionView& positions);
-  /// In the body's own frame: as they were given, not placed.
-  const PositionView& positions() const { return positions_; }
-  /// Those of the body's present frame?
-  bool has_current_positions() const { return positions_frame_ == body_->frame(); }
+  /// In the body's own frame: as they were given, not placed. At rest the mesh's.
+  const PositionView& positions() const {
+    if (given_ && given_frame_ == pose_->frame) return *given_;
+    return pose_->positions ? *pose_->positions : *rest_;
+  }
+  /// Are positions() those of the present frame?
+  bool has_current_positions() const {
+    return has_surface() && (pose_->positions || pose_->frame == 0 || (given_ && given_frame_ == pose_->frame));
+  }
 
-  const Body& body() const { return *body_; }
-  const Mesh& mesh() const { return *mesh_; }
+  const PosedTree& pose() const { return *pose_; }
+  const SphereTree& tree() const { return *pose_->tree; }
 
+  /// Does it know facets?
+  bool has_surface() const { return cover_ != nullptr; }
+  /// Which part of the surface each node owns. Only with a surface.
+  const Cover& cover() const { return *cover_; }
+  /// The mesh's facets; none without a surface.
+  std::span<const Facet> mesh_facets() const { return mesh_facets_; }
+  std::size_t vertex_count() const { return rest_ ? rest_->size() : 0; }
+  /// Facets and positions(), not placed. Only with a surface.
+  MeshView surface() const { return {positions(), mesh_facets_}; }
   /// Facets of which the node's region has a part. A leaf's are ascending, each once; an inner node's are those of the
-  /// leaves below it, one leaf after the other.
+  /// leaves below it, one leaf after the other. None without a surface.
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
+    if (facet_begin_.empty()) return {};
     return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
   /// A vertex where it is now: position, then placement, each rounded to double. These numbers are what exact verdicts
   /// are about.
-  Vec3 vertex(std::uint32_t index) const { return placement_(positions_[index]); }
+  Vec3 vertex(std::uint32_t index) const { return placement_(positions()[index]); }
   Triangle triangle(std::uint32_t facet) const {
-    const Facet& f = mesh_->facets[facet];
+    const Facet& f = mesh_facets_[facet];
     return {vertex(f[0]), vertex(f[1]), vertex(f[2])};
   }
 
  private:
-  const Mesh* mesh_;
-  const Body* body_;
+  const PosedTree* pose_;
+  const Cover* cover_ = nullptr;
+  std::span<const Facet> mesh_facets_{};
   RigidTransform placement_{};
-  PositionView positions_;
-  std::uint64_t positions_frame_ = 0;
+  std::optional<PositionView> rest_{}, given_{};
+  std::uint64_t given_frame_ = 0;
   std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
 };
+
+/// May queries that look at facets ask this body? ok, or one of the faults of bodies.
+/// body: which one, for the status.
+Status askable(const Collider& collider, std::uint8_t body = 0);
 
 }  // namespace morula

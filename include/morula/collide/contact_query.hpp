@@ -10,29 +10,11 @@
 
 namespace morula {
 
-struct ContactStatus {
-  enum class Code : std::uint8_t {
-    ok,
-    body_not_current,       ///< the last update of a body was refused
-    body_not_complete,      ///< a lazy update left nodes of a body behind, and there is no CollideOptions::reach
-    positions_not_current,  ///< facets are asked for, and Collider::set_positions has not seen the last update
-    no_front,               ///< nothing was started
-    other_bodies,           ///< the front is of another number of bodies, or of another ownership
-    other_frame,            ///< a body was updated: carry() the front
-    other_placement,        ///< a body was placed elsewhere: carry() the front
-    other_options,          ///< the front is of another margin or level
-    bad_front,              ///< one from set_front() has indices out of range
-    bad_level,              ///< both trees of a pair have fewer levels
-  };
-  Code code = Code::ok;
-  std::uint32_t bodies = 0;  ///< which pair, where it is about one
+/// Refused, or how far it came.
+struct ContactStatus : Status {
   bool finished = false;
   std::size_t pair_tests = 0;  ///< done by this call
-
-  explicit operator bool() const { return code == Code::ok; }
 };
-/// In words, with the remedy.
-std::string message(const ContactStatus& status);
 
 /// Holds pairs of bodies, the front and all memory: a call allocates nothing once that suffices. All pairs share one
 /// queue and one budget. A call that is refused changes nothing.
@@ -54,7 +36,14 @@ class ContactQuery {
   void set_options(CollideOptions options);
   const CollideOptions& options() const;
 
-  /// From the roots.
+  /// Does what the first call would do beside answering: memory, tables of the bodies. The first call is then as quick
+  /// as later ones. Keeps no front and no contacts. Cost: a whole query.
+  Status warm_up(Workers& workers = serial_workers());
+
+  /// All contacts of the pairs as they are now, and no front: the quickest way to a whole answer. Of each pair in turn,
+  /// depth-first, by the nodes of b, then of a. With a budget, or `reach`, as start() finds them.
+  ContactStatus run(Workers& workers = serial_workers());
+  /// From the roots, with a front that resume() and carry() go on from.
   ContactStatus start(Workers& workers = serial_workers());
   /// Goes on where the front ends, with a new budget. Refused when a body was updated or placed elsewhere.
   ContactStatus resume(Workers& workers = serial_workers());
@@ -66,6 +55,13 @@ class ContactQuery {
 
   /// Of the last call that was not refused.
   const Contacts& contacts() const;
+  /// The same, moved out of the query, which has none then.
+  Contacts take_contacts();
+  /// Of any contact of contacts(), also one that is not finished, which may take as long as the whole query: all facets
+  /// of both nodes are looked at. Refused as run() is with `surfaces`: throws std::invalid_argument then, and for a
+  /// contact that is none. Of current colliders.
+  ContactSurface surface(std::size_t contact);
+
   const Front& front() const;
   /// Takes the place of the query's own; resume() and carry() check it.
   void set_front(Front front);

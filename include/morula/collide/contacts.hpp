@@ -3,11 +3,10 @@
 // Where two bodies touch: sphere contacts, at the leaves or at a level, at once or as far as a budget reaches.
 #pragma once
 
-#include <chrono>
-#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <morula/collide/budget.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
@@ -19,7 +18,7 @@ namespace morula {
 
 /// A pair of nodes, one of each body, whose spheres overlap or are no farther apart than the margin.
 struct Contact {
-  std::uint32_t bodies = 0;  ///< which pair of bodies, of a query about several
+  std::uint32_t pair = 0;  ///< which pair of bodies, of a query about several
   std::uint32_t node_a = 0, node_b = 0;
   /// Both nodes are final: leaves or on the level asked for. Otherwise the budget ended before the pair was looked
   /// into; there may be any number of contacts below it, or none.
@@ -53,40 +52,12 @@ struct MutualContainment {
   Containment a_in_b, b_in_a;
 };
 
-/// How much work a query may do.
-class Budget {
- public:
-  /// All there is to do.
-  Budget() = default;
-  /// Pair tests. The result has the same bits for any number of workers.
-  template <std::integral Count>
-  Budget(Count pair_tests) : unit_(Unit::tests), amount_(static_cast<std::int64_t>(pair_tests)) {}
-  /// Time from the call on, by CollideOptions::clock.
-  template <std::integral Rep, class Period>
-  Budget(std::chrono::duration<Rep, Period> time)
-      : unit_(Unit::time), amount_(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()) {}
-
-  bool is_unlimited() const { return unit_ == Unit::none; }
-  bool is_time() const { return unit_ == Unit::time; }
-  bool is_tests() const { return unit_ == Unit::tests; }
-  std::int64_t tests() const { return amount_; }
-  std::chrono::nanoseconds time() const { return std::chrono::nanoseconds(amount_); }
-
- private:
-  enum class Unit : std::uint8_t { none, tests, time };
-  Unit unit_ = Unit::none;
-  std::int64_t amount_ = 0;
-};
-
 /// Which pair is looked into next, when there is a budget.
 enum class Priority : std::uint8_t {
   level,       ///< the coarsest, all bodies in turn: contacts become equally fine
   overlap,     ///< that of the deepest overlap, as a share of both radii
   importance,  ///< the same times the weight of the bodies
 };
-
-/// Monotone; called from the thread of the query alone.
-using Clock = std::function<std::chrono::nanoseconds()>;
 
 struct CollideOptions {
   /// Contacts at this level set of both trees; nothing: at the leaves. Below the level count of one of the trees.
@@ -95,8 +66,8 @@ struct CollideOptions {
   Budget budget{};    ///< not negative
   Priority priority = Priority::overlap;
   // The next three need current positions of both bodies (Collider::set_positions).
-  bool surfaces = false;     ///< fill Contacts::surfaces; of a budget of time the search gets half then
-  bool exact = false;        ///< fill Contacts::crossings; on top of any budget
+  bool surfaces = false;  ///< fill Contacts::surfaces; of a budget of time the search gets half then, of pair tests all
+  bool exact = false;     ///< fill Contacts::crossings; on top of any budget
   bool containment = false;  ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
   Clock clock{};             ///< of a budget of time; none: std::chrono::steady_clock
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
@@ -105,28 +76,11 @@ struct CollideOptions {
   std::function<bool(const Collider& collider, std::uint32_t node)> reach{};
 };
 
-/// Memory that a query uses again. A copy is empty.
-class ContactScratch {
- public:
-  ContactScratch();
-  ContactScratch(const ContactScratch&);
-  ContactScratch(ContactScratch&&) noexcept;
-  ContactScratch& operator=(const ContactScratch&);
-  ContactScratch& operator=(ContactScratch&&) noexcept;
-  ~ContactScratch();
-
-  struct State;
-  State& state();  ///< made on first use
-
- private:
-  std::unique_ptr<State> state_;
-};
-
 struct Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
-  /// When asked for: of the first contacts. That is all of them, or under a budget of time the finished ones, as far as
-  /// it reaches.
+  /// When asked for: of the first contacts. That is all of them without a budget, else the finished ones, of a budget
+  /// of time as far as it reaches. ContactQuery::surface() tells those of others.
   std::vector<ContactSurface> surfaces;
   /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
   /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
@@ -139,20 +93,16 @@ struct Contacts {
   std::size_t pair_tests = 0;                  ///< done by this call
   /// Per pair of bodies: no pair is above this level set of both trees.
   std::vector<std::uint32_t> achieved_level;
-
-  ContactScratch scratch;
 };
 
-/// Contacts of two bodies.
+/// Contacts of two bodies, once. What asks every frame keeps a ContactQuery, which keeps its memory.
 ///
-/// Sound where the spheres cover (rules exact, wrapped, modal, or conservative): surfaces that cross, or come as near
-/// as the margin, do so within a pair that is reported, with or without a budget. Order: depth-first, by the nodes of
-/// b, then of a, when there is no budget; else as found, the same every time for a budget of pair tests.
+/// Sound where the spheres cover (PosedTree::covers): surfaces that cross, or come as near as the margin, do so within
+/// a pair that is reported, with or without a budget. Order: depth-first, by the nodes of b, then of a, when there is
+/// no budget; else as found, the same every time for a budget of pair tests.
 ///
 /// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or surfaces,
-/// crossings or containment are asked for without current positions; `reused` is unchanged then. A reused result
-/// allocates nothing once its memory suffices.
+/// crossings or containment are asked for without current positions.
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
-void collide(const Collider& a, const Collider& b, const CollideOptions& options, Contacts& reused);
 
 }  // namespace morula

@@ -10,19 +10,19 @@
 namespace morula {
 
 struct PointLocation {
-  QueryStatus status;
+  Status status;
   bool inside = false;      ///< the solid contains the point; its surface belongs to it
   bool on_surface = false;  ///< exactly on a facet
   /// How often the surface winds around the point: 1 inside a body whose facets look outwards, more where it overlaps
   /// itself, negative where it is turned inside out. 0 on the surface, and in bodies that are not oriented.
   int winding = 0;
-  bool certified = false;  ///< spheres_cover() the body; else facets may have been missed
+  bool certified = false;  ///< PosedTree::covers of the body; else facets may have been missed
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
 /// A ball that knows its side of the surface.
 struct Probe {
-  QueryStatus status;
+  Status status;
   bool inside = false;     ///< the centre is inside
   bool touches = false;    ///< depth is 0 or more
   double distance = 0;     ///< from the centre to the surface, negative inside
@@ -33,7 +33,7 @@ struct Probe {
 
 /// How many components of a body are in another.
 struct Containment {
-  QueryStatus status;
+  Status status;
   std::vector<std::uint8_t> inside;  ///< per component: 1 inside (or on the surface), 0 outside
   std::size_t inside_count = 0;
   bool certified = false;
@@ -44,7 +44,7 @@ struct Containment {
 
 /// Pieces of surface that are connected by shared vertices: the lowest vertex of each that a facet uses, ascending.
 /// They hang on the facets alone, so deformation does not change them. Cost: linear in vertices and facets, nearly.
-std::vector<std::uint32_t> component_vertices(const Mesh& mesh);
+std::vector<std::uint32_t> component_vertices(const MeshView& mesh);
 
 /// Inside is where the surface winds around a point: any number of times but 0. So overlapping parts count as inside,
 /// and a shell within a shell is a cavity when it is turned inwards. A closed surface that is not oriented has no
@@ -56,11 +56,11 @@ std::vector<std::uint32_t> component_vertices(const Mesh& mesh);
 /// through edges and corners, it stands for a line next to it, the same one for all facets. Signs are exact
 /// [shewchuk1997], so nothing is counted twice or missed, and no direction is unlucky.
 /// Cost: that of the spheres the half line meets and of the facets in their leaves; 15 us on a body of 5,760 facets.
-class InsideTest {
+class InsideQuery {
  public:
   /// Borrows the collider; follows its placement and positions. Made once per mesh: O(F log F).
   /// Throws std::invalid_argument for an open surface, which has no inside, saying how many edges are bare.
-  explicit InsideTest(const Collider& body);
+  explicit InsideQuery(const Collider& body);
 
   /// No allocation once warm. A point that is not finite is refused.
   PointLocation locate(const Vec3& point);
@@ -79,7 +79,7 @@ class InsideTest {
   const Collider* body_;
   bool is_oriented_;
   std::vector<std::uint32_t> facets_;
-  Touch touch_;
+  TouchQuery touch_;
 };
 
 }  // namespace morula

@@ -6,18 +6,20 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <morula/collide/query_status.hpp>
+#include <morula/collide/budget.hpp>
+#include <morula/collide/collider.hpp>
 #include <morula/geometry/surface_point.hpp>
 
 namespace morula {
 
 struct DistanceOptions {
-  static constexpr std::size_t no_budget = std::numeric_limits<std::size_t>::max();
   /// Down to the nearest pair of facets. false: the lower bound is that of the leaf spheres, and only the facets of the
   /// nearest pair of leaves are looked at.
   bool exact = true;
-  double tolerance = 0;            ///< stop when upper - lower is not more
-  std::size_t budget = no_budget;  ///< stop after so many pair tests, of spheres or facets, and those of one leaf
+  double tolerance = 0;  ///< stop when upper - lower is not more
+  /// Stop after so many pair tests, of spheres or facets, and those of one leaf; or after some time, by `clock`, looked
+  /// at before each leaf and every 64 tests.
+  Budget budget{};
   /// "Tell me only if nearer than": stop when lower is above.
   double only_within = std::numeric_limits<double>::infinity();
   /// "Tell me as soon as you know that they are as near as this": stop when upper is not above.
@@ -26,10 +28,11 @@ struct DistanceOptions {
   /// to the end keep their upper bound and points to the bit, and their lower bound but for rounding; answers that end
   /// early (budget, tolerance, thresholds, surfaces that cross) may be others.
   bool warm_start = true;
+  Clock clock{};  ///< of a budget of time; none: std::chrono::steady_clock
 };
 
 struct DistanceBounds {
-  QueryStatus status;
+  Status status;
   /// lower <= distance <= upper, in real numbers, of the surfaces with the vertices of Collider::vertex. Both 0 when a
   /// facet of one meets a facet of the other (exact verdict).
   double lower = 0, upper = 0;
@@ -38,7 +41,7 @@ struct DistanceBounds {
   bool crossing = false;   ///< a facet of one meets a facet of the other
   bool farther = false;    ///< proved to be farther apart than only_within
   bool complete = false;   ///< ended as asked: the nearest facets, the tolerance, a threshold; false: by the budget
-  bool certified = false;  ///< spheres_cover() both; else lower is not a proof
+  bool certified = false;  ///< PosedTree::covers of both; else lower is not a proof
   std::size_t sphere_tests = 0, facet_tests = 0;  ///< work done
 };
 
@@ -46,7 +49,7 @@ struct DistanceBounds {
 ///
 /// Best first over pairs of nodes: the pair of spheres that may be nearest is split next, of its larger sphere. The
 /// distance is that of the surfaces: a body inside another without contact is as far as its walls are. The interior is
-/// asked for by InsideTest. Open surfaces are as good as closed ones.
+/// asked for by InsideQuery. Open surfaces are as good as closed ones.
 /// Cost: 15...30 ns per test of spheres, about 0.5 us per pair of facets; memory 16 bytes per pair waiting and 120 per
 /// facet looked at.
 class DistanceQuery {
@@ -57,7 +60,7 @@ class DistanceQuery {
   DistanceQuery& operator=(DistanceQuery&&) noexcept;
 
   /// A fault is reported in the status; lower is then 0, upper infinite and nothing else is set.
-  DistanceBounds operator()(const Collider& a, const Collider& b, const DistanceOptions& options = {});
+  DistanceBounds run(const Collider& a, const Collider& b, const DistanceOptions& options = {});
 
  private:
   struct State;

@@ -29,17 +29,18 @@ struct Front {
     bool operator==(const Side&) const = default;
   };
   enum class Verdict : std::uint8_t { untested, separated, overlapping };
-  struct Bodies {
+  struct Pair {
     Side a, b;
     Verdict roots = Verdict::untested;
     std::uint32_t opened_roots = none;  ///< in `opened`
     std::array<Vec3, 3> rows;           ///< from b's local frame to a's
     Vec3 translation;
+    double pad = 0;       ///< what pair tests add to the radii, margin included: more when far from the origin
     double rounding = 0;  ///< verdicts on pairs that are nearer to touching than this may change by rounding alone
-    bool operator==(const Bodies&) const = default;
+    bool operator==(const Pair&) const = default;
   };
   struct Opened {
-    std::uint32_t bodies, a, b, depth;
+    std::uint32_t pair, a, b, depth;
     std::uint32_t first_mask;                ///< one per node below b; bit i: the i-th below a overlaps it
     std::uint32_t first_below, next_beside;  ///< opened pairs below this one, in a list
     double clearance, travelled;             ///< the verdicts hold while a and b travel less, from here
@@ -48,7 +49,7 @@ struct Front {
   struct Waiting {
     float priority;
     std::uint32_t order;  ///< of finding: among equals, first come, first served
-    std::uint32_t bodies, a, b, depth;
+    std::uint32_t pair, a, b, depth;
     std::uint32_t above;   ///< the opened pair that this one is below, or none
     std::uint32_t before;  ///< where it was opened in the previous frame, for the query that made it
     bool operator==(const Waiting&) const = default;
@@ -56,7 +57,7 @@ struct Front {
 
   std::uint32_t level = none;  ///< none: the leaves
   double margin = 0;
-  std::vector<Bodies> bodies;
+  std::vector<Pair> pairs;
   std::vector<Opened> opened;
   std::vector<std::uint64_t> masks;
   std::vector<Waiting> waiting;  ///< overlapping, not opened
@@ -68,7 +69,7 @@ struct Front {
 /// A pair of the cut.
 struct FrontPair {
   enum class State : std::uint8_t { separated, finished, waiting };
-  std::uint32_t bodies, a, b;
+  std::uint32_t pair, a, b;
   State state;
   bool operator==(const FrontPair&) const = default;
 };

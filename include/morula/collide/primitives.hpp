@@ -3,12 +3,12 @@
 // Simple shapes against a body: a floor, a tool, a haptic probe, a picking ray.
 //
 // All of these are about the body's surface, not its interior: a sphere that floats inside a closed body without
-// reaching a wall touches nothing. What is inside, InsideTest tells (containment.hpp). Open surfaces are as good as
+// reaching a wall touches nothing. What is inside, InsideQuery tells (containment.hpp). Open surfaces are as good as
 // closed ones. Shapes are in the world; a body is where its collider is placed.
 #pragma once
 
 #include <limits>
-#include <morula/collide/query_status.hpp>
+#include <morula/collide/collider.hpp>
 #include <morula/geometry/surface_point.hpp>
 #include <vector>
 
@@ -42,15 +42,14 @@ struct TouchingFacet {
   Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's centre, into the body
 };
 
-/// Reused from query to query, it allocates nothing once its lists have grown.
 struct Touch {
-  QueryStatus status;
+  Status status;
   bool found = false;    ///< `deepest` is filled: something within the margin, or with `nearest` anything
   bool touches = false;  ///< the depth found, in double, is -margin or more
   /// Proof that no point of the surface is within the margin. Where the surface only just touches, up to rounding, both
   /// may be false.
   bool clear = false;
-  bool certified = false;  ///< spheres_cover() the body; else `clear` and `lower` are no proofs
+  bool certified = false;  ///< PosedTree::covers of the body; else `clear` and `lower` are no proofs
   /// The surface's signed distance to the shape (negative inside) is lower or more. Near the depth found, or above the
   /// margin when `clear`; with `any` looser.
   double lower = 0;
@@ -60,12 +59,20 @@ struct Touch {
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
-/// Fills `result`; false when refused, which its status explains. Cost: that of the spheres and facets met, some 15 ns
-/// and 50...300 ns each; docs/distance.md has medians.
-bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result);
-bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result);
-bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result);
-/// The same with a result of its own. Throws std::invalid_argument, in words, for what is refused.
+/// Touch query: asks again and again; a run allocates nothing once its lists have grown. Cost: that of the spheres and
+/// facets met, some 15 ns and 50...300 ns each; docs/distance.md has medians.
+class TouchQuery {
+ public:
+  /// The result stays until the next run; its status says what was refused.
+  const Touch& run(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
+  const Touch& run(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
+  const Touch& run(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
+  const Touch& result() const { return result_; }
+
+ private:
+  Touch result_;
+};
+/// The same, once. Throws std::invalid_argument, in words, for what is refused.
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
@@ -77,22 +84,28 @@ struct Ray {
 };
 
 struct RayHit {
-  QueryStatus status;
+  Status status;
   bool hit = false;        ///< false: proof that the ray misses, when `certified`
-  bool certified = false;  ///< spheres_cover() the body
+  bool certified = false;  ///< PosedTree::covers of the body
   double t = 0;            ///< in lengths of the direction
   SurfacePoint point{};    ///< the lowest facet of those hit at the same t
   Vec3 normal{};           ///< of the facet, unit, outward; against the direction where the ray enters; 0 without area
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
-/// The first facet that the ray hits.
+/// Ray query: the first facet that the ray hits.
 ///
 /// Watertight [woop2013]: facets are sheared so that the ray becomes an axis, each vertex to the same double
 /// coordinates for all its facets, and there the sides of edges are decided exactly, edges and corners included. So no
 /// ray slips through between facets that share them; it hits the surface with vertices moved by less than 2^-48 of
 /// their largest |coordinate|. A facet seen edge-on is hit only where its neighbours are. Cost: 15 ns per sphere, 40 ns
 /// per facet.
+class RayQuery {
+ public:
+  /// A fault is reported in the status. No allocation.
+  RayHit run(const Collider& body, const Ray& ray) const;
+};
+/// The same, once. Throws std::invalid_argument, in words, for what is refused.
 RayHit first_hit(const Collider& body, const Ray& ray);
 
 }  // namespace morula

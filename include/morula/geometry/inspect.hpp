@@ -3,6 +3,7 @@
 // What a mesh is, before anything is asked of it.
 #pragma once
 
+#include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/mesh.hpp>
 
 namespace morula {
@@ -34,6 +35,8 @@ struct MeshReport {
 };
 
 /// Cost: O(F log F), about a second for a million facets.
-MeshReport inspect(const Mesh& mesh);
+MeshReport inspect(const MeshView& mesh);
+/// The same, when the connectivity is there already.
+MeshReport inspect(const MeshView& mesh, const Connectivity& connectivity);
 
 }  // namespace morula

@@ -12,7 +12,7 @@ namespace morula {
 
 /// `count` points spread over the surface, area-proportional and stratified (one low-discrepancy sequence over the
 /// facets laid end to end by area). Facets of no area get none. Same seed, same points.
-std::vector<SurfacePoint> sample_surface(const Mesh& mesh, std::size_t count, std::uint64_t seed = 1);
+std::vector<SurfacePoint> sample_surface(const MeshView& mesh, std::size_t count, std::uint64_t seed = 1);
 
 /// `count` nearly uniform unit directions (Fibonacci lattice).
 std::vector<Vec3> fibonacci_directions(std::size_t count);

@@ -18,18 +18,23 @@
 
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
-#include <span>
 
 namespace morula {
 
 inline constexpr double least_usable_scale = 0x1p-100;    ///< about 8e-31
 inline constexpr double greatest_usable_scale = 0x1p100;  ///< about 1e30
 
+/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centres
+/// that lie outside the hull of their anchors.
+inline constexpr float largest_local_coordinate = 0x1p57f;
+/// So does the origin stay below this: what reading at such coordinates costs, 2^-48 of them, is then below 2^52.
+inline constexpr double largest_origin_coordinate = 0x1p100;
+/// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
+inline constexpr float largest_radius = 0x1p60f;
+
 /// Throws std::invalid_argument, with the remedy, unless the largest |coordinate| of the vertices that facets use is 0
 /// or in the range. The mesh must have passed require_usable.
-void require_usable_scale(const Mesh& mesh);
-/// The same for positions of a frame. facets: of their mesh.
-void require_usable_scale(std::span<const Facet> facets, std::span<const Vec3> positions);
+void require_usable_scale(const MeshView& mesh);
 /// Is it finite, and are all its numbers within the upper end? Small spheres, and radii of 0, are usable.
 bool has_usable_scale(const Sphere& sphere);
 

@@ -88,7 +88,7 @@ bool is_finite(const Vector3<Scalar>& a) {
 }
 /// Largest of |x|, |y|, |z|.
 template <class Scalar>
-Scalar largest_component(const Vector3<Scalar>& a) {
+Scalar max_norm(const Vector3<Scalar>& a) {
   return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
 }
 

@@ -83,4 +83,7 @@ class PowerDiagram {
   std::vector<Node> nodes_;
 };
 
+/// The same as PowerDiagram::least_growth for a few spheres, without an index. spheres: at least one.
+PowerDiagram::Growth least_growth(std::span<const Sphere> spheres, std::span<const Vec3> points);
+
 }  // namespace morula

@@ -3,6 +3,7 @@
 // Signed distance to a mesh: negative inside.
 #pragma once
 
+#include <morula/geometry/connectivity.hpp>
 #include <morula/query/triangle_bvh.hpp>
 
 namespace morula {
@@ -20,9 +21,9 @@ class SignedDistance {
   /// Chooses pseudo_normal when the mesh is closed, oriented and manifold, and at a thousand facets spread over it one
   /// side is inside and the other outside (shells that overlap, or nest without turning, fail here); else
   /// winding_number. An inside-out closed mesh is recognised by its negative volume and read the right way round.
-  /// Cost: that of the index and of inspect().
-  explicit SignedDistance(const Mesh& mesh, Workers& workers = serial_workers());
-  SignedDistance(const Mesh& mesh, SignMethod method, Workers& workers = serial_workers());
+  /// Copies what it needs; the mesh may go. Cost: that of the index and of inspect().
+  explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
+  SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());
 
   /// p must be finite, and nearer than 2^200 to the origin along each axis; what is not is NaN away.
   double operator()(const Vec3& p) const { return at(p).distance; }
@@ -44,9 +45,9 @@ class SignedDistance {
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  SignedDistance(const Mesh& mesh, const SignMethod* method, Workers& workers);
+  SignedDistance(const MeshView& mesh, const SignMethod* method, Workers& workers);
   bool separates_sides() const;
-  void prepare_normals(const Mesh& mesh, Workers& workers);
+  void prepare_normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers);
   bool decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const;
 
   TriangleBvh bvh_;

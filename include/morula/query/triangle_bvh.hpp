@@ -25,7 +25,7 @@ class TriangleBvh {
  public:
   /// Copies what it needs; the mesh may go. Same tree for any number of workers. Throws std::invalid_argument unless
   /// the mesh has a usable scale (geometry/scale.hpp). Cost: O(F log F).
-  explicit TriangleBvh(const Mesh& mesh, Workers& workers = serial_workers());
+  explicit TriangleBvh(const MeshView& mesh, Workers& workers = serial_workers());
   ~TriangleBvh();
   TriangleBvh(TriangleBvh&&) noexcept;
   TriangleBvh& operator=(TriangleBvh&&) noexcept;

@@ -106,8 +106,13 @@ struct Certificate {
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers = serial_workers());
 
+/// Every violated promise of a cover's arrays, in words: sizes, indices, weights of cut points, regions that are not
+/// the disjoint union of their children's. Looks at no mesh. Where an array cannot be read further, the first fault
+/// alone. The tree must have passed validate(tree). Readers, writers and bodies ask the same.
+std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
+
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. Empty: all hold.
-std::vector<std::string> validate(const Mesh& mesh, const Built& built);
+std::vector<std::string> validate(const MeshView& mesh, const Built& built);
 
 }  // namespace morula

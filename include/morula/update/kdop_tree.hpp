@@ -40,6 +40,11 @@ class KDopTree {
   std::span<const float> lower(std::uint32_t node) const;
   std::span<const float> upper(std::uint32_t node) const;
   Vec3 origin() const;
+  /// Spheres around the k-DOPs' boxes, over the same tree, as queries ask them: they cover. Looser than a Body's, since
+  /// a sphere around a box is; what they are for is asking k-DOPs the questions that bodies are asked.
+  PosedSpheres posed() const;
+  /// The same for the present frame, into those of an earlier one. No allocation.
+  void pose(PosedSpheres& spheres) const;
   /// 64-bit FNV-1a over origin and bounds.
   std::uint64_t hash() const;
 

@@ -36,29 +36,23 @@ FloatBox box_of_meeting(const BoxList& boxes, const FloatBox& box) {
   return found;
 }
 
+constexpr BoxKernels kernels{select, box_of_meeting};
+
 }  // namespace plain
 
 #define MORULA_KERNELS "collide/facets/box_kernels.inl"
 #include "simd/every_processor.inl"
 
+constexpr KernelTable<BoxKernels> table{MORULA_EVERY_KIND(kernels)};
+
 }  // namespace
 
 std::span<const BoxKernels> all_box_kernels() {
-  static constexpr BoxKernels all[]{
-      {"plain", plain::select, plain::box_of_meeting},
-#ifdef MORULA_VECTORS
-      {"four lanes", baseline::select, baseline::box_of_meeting},
-#endif
-#ifdef MORULA_DISPATCH
-      {"AVX2", avx2::select, avx2::box_of_meeting},
-      {"AVX-512", avx512::select, avx512::box_of_meeting},
-#endif
-  };
-  return std::span(all).first(runnable_kinds());
+  return table.runnable();
 }
 
 const BoxKernels& box_kernels() {
-  return all_box_kernels().back();
+  return table.widest();
 }
 
 }  // namespace morula

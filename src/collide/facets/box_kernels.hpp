@@ -41,7 +41,6 @@ struct BoxList {
 inline constexpr std::size_t box_list_step = 16;
 
 struct BoxKernels {
-  const char* name;
   /// Indices of the boxes that meet the given one, ascending; their number. found: room for count.
   std::size_t (*select)(const BoxList& boxes, const FloatBox& box, std::uint32_t* found);
   /// The box of those that meet the given one; empty when none does.

@@ -12,26 +12,35 @@ void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOption
   result.crossings.clear();
   result.crossings_begin.clear();
   if (!options.containment) result.containment.clear();
-  if (options.surfaces) add_surfaces(pairs, meter, result);
+  if (options.surfaces) add_surfaces(pairs, options, meter, result);
   if (options.exact) add_crossings(pairs, result);
   if (options.containment) add_containment(pairs, result);
 }
 
-// Finished contacts are first in the list. Under a budget of time they alone are looked at: the node of another one may
-// own any number of facets.
-void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result) {
+// Finished contacts are first in the list. Under a budget they alone are looked at: the node of another one may own any
+// number of facets, and a query that is stopped early would cost more than a whole one. Each finished contact was paid
+// for by a pair test, and its leaves are read once.
+void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
+                                 Contacts& result) {
   if (result.contacts.empty()) return;
   if (meter != nullptr) meter->release_rest();
   if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
-  const bool by_time = meter != nullptr && meter->by_time();
-  for (std::size_t i = 0; i < (by_time ? result.finished_count : result.contacts.size()); ++i) {
-    if (by_time && meter->out_of_time()) return;
+  const bool limited = !options.budget.is_unlimited();
+  for (std::size_t i = 0; i < (limited ? result.finished_count : result.contacts.size()); ++i) {
+    if (meter != nullptr && meter->by_time() && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];
-    const ColliderPair& pair = pairs[c.bodies];
+    const ColliderPair& pair = pairs[c.pair];
     result.surfaces.push_back(
-        contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.bodies]));
+        contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.pair]));
   }
+}
+
+ContactSurface ContactExtras::surface_of(std::span<const ColliderPair> pairs, const Contact& c) {
+  if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
+  const ColliderPair& pair = pairs[c.pair];
+  surfaces_[c.pair].start(*pair.a, *pair.b);
+  return contact_surface(*pair.a, c.node_a, *pair.b, c.node_b, c.point, c.normal, c.depth, surfaces_[c.pair]);
 }
 
 void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts& result) {
@@ -39,9 +48,9 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
     result.crossings_begin.push_back(result.crossings.size());
     nodes_.clear();
     for (std::size_t k = 0; k < result.finished_count; ++k)
-      if (const Contact& c = result.contacts[k]; c.bodies == i) nodes_.push_back({c.node_a, c.node_b});
+      if (const Contact& c = result.contacts[k]; c.pair == i) nodes_.push_back({c.node_a, c.node_b});
     if (nodes_.empty()) continue;
-    morula::crossings(*pairs[i].a, *pairs[i].b, nodes_, crossings_);
+    crossings_.run(*pairs[i].a, *pairs[i].b, nodes_);  // checked by the query that this is part of
     const auto found = crossings_.pairs();
     result.crossings.insert(result.crossings.end(), found.begin(), found.end());
   }
@@ -49,9 +58,9 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
 }
 
 void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contacts& result) {
-  const auto test_of = [](const Collider& body) -> std::optional<InsideTest> {
+  const auto test_of = [](const Collider& body) -> std::optional<InsideQuery> {
     try {
-      return InsideTest(body);
+      return InsideQuery(body);
     } catch (const std::invalid_argument&) {
       return std::nullopt;  // open: it has no inside
     }
@@ -59,11 +68,11 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
   if (inside_.size() != pairs.size()) {
     inside_.clear();
     for (const ColliderPair& pair : pairs)
-      inside_.push_back(
-          {test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->mesh()), component_vertices(pair.b->mesh())});
+      inside_.push_back({test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->surface()),
+                         component_vertices(pair.b->surface())});
   }
   result.containment.resize(pairs.size());
-  const auto test = [](std::optional<InsideTest>& outer, const Collider& inner,
+  const auto test = [](std::optional<InsideQuery>& outer, const Collider& inner,
                        std::span<const std::uint32_t> components, Containment& found) {
     if (outer) {
       outer->components_inside(inner, components, found);

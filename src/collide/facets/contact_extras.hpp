@@ -24,19 +24,22 @@ class ContactExtras {
   /// Fills what the options ask for, and clears what they do not. The pairs have current positions then.
   /// meter: ends surfaces when its time is over; none: no budget.
   void add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
+  /// The surface of one contact, finished or not.
+  ContactSurface surface_of(std::span<const ColliderPair> pairs, const Contact& contact);
 
  private:
   struct Inside {
-    std::optional<InsideTest> a, b;  // none: an open surface
+    std::optional<InsideQuery> a, b;  // none: an open surface
     std::vector<std::uint32_t> components_a, components_b;
   };
-  void add_surfaces(std::span<const ColliderPair> pairs, Meter* meter, Contacts& result);
+  void add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
+                    Contacts& result);
   void add_crossings(std::span<const ColliderPair> pairs, Contacts& result);
   void add_containment(std::span<const ColliderPair> pairs, Contacts& result);
 
   std::vector<SurfaceScratch> surfaces_;  // one per pair
   std::vector<NodePair> nodes_;
-  Crossings crossings_;
+  CrossingQuery crossings_;
   std::vector<Inside> inside_;
 };
 

@@ -41,7 +41,7 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
             Nearest& nearest) {
   const CornerReader corners(*surfaces.collider());
   const Vec3f local(p - leaf.center);
-  const float away = largest_component(local);
+  const float away = max_norm(local);
   if (!(away <= 0x1p12f * leaf.extent && leaf.extent <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
     for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(corners, surfaces.facet(leaf, i), p);
     return;
@@ -49,9 +49,8 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   const FacetColumns columns = surfaces.columns(leaf);
   if (gaps.size() < columns.count) gaps.resize(columns.count);
   const float least = facet_kernels().squared_gaps(columns, local, gaps.data());
-  const double pad =
-      0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
-      0x1p-48 * (largest_component(leaf.center) + static_cast<double>(leaf.extent) + largest_component(p));
+  const double pad = 0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
+                     0x1p-48 * (max_norm(leaf.center) + static_cast<double>(leaf.extent) + max_norm(p));
   // Gaps, squared, up to which facets have to be looked at.
   const auto reach = [&] {
     const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
@@ -73,11 +72,11 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
 
 // Placed points lie off, for the reasons that placed_spheres.hpp gives: a placement is not quite rigid, and it rounds.
 double placement_pad(const Collider& collider, const Vec3& center, double radius) {
-  const double reach = largest_component(center) + radius + largest_component(collider.placement().translation);
+  const double reach = max_norm(center) + radius + max_norm(collider.placement().translation);
   return radius * 0x1p-28 + reach * 0x1p-48;
 }
 double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
-  const Sphere s = collider.body().sphere(node);
+  const Sphere s = collider.pose().sphere(node);
   return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
 }
 /// Of the corners of the facets that the node has a part of.
@@ -100,7 +99,7 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
   const Vec3 direction = normalized(mean);
   const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
-  const double radius = collider.body().sphere(node).radius;
+  const double radius = collider.pose().sphere(node).radius;
   return radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
 }
 

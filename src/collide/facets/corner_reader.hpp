@@ -11,7 +11,7 @@ namespace morula {
 class CornerReader {
  public:
   explicit CornerReader(const Collider& collider)
-      : facets_(collider.mesh().facets.data()),
+      : facets_(collider.mesh_facets().data()),
         positions_(collider.positions()),
         is_double_(collider.positions().is_double()) {}
 

@@ -50,29 +50,23 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
   return most;
 }
 
+constexpr FacetKernels kernels{squared_gaps, reach};
+
 }  // namespace plain
 
 #define MORULA_KERNELS "collide/facets/facet_columns.inl"
 #include "simd/every_processor.inl"
 
+constexpr KernelTable<FacetKernels> table{MORULA_EVERY_KIND(kernels)};
+
 }  // namespace
 
 std::span<const FacetKernels> all_facet_kernels() {
-  static constexpr FacetKernels all[]{
-      {"plain", plain::squared_gaps, plain::reach},
-#ifdef MORULA_VECTORS
-      {"four lanes", baseline::squared_gaps, baseline::reach},
-#endif
-#ifdef MORULA_DISPATCH
-      {"AVX2", avx2::squared_gaps, avx2::reach},
-      {"AVX-512", avx512::squared_gaps, avx512::reach},
-#endif
-  };
-  return std::span(all).first(runnable_kinds());
+  return table.runnable();
 }
 
 const FacetKernels& facet_kernels() {
-  return all_facet_kernels().back();
+  return table.widest();
 }
 
 }  // namespace morula

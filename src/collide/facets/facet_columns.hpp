@@ -19,7 +19,6 @@ inline constexpr std::size_t facet_columns_step = 16;
 
 /// All give the same bits: the same operations in the same order, none of them fused.
 struct FacetKernels {
-  const char* name;
   /// squared[i] = squared distance of p from the box of facet i; room for count. Returns the least.
   float (*squared_gaps)(const FacetColumns& facets, const Vec3f& p, float* squared);
   /// Largest corner . direction. count > 0.

@@ -3,11 +3,11 @@
 // The source of facet_columns.cpp, on registers of wide.inl.
 
 inline Wide load_column(const FacetColumns& facets, int k, std::size_t i) {
-  return *reinterpret_cast<const LooseWide*>(facets.column[k] + i);
+  return load(facets.column[k] + i);
 }
 [[gnu::always_inline]] inline Wide axis_gap(Wide p, Wide a, Wide b, Wide c) {
-  const Wide lower = smaller(smaller(a, b), c), upper = larger(larger(a, b), c);
-  return larger(larger(lower - p, p - upper), Wide{});
+  const Wide lower = min(min(a, b), c), upper = max(max(a, b), c);
+  return max(max(lower - p, p - upper), Wide{});
 }
 inline Wide load_gap(const FacetColumns& facets, int axis, std::size_t i, Wide p) {
   return axis_gap(p, load_column(facets, axis, i), load_column(facets, axis + 3, i), load_column(facets, axis + 6, i));
@@ -19,10 +19,10 @@ float squared_gaps(const FacetColumns& facets, const Vec3f& p, float* squared) {
   for (std::size_t i = 0; i < facets.count; i += lanes) {
     const Wide dx = load_gap(facets, 0, i, x), dy = load_gap(facets, 1, i, y), dz = load_gap(facets, 2, i, z);
     const Wide gap = dx * dx + dy * dy + dz * dz;
-    *reinterpret_cast<LooseWide*>(squared + i) = gap;
-    least = smaller(gap, least);
+    store(gap, squared + i);
+    least = min(gap, least);
   }
-  return -largest_lane(-least);
+  return least_lane(least);
 }
 
 float reach(const FacetColumns& facets, const Vec3f& direction) {
@@ -30,7 +30,9 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
   Wide most = all(-infinity);
   for (std::size_t i = 0; i < facets.count; i += lanes)
     for (int k = 0; k < 9; k += 3)
-      most = larger(
-          load_column(facets, k, i) * x + load_column(facets, k + 1, i) * y + load_column(facets, k + 2, i) * z, most);
+      most = max(load_column(facets, k, i) * x + load_column(facets, k + 1, i) * y + load_column(facets, k + 2, i) * z,
+                 most);
   return largest_lane(most);
 }
+
+constexpr FacetKernels kernels{squared_gaps, reach};

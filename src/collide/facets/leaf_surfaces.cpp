@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collide/facets/corner_reader.hpp"
-#include "simd/lanes.hpp"
+#include "simd/float4.hpp"
 
 namespace morula {
 namespace {
@@ -49,20 +49,20 @@ double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
 
 /// Largest |coordinate|.
 float largest(const FacetColumns& facets) {
-  lanes::Float4 most{};
+  Float4 most{};
   for (const float* const column : facets.column)
     for (std::size_t i = 0; i < facets.count; i += 4) {
-      const lanes::Float4 x = lanes::load(column + i);
-      most = lanes::max(lanes::max(x, -x), most);
+      const Float4 x = Float4::load(column + i);
+      most = max(max(x, -x), most);
     }
-  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+  return largest_lane(most);
 }
 
 }  // namespace
 
 void LeafSurfaces::take_shares() {
-  const SphereTree& tree = collider_->body().rest_tree();
-  const Cover& cover = collider_->body().cover();
+  const SphereTree& tree = collider_->tree();
+  const Cover& cover = collider_->cover();
   const std::uint32_t* const first = collider_->facets(0).data();
   share_.assign(collider_->facets(0).size(), 0);
   for (std::uint32_t leaf = 0; leaf < tree.node_count(); ++leaf) {
@@ -72,17 +72,17 @@ void LeafSurfaces::take_shares() {
       const std::uint32_t facet = cover.patch_facet[patch];
       const auto entry = std::lower_bound(facets.begin(), facets.end(), facet) - facets.begin();
       share_[static_cast<std::size_t>(facets.data() - first + entry)] +=
-          static_cast<float>(share_of(collider_->mesh().facets[facet], cover, patch));
+          static_cast<float>(share_of(collider_->mesh_facets()[facet], cover, patch));
     }
   }
 }
 
 void LeafSurfaces::start(const Collider& collider) {
   collider_ = &collider;
-  const std::size_t nodes = collider.body().rest_tree().node_count();
-  if (ownership_ != collider.body().ownership() || share_.size() != collider.facets(0).size()) {
+  const std::size_t nodes = collider.tree().node_count();
+  if (ownership_ != collider.pose().ownership || share_.size() != collider.facets(0).size()) {
     take_shares();
-    ownership_ = collider.body().ownership();
+    ownership_ = collider.pose().ownership;
   }
   if (stamp_.size() < nodes) stamp_.resize(nodes, now_), leaf_.resize(nodes);
   if (++now_ == 0) {
@@ -108,7 +108,7 @@ const LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   leaf = {};
   leaf.begin = static_cast<std::uint32_t>(used_);
   leaf.size = static_cast<std::uint32_t>(facets.size());
-  leaf.center = collider_->body().sphere(node).center;
+  leaf.center = collider_->pose().sphere(node).center;
   const std::size_t end = used_ + filled(facets.size());
   if (facet_.size() < end) {
     const std::size_t room = std::max(end, 2 * facet_.size());

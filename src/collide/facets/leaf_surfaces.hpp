@@ -36,7 +36,7 @@ class LeafSurfaces {
   /// f(leaf) for the leaves below a node, or itself, in the order of their regions.
   template <class F>
   void for_leaves(std::uint32_t node, const F& f) {
-    const SphereTree& tree = collider_->body().rest_tree();
+    const SphereTree& tree = collider_->tree();
     if (tree.is_leaf(node)) return f(read(node));
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) for_leaves(tree.first_child[node] + k, f);
   }

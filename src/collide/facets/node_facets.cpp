@@ -5,24 +5,17 @@
 #include <algorithm>
 
 #include "collide/facets/corner_reader.hpp"
-#include "simd/lanes.hpp"
+#include "simd/float4.hpp"
 
 namespace morula {
 namespace {
-
-using lanes::both;
-using lanes::Double2;
-
-Double2 smaller(Double2 a, Double2 b) {
-  return -lanes::max(-a, -b);
-}
 
 /// x and y in one register, z twice in another.
 struct Registers {
   Double2 xy, z;
 };
 Registers registers(const Vec3& p) {
-  return {Double2{p.x, p.y}, both(p.z)};
+  return {Double2{p.x, p.y}, Double2(p.z)};
 }
 
 /// RigidTransform's own operations in its own order, so the same bits, two coordinates at a time.
@@ -33,7 +26,7 @@ class Placement {
                  registers({t.rows[0].z, t.rows[1].z, t.rows[2].z})},
         translation_(registers(t.translation)) {}
   Registers operator()(const Vec3& p) const {
-    const Double2 x = both(p.x), y = both(p.y), z = both(p.z);
+    const Double2 x = Double2(p.x), y = Double2(p.y), z = Double2(p.z);
     return {columns_[0].xy * x + columns_[1].xy * y + columns_[2].xy * z + translation_.xy,
             columns_[0].z * x + columns_[1].z * y + columns_[2].z * z + translation_.z};
   }
@@ -49,7 +42,7 @@ void NodeFacets::start(const Collider& collider, const Vec3& origin) {
   origin_ = origin;
   used_ = facets_read_ = 0;
   triangles_.clear();
-  const std::size_t nodes = collider.body().rest_tree().node_count();
+  const std::size_t nodes = collider.tree().node_count();
   if (stamp_.size() < nodes) stamp_.resize(nodes, now_), range_.resize(nodes);
   if (++now_ == 0) {
     std::fill(stamp_.begin(), stamp_.end(), 0);
@@ -79,10 +72,10 @@ const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
   for (const std::uint32_t facet : facets) {
     const Triangle t = corners(facet);
     const Registers p = placement(t[0]), q = placement(t[1]), r = placement(t[2]);
-    const Double2 lower_xy = smaller(smaller(p.xy, q.xy), r.xy) - origin.xy;
-    const Double2 upper_xy = lanes::max(lanes::max(p.xy, q.xy), r.xy) - origin.xy;
-    const Double2 lower_z = smaller(smaller(p.z, q.z), r.z) - origin.z;
-    const Double2 upper_z = lanes::max(lanes::max(p.z, q.z), r.z) - origin.z;
+    const Double2 lower_xy = min(min(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 upper_xy = max(max(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 lower_z = min(min(p.z, q.z), r.z) - origin.z;
+    const Double2 upper_z = max(max(p.z, q.z), r.z) - origin.z;
     const FloatBox box{{static_cast<float>(lower_xy[0]), static_cast<float>(lower_xy[1]),
                         static_cast<float>(lower_z[0]), static_cast<float>(upper_xy[0]),
                         static_cast<float>(upper_xy[1]), static_cast<float>(upper_z[0])}};

@@ -42,7 +42,7 @@ class WorldFacets {
   void start(const Collider& collider) {
     collider_ = &collider;
     facets_.clear();
-    ranges_.resize(std::max(ranges_.size(), collider.body().rest_tree().node_count()));
+    ranges_.resize(std::max(ranges_.size(), collider.tree().node_count()));
     if (++query_ == 0) std::fill(ranges_.begin(), ranges_.end(), Known{}), query_ = 1;
   }
   Range of_leaf(std::uint32_t leaf) {

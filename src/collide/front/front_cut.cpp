@@ -19,15 +19,15 @@ bool holds(const NodeRange& range, std::uint32_t node) {
 // f(pair, overlaps?) for all pairs that were tested: the roots, and all below opened pairs.
 template <class F>
 void FrontWalk::each_verdict(const F& f) const {
-  for (std::uint32_t i = 0; i < front.bodies.size(); ++i)
-    if (front.bodies[i].roots != Front::Verdict::untested)
-      f(Front::Waiting{0, 0, i, 0, 0, 0, none, none}, front.bodies[i].roots == Front::Verdict::overlapping);
+  for (std::uint32_t i = 0; i < front.pairs.size(); ++i)
+    if (front.pairs[i].roots != Front::Verdict::untested)
+      f(Front::Waiting{0, 0, i, 0, 0, 0, none, none}, front.pairs[i].roots == Front::Verdict::overlapping);
   for (const Front::Opened& opened : front.opened) {
-    const TreePair& trees = trees_[opened.bodies];
+    const TreePair& trees = trees_[opened.pair];
     const NodeRange a = trees.below_a(opened.a, opened.depth), b = trees.below_b(opened.b, opened.depth);
     for (std::uint32_t j = 0; j < b.count; ++j)
       for (std::uint32_t i = 0; i < a.count; ++i)
-        f(Front::Waiting{0, 0, opened.bodies, a.first + i, b.first + j, opened.depth + 1, none, none},
+        f(Front::Waiting{0, 0, opened.pair, a.first + i, b.first + j, opened.depth + 1, none, none},
           (front.masks[opened.first_mask + j] >> i & 1) != 0);
   }
 }
@@ -35,16 +35,16 @@ void FrontWalk::each_verdict(const F& f) const {
 void FrontWalk::adopt(Front other) {
   front = std::move(other);
   opened_before_.clear();
-  roots_before_.assign(front.bodies.size(), none);
+  roots_before_.assign(front.pairs.size(), none);
   for (Front::Waiting& pair : front.waiting) pair.before = none;
-  keeps_ = !front.bodies.empty() && !front.bodies[0].a.spheres.empty();
+  keeps_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
 }
 
 void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
   place(options);
   result.contacts.clear();
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
-    if (overlapping && trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth)) report(pair, true, result);
+    if (overlapping && trees_[pair.pair].is_final(pair.a, pair.b, pair.depth)) report(pair, true, result);
   });
   result.finished_count = result.contacts.size();
 }
@@ -52,43 +52,43 @@ void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
 void FrontWalk::cut(std::vector<FrontPair>& list) {
   using State = FrontPair::State;
   list.clear();
-  if (front.bodies.size() != pairs.size()) return;
+  if (front.pairs.size() != pairs.size()) return;
   trees_.clear();
   for (const ColliderPair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
     if (!overlapping) {
-      list.push_back({pair.bodies, pair.a, pair.b, State::separated});
-    } else if (trees_[pair.bodies].is_final(pair.a, pair.b, pair.depth)) {
-      list.push_back({pair.bodies, pair.a, pair.b, State::finished});
+      list.push_back({pair.pair, pair.a, pair.b, State::separated});
+    } else if (trees_[pair.pair].is_final(pair.a, pair.b, pair.depth)) {
+      list.push_back({pair.pair, pair.a, pair.b, State::finished});
     }
   });
-  for (std::uint32_t i = 0; i < front.bodies.size(); ++i)
-    if (front.bodies[i].roots == Front::Verdict::untested) list.push_back({i, 0, 0, State::waiting});
-  for (const Front::Waiting& pair : front.waiting) list.push_back({pair.bodies, pair.a, pair.b, State::waiting});
+  for (std::uint32_t i = 0; i < front.pairs.size(); ++i)
+    if (front.pairs[i].roots == Front::Verdict::untested) list.push_back({i, 0, 0, State::waiting});
+  for (const Front::Waiting& pair : front.waiting) list.push_back({pair.pair, pair.a, pair.b, State::waiting});
 }
 
 // Lists go from later to earlier, and down to later ones: so there are no circles.
 bool FrontWalk::is_well_formed() const {
   const std::size_t count = front.opened.size();
   const auto has_node = [&](std::uint32_t bodies, std::uint32_t a, std::uint32_t b) {
-    return bodies < pairs.size() && a < front.bodies[bodies].a.spheres.size() &&
-           b < front.bodies[bodies].b.spheres.size();
+    return bodies < pairs.size() && a < front.pairs[bodies].a.spheres.size() &&
+           b < front.pairs[bodies].b.spheres.size();
   };
-  for (std::uint32_t i = 0; i < front.bodies.size(); ++i) {
-    const std::uint32_t roots = front.bodies[i].opened_roots;
+  for (std::uint32_t i = 0; i < front.pairs.size(); ++i) {
+    const std::uint32_t roots = front.pairs[i].opened_roots;
     if (roots == none) continue;
     if (roots >= count) return false;
     const Front::Opened& pair = front.opened[roots];
-    if (pair.bodies != i || pair.a != 0 || pair.b != 0 || pair.depth != 0) return false;
+    if (pair.pair != i || pair.a != 0 || pair.b != 0 || pair.depth != 0) return false;
   }
   for (const Front::Waiting& pair : front.waiting)
-    if (!has_node(pair.bodies, pair.a, pair.b) || (pair.above != none && pair.above >= count)) return false;
+    if (!has_node(pair.pair, pair.a, pair.b) || (pair.above != none && pair.above >= count)) return false;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Front::Opened& pair = front.opened[i];
-    if (!has_node(pair.bodies, pair.a, pair.b)) return false;
+    if (!has_node(pair.pair, pair.a, pair.b)) return false;
     if (pair.next_beside != none && pair.next_beside >= i) return false;
-    const SphereTree& tree_a = pairs[pair.bodies].a->body().rest_tree();
-    const SphereTree& tree_b = pairs[pair.bodies].b->body().rest_tree();
+    const SphereTree& tree_a = pairs[pair.pair].a->tree();
+    const SphereTree& tree_b = pairs[pair.pair].b->tree();
     const auto below = [&](const SphereTree& tree, std::uint32_t node) {
       return pair.depth < front.level && tree.child_count[node] > 0
                  ? NodeRange{tree.first_child[node], tree.child_count[node]}
@@ -102,7 +102,7 @@ bool FrontWalk::is_well_formed() const {
     for (std::uint32_t k = pair.first_below; k != none; k = front.opened[k].next_beside) {
       if (k >= count) return false;
       const Front::Opened& child = front.opened[k];
-      if (child.bodies != pair.bodies || child.depth != pair.depth + 1 || !holds(below_a, child.a) ||
+      if (child.pair != pair.pair || child.depth != pair.depth + 1 || !holds(below_a, child.a) ||
           !holds(below_b, child.b) || (child.next_beside != none && child.next_beside >= k))
         return false;
     }

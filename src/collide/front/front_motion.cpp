@@ -12,10 +12,10 @@ namespace {
 constexpr double verdict_rounding = 0x1p-16;
 
 void stamp(Front::Side& side, const Collider& collider) {
-  side.ownership = collider.body().ownership();
-  side.frame = collider.body().frame();
+  side.ownership = collider.pose().ownership;
+  side.frame = collider.pose().frame;
   side.placement = collider.placement();
-  side.origin = collider.body().origin();
+  side.origin = collider.pose().origin;
 }
 
 double largest_extent(std::span<const Spheref> spheres) {
@@ -25,29 +25,30 @@ double largest_extent(std::span<const Spheref> spheres) {
   return largest;
 }
 
-void stamp(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed) {
+void stamp(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed) {
   stamp(bodies.a, a);
   stamp(bodies.b, b);
   bodies.rows = placed.rows;
+  bodies.pad = static_cast<double>(placed.narrow.pad);
   bodies.translation = placed.translation;
 }
 
-void take_spheres(Front::Bodies& bodies, const Collider& a, const Collider& b) {
+void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
   const auto take = [](Front::Side& side, std::span<const Spheref> spheres) {
     side.spheres.assign(spheres.begin(), spheres.end());
   };
-  take(bodies.a, a.body().spheres());
-  take(bodies.b, b.body().spheres());
+  take(bodies.a, a.pose().spheres);
+  take(bodies.b, b.pose().spheres);
   bodies.rounding = verdict_rounding * (largest_extent(bodies.a.spheres) + largest_extent(bodies.b.spheres) +
-                                        largest_component(bodies.translation));
+                                        max_norm(bodies.translation));
 }
 
 // moved(i): by how much the centre of node i has moved. least: added to every node's motion.
 template <class Moved>
 void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& motion,
             const Moved& moved) {
-  const std::span<const Spheref> spheres = collider.body().spheres();
-  const SphereTree& tree = collider.body().rest_tree();
+  const std::span<const Spheref> spheres = collider.pose().spheres;
+  const SphereTree& tree = collider.tree();
   motion.resize(spheres.size());
   for (std::uint32_t i = 0; i < spheres.size(); ++i)
     motion[i] = (length(moved(i)) +
@@ -64,7 +65,7 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
 
 }  // namespace
 
-void begin_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                   bool with_spheres) {
   stamp(bodies, a, b, placed);
   if (with_spheres) {
@@ -76,24 +77,27 @@ void begin_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, c
   bodies.b.travelled.assign(bodies.b.spheres.size(), 0.0);
 }
 
-void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch) {
-  const std::span<const Spheref> now_a = a.body().spheres(), now_b = b.body().spheres();
+  const std::span<const Spheref> now_a = a.pose().spheres, now_b = b.pose().spheres;
   const bool same_frame = bodies.rows == placed.rows && bodies.translation == placed.translation &&
-                          bodies.a.origin == a.body().origin() && bodies.b.origin == b.body().origin();
+                          bodies.a.origin == a.pose().origin && bodies.b.origin == b.pose().origin;
+  // A pad that has changed is a radius that has: one side takes it for both. Far from the origin pads are large, and
+  // bodies that come back have none of it, even if they have not moved against each other.
+  const double pad_change = std::abs(static_cast<double>(placed.narrow.pad) - bodies.pad);
   const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
     return !same_frame || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
   };
-  const bool moved_a = has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
+  const bool moved_a = pad_change > 0 || has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
   const double least = same_frame ? 0 : placed.rounding;
   if (moved_a) {
-    const Vec3 shift = a.body().origin() - bodies.a.origin;
-    travel(bodies.a, a, least, scratch,
+    const Vec3 shift = a.pose().origin - bodies.a.origin;
+    travel(bodies.a, a, least + pad_change, scratch,
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }
   if (moved_b) {
     // In a's coordinates: M c + u + origin of a, then and now.
-    const Vec3 shift = (placed.translation + a.body().origin()) - (bodies.translation + bodies.a.origin);
+    const Vec3 shift = (placed.translation + a.pose().origin) - (bodies.translation + bodies.a.origin);
     const std::array<Vec3, 3> then = bodies.rows;
     travel(bodies.b, b, least, scratch, [&](std::uint32_t i) {
       const Vec3 c_now(now_b[i].center), c_then(bodies.b.spheres[i].center);

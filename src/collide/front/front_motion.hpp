@@ -11,13 +11,13 @@
 namespace morula {
 
 /// Stamps of the present frame; with_spheres: also what follow_motion() compares the next one with.
-void begin_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                   bool with_spheres);
 
 /// Adds to `travelled` what the bodies have moved since, against each other, and takes over the present frame. Nodes
 /// that kept every bit, in a frame that did, travel nothing. Motion is measured in a's coordinates without its
 /// placement, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
-void follow_motion(Front::Bodies& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch);
 
 }  // namespace morula

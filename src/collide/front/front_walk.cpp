@@ -35,9 +35,9 @@ void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& worker
   keeps_ = keeps;
   front.level = options.level.value_or(none);
   front.margin = options.margin;
-  front.bodies.resize(pairs.size());
+  front.pairs.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Front::Bodies& bodies = front.bodies[i];
+    Front::Pair& bodies = front.pairs[i];
     begin_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
     bodies.roots = Front::Verdict::untested;
     bodies.opened_roots = none;
@@ -62,7 +62,7 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
   keeps_ = true;
   roots_before_.assign(pairs.size(), none);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Front::Bodies& bodies = front.bodies[i];
+    Front::Pair& bodies = front.pairs[i];
     follow_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), motion_);
     bodies.roots = Front::Verdict::untested;
     roots_before_[i] = std::exchange(bodies.opened_roots, none);
@@ -79,14 +79,14 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
 
 bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& pair) const {
   if (!options.reach) return true;
-  const TreePair& trees = trees_[pair.bodies];
-  const ColliderPair& colliders = pairs[pair.bodies];
+  const TreePair& trees = trees_[pair.pair];
+  const ColliderPair& colliders = pairs[pair.pair];
   return (!trees.opens_a(pair.a, pair.depth) || options.reach(*colliders.a, pair.a)) &&
          (!trees.opens_b(pair.b, pair.depth) || options.reach(*colliders.b, pair.b));
 }
 
 double FrontWalk::travelled(const Front::Waiting& pair) const {
-  const Front::Bodies& bodies = front.bodies[pair.bodies];
+  const Front::Pair& bodies = front.pairs[pair.pair];
   return keeps_ ? bodies.a.travelled[pair.a] + bodies.b.travelled[pair.b] : 0;
 }
 
@@ -95,21 +95,21 @@ bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting&
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
   const double since = travelled(pair) - before.travelled;
-  return since == 0 || since + front.bodies[pair.bodies].rounding < before.clearance;
+  return since == 0 || since + front.pairs[pair.pair].rounding < before.clearance;
 }
 
 void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& result) const {
-  const TreePair& trees = trees_[pair.bodies];
+  const TreePair& trees = trees_[pair.pair];
   Contact& contact = result.contacts.emplace_back();
   describe(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b), contact);
-  contact.bodies = pair.bodies;
+  contact.pair = pair.pair;
   contact.node_a = pair.a;
   contact.node_b = pair.b;
   contact.finished = finished;
 }
 
 void FrontWalk::admit(const Front::Waiting& found, Run& run) {
-  const TreePair& trees = trees_[found.bodies];
+  const TreePair& trees = trees_[found.pair];
   if (trees.is_final(found.a, found.b, found.depth)) {
     report(found, true, run.result);
     return;
@@ -120,7 +120,7 @@ void FrontWalk::admit(const Front::Waiting& found, Run& run) {
     pair.priority = -static_cast<float>(found.depth);
   } else {
     pair.priority = overlap_share(trees.placed(), trees.sphere_a(found.a), trees.sphere_b(found.b));
-    if (run.options.priority == Priority::importance) pair.priority *= static_cast<float>(pairs[found.bodies].weight);
+    if (run.options.priority == Priority::importance) pair.priority *= static_cast<float>(pairs[found.pair].weight);
   }
   std::push_heap(front.waiting.begin(), front.waiting.end(), comes_later);
 }
@@ -131,10 +131,9 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   const auto first_mask = static_cast<std::uint32_t>(front.masks.size());
   front.masks.insert(front.masks.end(), masks, masks + slot.below_b.count);
   front.opened.push_back(
-      {pair.bodies, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, travelled(pair)});
+      {pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, travelled(pair)});
   if (slot.knows_verdicts) front.opened.back().travelled = opened_before_[pair.before].travelled;
-  std::uint32_t& head =
-      pair.above == none ? front.bodies[pair.bodies].opened_roots : front.opened[pair.above].first_below;
+  std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
   front.opened.back().next_beside = std::exchange(head, opened);
 
   // Where the pairs below were opened in the previous frame.
@@ -149,7 +148,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   before_of_child_.resize(std::size_t{max_branching} * max_branching, none);
   each_before([](std::uint32_t i, std::uint32_t& entry) { entry = i; });
   any_overlapping(slot.below_a, slot.below_b, masks, [&](std::uint32_t a, std::uint32_t b) {
-    admit({0, 0, pair.bodies, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
+    admit({0, 0, pair.pair, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
     return false;
   });
   each_before([](std::uint32_t, std::uint32_t& entry) { entry = none; });
@@ -157,7 +156,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
 
 void FrontWalk::test_roots(Run& run) {
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-    Front::Bodies& bodies = front.bodies[i];
+    Front::Pair& bodies = front.pairs[i];
     if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.takes(1)) continue;
     ++run.meter.done;
     const bool overlap = trees_[i].overlaps(0, 0);
@@ -173,7 +172,7 @@ void FrontWalk::fill_round(Run& run) {
     std::pop_heap(front.waiting.begin(), front.waiting.end(), comes_later);
     const Front::Waiting pair = front.waiting.back();
     front.waiting.pop_back();
-    const TreePair& trees = trees_[pair.bodies];
+    const TreePair& trees = trees_[pair.pair];
     const Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth),
                     still_holds(run.options, pair), std::numeric_limits<double>::infinity()};
     if (!run.meter.takes(slot.tests())) {
@@ -188,12 +187,12 @@ void FrontWalk::fill_round(Run& run) {
 }
 
 void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
-  const TreePair& trees = trees_[slot.pair.bodies];
+  const TreePair& trees = trees_[slot.pair.pair];
   if (keeps_ && !options.reach) {
     // Pads of this frame decided, and those of a later one may be less: a vertex that was far away came back. So what
     // rounding may do is taken off at both ends.
     const double measured = trees.test_and_measure(slot.below_a, below_b, masks);
-    slot.clearance = std::min(slot.clearance, std::max(0.0, measured - front.bodies[slot.pair.bodies].rounding));
+    slot.clearance = std::min(slot.clearance, std::max(0.0, measured - front.pairs[slot.pair.pair].rounding));
   } else {
     trees.test(slot.below_a, below_b, masks);
     slot.clearance = -1;
@@ -271,14 +270,14 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
   result.achieved_level.resize(pairs.size());
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     result.achieved_level[i] = trees_[i].depth();
-    if (front.bodies[i].roots != Front::Verdict::untested) continue;
+    if (front.pairs[i].roots != Front::Verdict::untested) continue;
     result.finished = false;
     result.achieved_level[i] = 0;
     report({0, 0, i, 0, 0, 0, none, none}, false, result);
   }
   for (const Front::Waiting& pair : front.waiting) {
     report(pair, false, result);
-    result.achieved_level[pair.bodies] = std::min(result.achieved_level[pair.bodies], pair.depth);
+    result.achieved_level[pair.pair] = std::min(result.achieved_level[pair.pair], pair.depth);
   }
   extras.add(pairs, options, &meter, result);
 }

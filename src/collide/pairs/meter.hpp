@@ -8,9 +8,8 @@
 
 namespace morula {
 
-inline std::chrono::nanoseconds now(const CollideOptions& options) {
-  if (options.clock) return options.clock();
-  return std::chrono::steady_clock::now().time_since_epoch();
+inline std::chrono::nanoseconds now(const Clock& clock) {
+  return clock ? clock() : std::chrono::steady_clock::now().time_since_epoch();
 }
 
 /// What is left of a budget. Once it has run out, it has.
@@ -19,7 +18,7 @@ class Meter {
   explicit Meter(const CollideOptions& options) : options_(&options) {
     if (options.budget.is_tests()) left_ = options.budget.tests();
     if (!options.budget.is_time()) return;
-    start_ = now(options);
+    start_ = now(options.clock);
     // Surfaces get the other half.
     limit_ = options.surfaces ? options.budget.time() / 2 : options.budget.time();
   }
@@ -30,7 +29,7 @@ class Meter {
   }
   bool by_time() const { return options_->budget.is_time(); }
   bool out_of_time() {
-    if (by_time() && !late_) late_ = now(*options_) - start_ >= limit_;
+    if (by_time() && !late_) late_ = now(options_->clock) - start_ >= limit_;
     return late_;
   }
   /// May so many tests be done? After the first no there are only noes, but for no tests.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "update/points/rounding.hpp"
+#include "geometry/rounded_up.hpp"
 
 namespace morula {
 
@@ -22,8 +22,8 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
     u = {};
     pair.pad = std::max(far, std::min(rounding, std::numeric_limits<double>::max()));
   } else {
-    if (!(largest_component(u) < far)) u = {far, 0, 0};
-    pair.pad = 0x1p-20 * largest_component(u) + rounding;
+    if (!(max_norm(u) < far)) u = {far, 0, 0};
+    pair.pad = 0x1p-20 * max_norm(u) + rounding;
   }
   for (std::size_t row = 0; row < 3; ++row)
     for (int axis = 0; axis < 3; ++axis) pair.narrow.rows[row][axis] = static_cast<float>(pair.rows[row][axis]);
@@ -34,11 +34,11 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
 
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
   const RigidTransform &place_a = a.placement(), &place_b = b.placement();
-  const Vec3 origin_a = a.body().origin(), origin_b = b.body().origin();
+  const Vec3 origin_a = a.pose().origin, origin_b = b.pose().origin;
   const Vec3 world_a = place_a(origin_a), shift = place_b(origin_b) - world_a;
   const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.turn_back(shift)};
-  const double coordinates = largest_component(origin_a) + largest_component(origin_b) +
-                             largest_component(place_a.translation) + largest_component(place_b.translation);
+  const double coordinates =
+      max_norm(origin_a) + max_norm(origin_b) + max_norm(place_a.translation) + max_norm(place_b.translation);
   PlacedPair pair = placed_pair(relative, coordinates, margin);
   pair.world_a = place_a.rows;
   pair.world_b = place_b.rows;

@@ -55,40 +55,23 @@ void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
   test_pairs<false>(f, block, masks);
 }
 
+constexpr PairKernels kernels{test, test_pairs<true>};
+
 }  // namespace plain
 
 #define MORULA_KERNELS "collide/pairs/pair_kernels.inl"
 #include "simd/every_processor.inl"
 
-#ifdef MORULA_DISPATCH
-// Half of a register of sixteen would be empty.
-void test_widest(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
-  (block.count_a <= 8 ? avx2::test : avx512::test)(f, block, masks);
-}
-float measure_widest(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
-  return (block.count_a <= 8 ? avx2::test_pairs<true> : avx512::test_pairs<true>)(f, block, masks);
-}
-#endif
-
-constexpr PairKernels kernels[]{
-    {"plain loops", plain::test, plain::test_pairs<true>},
-#ifdef MORULA_VECTORS
-    {"registers of four", baseline::test, baseline::test_pairs<true>},
-#endif
-#ifdef MORULA_DISPATCH
-    {"AVX2", avx2::test, avx2::test_pairs<true>},
-    {"AVX-512", test_widest, measure_widest},
-#endif
-};
+constexpr KernelTable<PairKernels> table{MORULA_EVERY_KIND(kernels)};
 
 }  // namespace
 
 std::span<const PairKernels> all_pair_kernels() {
-  return std::span(kernels).first(runnable_kinds());
+  return table.runnable();
 }
 
 const PairKernels& pair_kernels() {
-  return all_pair_kernels().back();
+  return table.widest();
 }
 
 }  // namespace morula

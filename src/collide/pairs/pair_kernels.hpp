@@ -24,7 +24,6 @@ struct PairBlock {
 
 /// masks[j] has bit i when a[i] and b[j] overlap or rounding cannot tell (pair_frame.hpp).
 struct PairKernels {
-  const char* instructions;
   void (*test)(const PairFrame& frame, const PairBlock& block, std::uint64_t* masks);
   /// The same masks. Returns the least t² / w over all pairs, where t = d² - s² and w = d² + s²: half of it is below
   /// the square of |d - s|, by which distance and sum of grown radii differ.

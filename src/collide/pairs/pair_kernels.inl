@@ -9,27 +9,10 @@ struct WideSpheres {
 };
 
 inline Wide absolute(Wide x) {
-  return larger(x, -x);
+  return max(x, -x);
 }
 
-// Rows p, p + 4, p + 8 ...: one quarter of a register each.
-inline Wide quarters(const Spheref* p) {
-  const LocalPoint* rows = reinterpret_cast<const LocalPoint*>(p);
-#if MORULA_LANES == 4
-  return load_point(rows[0]);
-#else
-  typedef float Eight __attribute__((vector_size(32)));
-  const Four a = load_point(rows[0]), b = load_point(rows[4]);
-  const Eight ab = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-#if MORULA_LANES == 8
-  return ab;
-#else
-  const Four c = load_point(rows[8]), d = load_point(rows[12]);
-  const Eight cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
-  return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-#endif
-#endif
-}
+constexpr std::uint32_t in_order[16]{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
 // Spheres [first, first + lanes) of a list, as columns, in order. Those from `readable` on are not touched.
 inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::size_t readable) {
@@ -41,22 +24,9 @@ inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::siz
     __builtin_memcpy(copy, p, 16 * left);
     p = reinterpret_cast<const Spheref*>(copy);
   }
-  const Rows rows{quarters(p), quarters(p + 1), quarters(p + 2), quarters(p + 3)};
+  const Rows rows = gather(reinterpret_cast<const LocalPoint*>(p), in_order);
   const WidePoints centers = columns(rows);
   return {centers.x, centers.y, centers.z, last_column(rows)};
-}
-
-// Bit i: lane i of a is at most lane i of b.
-inline std::uint64_t at_most(Wide a, Wide b) {
-#ifndef MORULA_DISPATCH
-  return lane_bits(a <= b);
-#elif MORULA_LANES == 16
-  return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OQ);
-#elif MORULA_LANES == 8
-  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(a <= b)));
-#else
-  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(a <= b)));
-#endif
 }
 
 template <bool measured>
@@ -89,18 +59,29 @@ float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* mask
       const Wide squared = (dx * dx + dy * dy) + dz * dz;
       const Wide sum = grown + radius[j];
       const Wide square = sum * sum;
-      const std::uint64_t mask = (at_most(squared, square) & counted) << i;
+      const std::uint64_t mask = (lanes_at_most(squared, square) & counted) << i;
       masks[j] = i == 0 ? mask : masks[j] | mask;
       if constexpr (measured) {
         const Wide t = squared - square;
-        least = smaller(larger(t * (t / ((squared + square) + tiny)), unmeasured), least);
+        least = min(max(t * (t / ((squared + square) + tiny)), unmeasured), least);
       }
     }
   }
-  return -largest_lane(-least);
+  return least_lane(least);
 }
 
-// Its own function, so that tables hold one kind of pointer.
+// Half of a register of sixteen would be empty where a node has at most eight children.
 inline void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+#if MORULA_LANES == 16
+  if (block.count_a <= 8) return avx2::test(f, block, masks);
+#endif
   test_pairs<false>(f, block, masks);
 }
+inline float test_and_measure(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+#if MORULA_LANES == 16
+  if (block.count_a <= 8) return avx2::test_and_measure(f, block, masks);
+#endif
+  return test_pairs<true>(f, block, masks);
+}
+
+constexpr PairKernels kernels{test, test_and_measure};

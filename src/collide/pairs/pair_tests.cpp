@@ -7,6 +7,7 @@
 
 #include "collide/pairs/pair_kernels.hpp"
 #include "parallel/float_environment.hpp"
+#include "simd/processors.hpp"
 
 namespace morula {
 
@@ -17,7 +18,7 @@ std::size_t pair_test_kinds() {
 
 std::string_view pair_test_kind_name(std::size_t kind) {
   const StandardFloats standard;
-  return all_pair_kernels()[kind].instructions;
+  return kind_name(kind);
 }
 
 std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& placement,

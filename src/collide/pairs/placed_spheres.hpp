@@ -24,16 +24,16 @@ class PlacedSpheres {
  public:
   explicit PlacedSpheres(const Collider& collider)
       : placement_(collider.placement()),
-        spheres_(collider.body().spheres()),
-        origin_(collider.body().origin()),
+        spheres_(collider.pose().spheres),
+        origin_(collider.pose().origin),
         stretch_(1 + 2 * deviation_from_rigid(placement_) + 0x1p-49),
-        translation_(largest_component(placement_.translation)) {}
+        translation_(max_norm(placement_.translation)) {}
 
   Sphere operator()(std::uint32_t node) const {
     const Spheref& s = spheres_[node];
     const Vec3 center = origin_ + Vec3(s.center);
     const double radius = s.radius;
-    const double pad = 0x1p-46 * (largest_component(center) + radius + translation_);
+    const double pad = 0x1p-46 * (max_norm(center) + radius + translation_);
     return {placement_(center), radius * stretch_ + pad};
   }
 

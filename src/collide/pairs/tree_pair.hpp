@@ -25,10 +25,10 @@ class TreePair {
   /// level: of the nodes at which to end; larger than both depths for the leaves.
   TreePair(const Collider& a, const Collider& b, double margin, std::uint32_t level)
       : placed_(placed_pair(a, b, margin)),
-        spheres_a_(a.body().spheres()),
-        spheres_b_(b.body().spheres()),
-        tree_a_(&a.body().rest_tree()),
-        tree_b_(&b.body().rest_tree()),
+        spheres_a_(a.pose().spheres),
+        spheres_b_(b.pose().spheres),
+        tree_a_(&a.tree()),
+        tree_b_(&b.tree()),
         level_(level) {}
 
   bool opens_a(std::uint32_t a, std::uint32_t depth) const { return depth < level_ && tree_a_->child_count[a] > 0; }

@@ -4,11 +4,12 @@
 #include <array>
 #include <morula/collide/primitives.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/tree/walk.hpp>
 #include <stdexcept>
 
 #include "collide/facets/world_facets.hpp"
 #include "collide/pairs/placed_spheres.hpp"
-#include "collide/pairs/walk.hpp"
+#include "collide/require.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -53,7 +54,7 @@ class PlacedHalfSpace {
 
  private:
   double distance(const Vec3& x) const { return dot(normal_, x) - offset_; }
-  double pad(const Vec3& x) const { return 0x1p-48 * (largest_component(x) + std::abs(offset_)); }
+  double pad(const Vec3& x) const { return 0x1p-48 * (max_norm(x) + std::abs(offset_)); }
 
   Vec3 normal_;
   double offset_;
@@ -67,8 +68,7 @@ class PlacedCapsule {
 
   // The foot on the axis is off by a few u of the largest coordinate, which can only lengthen the distance by as much.
   double bound(const Sphere& s) const {
-    const double coordinate =
-        largest_component(s.center) + std::max(largest_component(ends_[0]), largest_component(ends_[1]));
+    const double coordinate = max_norm(s.center) + std::max(max_norm(ends_[0]), max_norm(ends_[1]));
     return distance(axis_point(s.center), s.center) * (1 - 0x1p-49) - 0x1p-47 * coordinate -
            (s.radius + radius_) * (1 + 0x1p-51);
   }
@@ -86,7 +86,7 @@ class PlacedCapsule {
   // inside.
   Vec3 normal_at(const Vec3& x, const Triangle& t) const {
     const Vec3 out = x - axis_point(x), inward = normalized(-area_vector(t));
-    return largest_component(out) > 0x1p-40 * largest_component(x) ? normalized(out, inward) : inward;
+    return max_norm(out) > 0x1p-40 * max_norm(x) ? normalized(out, inward) : inward;
   }
 
  private:
@@ -129,7 +129,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
   };
   const auto leave = [&](double b) { result.lower = std::min(result.lower, b); };
   walk_nearest_first(
-      body.body().rest_tree(), bound, [&] { return limit; }, leave,
+      body.tree(), bound, [&] { return limit; }, leave,
       [&](std::uint32_t leaf, double leaf_bound) {
         bool touched = false;
         for (const std::uint32_t facet : body.facets(leaf)) {
@@ -166,7 +166,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
 }
 
 bool is_near(const Vec3& p) {
-  return largest_component(p) < 0x1p200 && is_finite(p);
+  return max_norm(p) < 0x1p200 && is_finite(p);
 }
 bool is_good(double radius) {
   return radius >= 0 && radius < 0x1p200;
@@ -175,8 +175,8 @@ bool is_good(double radius) {
 // Empties the result; true when the query may go on.
 bool begin(const Collider& body, bool good_shape, const TouchOptions& options, Touch& result) {
   result.status = askable(body);
-  if (result.status && !good_shape) result.status = {QueryStatus::Code::bad_shape};
-  if (result.status && !std::isfinite(options.margin)) result.status = {QueryStatus::Code::bad_option};
+  if (result.status && !good_shape) result.status = {Status::Code::bad_shape};
+  if (result.status && !std::isfinite(options.margin)) result.status = {Status::Code::bad_option};
   result.found = result.touches = result.clear = result.certified = false;
   result.lower = 0;
   result.deepest = {};
@@ -184,40 +184,43 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.leaves.clear();
   result.sphere_tests = result.facet_tests = 0;
   if (!result.status) return false;
-  result.certified = spheres_cover(body.body());
+  result.certified = body.pose().covers;
   return true;
 }
 
 template <class Shape>
 Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOptions& options) {
-  Touch result;
-  if (!touch(body, shape, options, result)) throw std::invalid_argument(message(result.status));
-  return result;
+  TouchQuery query;
+  require_good(query.run(body, shape, options).status);
+  return query.result();
 }
 
 }  // namespace
 
-bool touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
   const StandardFloats standard;
+  Touch& result = result_;
   const double size = length(shape.normal);
   const bool good = is_near(shape.normal) && size > 0x1p-200 && std::abs(shape.offset) / size < 0x1p200;
-  if (!begin(body, good, options, result)) return false;
+  if (!begin(body, good, options, result)) return result;
   search(body, PlacedHalfSpace(shape), options, result);
-  return true;
+  return result;
 }
 
-bool touch(const Collider& body, const Sphere& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const Sphere& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return false;
+  Touch& result = result_;
+  if (!begin(body, is_near(shape.center) && is_good(shape.radius), options, result)) return result;
   search(body, PlacedCapsule(shape.center, shape.center, shape.radius), options, result);
-  return true;
+  return result;
 }
 
-bool touch(const Collider& body, const Capsule& shape, const TouchOptions& options, Touch& result) {
+const Touch& TouchQuery::run(const Collider& body, const Capsule& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return false;
+  Touch& result = result_;
+  if (!begin(body, is_near(shape.p) && is_near(shape.q) && is_good(shape.radius), options, result)) return result;
   search(body, PlacedCapsule(shape.p, shape.q, shape.radius), options, result);
-  return true;
+  return result;
 }
 
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {

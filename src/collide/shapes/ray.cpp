@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 #include <morula/collide/primitives.hpp>
+#include <morula/tree/walk.hpp>
 
 #include "collide/pairs/placed_spheres.hpp"
-#include "collide/pairs/walk.hpp"
+#include "collide/require.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -20,7 +21,7 @@ class ShearedRay {
  public:
   explicit ShearedRay(const Ray& ray) : origin_(ray.origin), t_end_(ray.t_end) {
     // Scaled by a power of two, which changes no bit of the answer: squares of directions may be out of range.
-    const int exponent = std::ilogb(largest_component(ray.direction));
+    const int exponent = std::ilogb(max_norm(ray.direction));
     for (int axis = 0; axis < 3; ++axis) scaled_[axis] = std::ldexp(ray.direction[axis], -exponent);
     scale_ = std::ldexp(1.0, -exponent);
     size_ = length(scaled_);
@@ -43,7 +44,7 @@ class ShearedRay {
   double bound(const Sphere& s) const {
     const Vec3 offset = s.center - origin_;
     const double along = dot(offset, unit_);
-    const double pad = 0x1p-45 * (largest_component(s.center) + s.radius + largest_component(origin_));
+    const double pad = 0x1p-45 * (max_norm(s.center) + s.radius + max_norm(origin_));
     const double reach = s.radius + pad;
     const double aside = squared_length(offset - unit_ * along), reach_squared = reach * reach;
     if (aside > reach_squared || along + reach < 0) return infinity;
@@ -57,8 +58,7 @@ class ShearedRay {
   bool hits(const Triangle& t, double limit, double& where, Barycentric& barycentric) const {
     std::array<Vec3, 3> from_origin{t[0] - origin_, t[1] - origin_, t[2] - origin_};
     // Areas of what is very small and near would vanish: larger by a power of two, which changes no verdict.
-    const double largest = std::max(
-        {largest_component(from_origin[0]), largest_component(from_origin[1]), largest_component(from_origin[2])});
+    const double largest = std::max({max_norm(from_origin[0]), max_norm(from_origin[1]), max_norm(from_origin[2])});
     constexpr double least_ordinary = 0x1p-400;
     const int exponent = largest > 0 && largest < least_ordinary ? std::ilogb(largest) : 0;
     if (exponent != 0)
@@ -98,20 +98,20 @@ class ShearedRay {
 };
 
 bool is_good(const Ray& ray) {
-  const double longest = largest_component(ray.direction);
-  return is_finite(ray.origin) && is_finite(ray.direction) && largest_component(ray.origin) < 0x1p200 &&
-         longest > 0x1p-200 && longest < 0x1p200 && ray.t_end >= 0;
+  const double longest = max_norm(ray.direction);
+  return is_finite(ray.origin) && is_finite(ray.direction) && max_norm(ray.origin) < 0x1p200 && longest > 0x1p-200 &&
+         longest < 0x1p200 && ray.t_end >= 0;
 }
 
 }  // namespace
 
-RayHit first_hit(const Collider& body, const Ray& ray) {
+RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
   const StandardFloats standard;
   RayHit result;
   result.status = askable(body);
-  if (result.status && !is_good(ray)) result.status = {QueryStatus::Code::bad_shape};
+  if (result.status && !is_good(ray)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = spheres_cover(body.body());
+  result.certified = body.pose().covers;
   const PlacedSpheres spheres(body);
   const ShearedRay sheared(ray);
   // Bounds of spheres that are missed are infinite: the limit stays below.
@@ -122,7 +122,7 @@ RayHit first_hit(const Collider& body, const Ray& ray) {
     return sheared.bound(spheres(node));
   };
   walk_nearest_first(
-      body.body().rest_tree(), bound, [&] { return limit; }, [](double) {},
+      body.tree(), bound, [&] { return limit; }, [](double) {},
       [&](std::uint32_t leaf, double) {
         for (const std::uint32_t facet : body.facets(leaf)) {
           ++result.facet_tests;
@@ -140,6 +140,12 @@ RayHit first_hit(const Collider& body, const Ray& ray) {
   const Triangle corners = body.triangle(result.point.facet);
   result.point.point = at_barycentric(corners, result.point.barycentric);
   result.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
+  return result;
+}
+
+RayHit first_hit(const Collider& body, const Ray& ray) {
+  const RayHit result = RayQuery().run(body, ray);
+  require_good(result.status);
   return result;
 }
 

@@ -37,8 +37,8 @@ struct Gifts {
 
 class Exchange {
  public:
-  Exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes)
-      : mesh_(mesh), lines_(lines), nodes_(nodes), pad_(largest_coordinate(mesh)) {}
+  Exchange(const FitInput& input, std::vector<BuildNode>& nodes)
+      : mesh_(input.mesh), lines_(input.lines), nodes_(nodes), pad_(input.pad) {}
 
   void trade(Workers& workers) {
     std::vector<Sphere> spheres;
@@ -140,7 +140,7 @@ class Exchange {
     constexpr float taken = 0.15F;
     const GroupBall fitted = fit_ball(grid, extremes(corners, grid), {&start, 1}, taken, 0.06F);
     const Vec3 center = grid.from_grid(fitted.center);
-    return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, largest_component(center)))};
+    return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, max_norm(center)))};
   }
 
   const Mesh& mesh_;
@@ -151,8 +151,8 @@ class Exchange {
 
 }  // namespace
 
-void exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
-  Exchange level(mesh, lines, nodes);
+void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
+  Exchange level(input, nodes);
   for (int round = 0; round < rounds; ++round) {
     level.trade(workers);
     level.refit(workers);

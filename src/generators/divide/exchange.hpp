@@ -3,8 +3,7 @@
 // Nodes of one level hand parts of their regions to each other, across parents.
 #pragma once
 
-#include "generators/driver/top_down.hpp"
-#include "generators/fit/object_lines.hpp"
+#include "generators/divide/node_fit.hpp"
 
 namespace morula {
 
@@ -12,6 +11,6 @@ namespace morula {
 /// every ancestor of it, the root aside, contain the part already: cover and wrapping hold at every moment, and no
 /// ancestor changes. Then each sphere is fitted to what it owns now. No node loses everything.
 /// Same bits for any number of workers.
-void exchange(const Mesh& mesh, const ObjectLines& lines, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
+void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
 
 }  // namespace morula

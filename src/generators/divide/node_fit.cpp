@@ -85,18 +85,18 @@ void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoint
 }  // namespace
 
 FitInput fit_input(const Mesh& mesh, const SignedDistance& shape, const ObjectLines& lines) {
-  return {mesh, shape, lines, largest_coordinate(mesh)};
+  return {mesh, shape, lines, largest_coordinate(shape.bvh().bounding_box())};
 }
 
-int lattice_cells(const Mesh& mesh, int branching, int depth) {
+int lattice_cells(const TriangleBvh& facets, int branching, int depth) {
   double surface = 0;
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(static_cast<std::uint32_t>(f)));
+  for (std::uint32_t f = 0; f < facets.facet_count(); ++f) surface += area(facets.triangle(f));
   // Deeper levels than this share the finest lattice: it is what memory allows.
   constexpr double most_parts = 4096, fewest = 64, most = 512;
   double parts = branching;
   for (int level = 1; level < depth; ++level) parts = std::min(most_parts, parts * branching);
   const double cell = NodeFit::Settings{}.cell * std::sqrt(surface / parts);
-  const double longest = largest_component(bounding_box(mesh).extent());
+  const double longest = max_norm(facets.bounding_box().extent());
   return static_cast<int>(cell > 0 ? std::clamp(longest / cell, fewest, most) : fewest);
 }
 
@@ -138,7 +138,7 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   constexpr double most_cells = 160;
   const double cell = std::max(settings.cell * samples.width, mean_radius / settings.cells_per_radius);
 
-  grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, largest_component(box.extent()) / most_cells));
+  grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, max_norm(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());
   for (const Vec3& p : samples.points) points_.push_back(grid_->to_grid(p));
   if (settings.balance > 0 && demand) {
@@ -177,7 +177,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       const Vec3 center = grid_->from_grid(fitted.center);
       const double radius = farthest_distance(center, corners);
       balls.push_back({grid_->to_grid(center), static_cast<float>(radius / grid_->cell()), 0});
-      now.spheres.push_back({center, rounded_up_radius(radius, std::max(input_.pad, largest_component(center)))});
+      now.spheres.push_back({center, rounded_up_radius(radius, std::max(input_.pad, max_norm(center)))});
       now.regions.push_back(std::move(divided.regions[i]));
     }
     group_->take_in_grid(balls);

@@ -21,7 +21,7 @@ struct FitInput {
 };
 FitInput fit_input(const Mesh& mesh, const SignedDistance& shape, const ObjectLines& lines);
 /// Cells along the longest side that ObjectLines needs for a build of this depth and branching.
-int lattice_cells(const Mesh& mesh, int branching, int depth);
+int lattice_cells(const TriangleBvh& facets, int branching, int depth);
 
 /// Demand of a surface point for spheres of later levels; any unit.
 using Demand = std::function<float(const Vec3&)>;

@@ -21,9 +21,9 @@ class BestFirst {
       : mesh_(mesh),
         run_(run),
         divide_(divide),
-        judge_(mesh, shape, run.max_protrusion),
+        judge_(mesh, shape, run),
         workers_(workers),
-        too_small_(smallest_radius(mesh)),
+        too_small_(smallest_radius(run)),
         wanted_(leaves_wanted(run)) {}
 
   Built operator()(const Box& root_cell) {

@@ -7,7 +7,8 @@
 
 namespace morula {
 
-BuildRun::BuildRun(const BuildOptions& options) : BuildOptions(options) {
+BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
+    : BuildOptions(options), box_(bounding_box(mesh)) {
   if (time_limit_seconds > 0) {
     // A limit of years would overflow the clock.
     constexpr double longest = 1e9;

@@ -12,7 +12,11 @@ namespace morula {
 class BuildRun : public BuildOptions {
  public:
   /// Starts the clock that the time limit is measured by. `progress` is made to never go back.
-  explicit BuildRun(const BuildOptions& options);
+  BuildRun(const BuildOptions& options, const MeshView& mesh);
+
+  /// Of the mesh, and its largest |coordinate|, which radii are padded by.
+  const Box& box() const { return box_; }
+  double largest_coordinate() const { return morula::largest_coordinate(box_); }
 
   /// Throws BuildStopped when the stop was requested. Between steps of a few ten milliseconds.
   void throw_if_stopped() const {
@@ -32,6 +36,7 @@ class BuildRun : public BuildOptions {
   Clock::time_point start_ = Clock::now();
   Clock::time_point deadline_ = Clock::time_point::max();
   double from_ = 0, to_ = 1;
+  Box box_;
 };
 
 /// Seconds that the rest of a level-by-level build takes. Dividing all nodes of a level costs A + B × nodes: every

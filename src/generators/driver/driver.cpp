@@ -19,16 +19,11 @@ bool worth_keeping(const BuildNode& node, const Division& division) {
 
 }  // namespace
 
-double largest_coordinate(const Mesh& mesh) {
-  const Box box = bounding_box(mesh);
-  return std::max(largest_component(box.lower), largest_component(box.upper));
-}
-
-double smallest_radius(const Mesh& mesh) {
+double smallest_radius(const BuildRun& run) {
   // A sphere about a point has a radius of 2^-48 of its coordinates: nothing that small is worth dividing, nor can it
   // be.
   constexpr double share_of_diagonal = 1e-9, share_of_coordinate = 0x1p-47;
-  return std::max(share_of_diagonal * bounding_box(mesh).diagonal(), share_of_coordinate * largest_coordinate(mesh));
+  return std::max(share_of_diagonal * run.box().diagonal(), share_of_coordinate * run.largest_coordinate());
 }
 
 BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell) {
@@ -39,8 +34,8 @@ BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell) {
   std::vector<Vec3> points;
   corner_positions(mesh, root.region, points);
   const Sphere smallest = enclosing_sphere(points);
-  root.sphere = {smallest.center, rounded_up_radius(smallest.radius, std::max(largest_coordinate(mesh),
-                                                                              largest_component(smallest.center)))};
+  root.sphere = {smallest.center,
+                 rounded_up_radius(smallest.radius, std::max(run.largest_coordinate(), max_norm(smallest.center)))};
   return root;
 }
 

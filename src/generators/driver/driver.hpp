@@ -13,7 +13,7 @@ BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell);
 /// The node's children, with level and seed; none when a division would gain nothing.
 Division children_of(const BuildNode& node, const Divider& divide, double too_small);
 /// Regions with a smaller radius are points for all purposes.
-double smallest_radius(const Mesh& mesh);
+double smallest_radius(const BuildRun& run);
 
 /// All that is known before the first division.
 BuildReport new_report(const Mesh& mesh, const BuildRun& run);

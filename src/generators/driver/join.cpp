@@ -44,8 +44,8 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere) {
   return node;
 }
 
-Judge::Judge(const Mesh& mesh, const SignedDistance& shape, double max_protrusion)
-    : mesh_(mesh), shape_(shape), max_protrusion_(max_protrusion), pad_(largest_coordinate(mesh)) {}
+Judge::Judge(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run)
+    : mesh_(mesh), shape_(shape), max_protrusion_(run.max_protrusion), pad_(run.largest_coordinate()) {}
 
 // Outside volume is what looseness adds up, and dividing by it gave sets up to 17 % tighter than by the bound times r².
 Verdict Judge::operator()(const Sphere& sphere) const {
@@ -57,7 +57,7 @@ Verdict Judge::operator()(const Sphere& sphere) const {
 
 Sphere Judge::fitted(const std::vector<Vec3>& points, const Vec3& start) const {
   const Sphere sphere = refit(points, start, shape_);
-  return {sphere.center, rounded_up_radius(sphere.radius, std::max(pad_, largest_component(sphere.center)))};
+  return {sphere.center, rounded_up_radius(sphere.radius, std::max(pad_, max_norm(sphere.center)))};
 }
 
 Sphere Judge::common_sphere(const BuildNode& a, const BuildNode& b) const {

@@ -26,8 +26,8 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
 
 class Judge {
  public:
-  /// max_protrusion: 0 where only the number of spheres matters.
-  Judge(const Mesh& mesh, const SignedDistance& shape, double max_protrusion);
+  /// run.max_protrusion: 0 where only the number of spheres matters.
+  Judge(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run);
 
   Verdict operator()(const Sphere& sphere) const;
 

@@ -87,7 +87,7 @@ Built top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, cons
   std::vector<BuildNode> level{root_node(mesh, run, root_cell)};
   built.tree.append_level({}, std::span(&level[0].sphere, 1));
   TimeEstimate estimate(run.depth, run.branching, level[0].region.size(), workers.thread_count());
-  const double too_small = smallest_radius(mesh);
+  const double too_small = smallest_radius(run);
   double told = run.seconds();
   report.level_seconds.push_back(told);
 

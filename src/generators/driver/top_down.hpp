@@ -52,7 +52,4 @@ Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
 Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
 Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
 
-/// Padding for radii: bounds |coordinates| of surface and centres.
-double largest_coordinate(const Mesh& mesh);
-
 }  // namespace morula

@@ -3,8 +3,9 @@
 #include "generators/fit/extremes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <morula/geometry/sampling.hpp>
+
+#include "geometry/farthest_along.hpp"
 
 namespace morula {
 
@@ -15,26 +16,13 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   GroupPoints all;
   for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) all.push_back(grid.to_grid(points[i]));
   if (all.size() <= few_enough) return all;
-  static const std::vector<Vec3> directions = fibonacci_directions(direction_count);
-  std::vector<std::uint32_t> chosen;
-  std::vector<float> heights(all.size());
-  for (const Vec3& d : directions) {
-    const float dx = static_cast<float>(d.x), dy = static_cast<float>(d.y), dz = static_cast<float>(d.z);
-    const float *x = all.x.data(), *y = all.y.data(), *z = all.z.data();
-    for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = x[i] * dx + y[i] * dy + z[i] * dz;
-    // The greatest first, in lanes, then where it is: a search for both at once stays scalar.
-    constexpr std::size_t lanes = 8;
-    std::array<float, lanes> most_of_lane;
-    most_of_lane.fill(heights[0]);
-    std::size_t i = 0;
-    for (; i + lanes <= heights.size(); i += lanes)
-      for (std::size_t l = 0; l < lanes; ++l)
-        most_of_lane[l] = heights[i + l] > most_of_lane[l] ? heights[i + l] : most_of_lane[l];
-    float greatest = *std::max_element(most_of_lane.begin(), most_of_lane.end());
-    for (; i < heights.size(); ++i) greatest = std::max(greatest, heights[i]);
-    const auto at = std::find(heights.begin(), heights.end(), greatest);
-    if (at != heights.end()) chosen.push_back(static_cast<std::uint32_t>(at - heights.begin()));
-  }
+  static const std::vector<Vec3f> directions = [] {
+    std::vector<Vec3f> narrow;
+    for (const Vec3& d : fibonacci_directions(direction_count)) narrow.emplace_back(d);
+    return narrow;
+  }();
+  std::vector<std::uint32_t> chosen(directions.size());
+  farthest_along(directions, {all.x, all.y, all.z}, chosen);
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   GroupPoints few;

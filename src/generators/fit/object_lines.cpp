@@ -25,12 +25,12 @@ int first_middle_at_or_above(double position, int count) {
 }  // namespace
 
 ObjectLines::ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers) {
-  const Box box = bounding_box(mesh);
+  const Box& box = shape.bvh().bounding_box();
   // A body that is one point, or so small beside its coordinates that spheres about it are little but padding against
   // their rounding, gets cells that the padding fits in.
   constexpr double least_share = 0x1p-44;
-  const double rounding = least_share * std::max(largest_component(box.lower), largest_component(box.upper));
-  const double extent = std::max(largest_component(box.extent()), rounding);
+  const double rounding = least_share * largest_coordinate(box);
+  const double extent = std::max(max_norm(box.extent()), rounding);
   const double longest = extent > 0 ? extent : 1;
   cell_ = longest / cells;
   per_cell_ = cells / longest;

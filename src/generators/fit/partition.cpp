@@ -36,14 +36,11 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
     const Triangle corners = mesh.corners(leftovers.facet[k]);
     points.clear();
     for (const Barycentric& b : leftovers.polygon(k)) points.push_back(at_barycentric(corners, b));
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < grown.size(); ++i) {
-      const double growth = farthest_distance(grown[i].center, points) - grown[i].radius;
-      if (growth < least) least = growth, best = i;
-    }
-    grown[best].radius += std::max(0.0, least);
-    result.regions[best].add(leftovers.facet[k], leftovers.polygon(k));
+    // Of spheres that have grown already: a partition of few spheres may well take the order of its leftovers into
+    // account, where cover(), whose chunks know nothing of each other, may not.
+    const PowerDiagram::Growth growth = least_growth(grown, points);
+    grown[growth.sphere].radius += std::max(0.0, growth.amount);
+    result.regions[growth.sphere].add(leftovers.facet[k], leftovers.polygon(k));
   }
   return result;
 }

@@ -31,7 +31,7 @@ class LatticeSearch {
   Candidate even_division() const {
     Candidate best;
     const Vec3 extent = box_.extent();
-    const double least_edge = 1e-9 * largest_component(extent);
+    const double least_edge = 1e-9 * max_norm(extent);
     const int most = static_cast<int>(std::min<std::size_t>(2 * branching_, 32));
     std::vector<Vec3> centers;
     for (int nx = 1; nx <= most; ++nx)

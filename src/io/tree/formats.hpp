@@ -27,7 +27,4 @@ std::string native_bytes(const Built& built);
 /// FileError with the first of validate()'s findings, if there are any.
 void require_valid(const std::filesystem::path& path, const SphereTree& tree);
 
-/// The first broken promise of the arrays of a tree's cover, in words; empty when all hold. Looks at no mesh.
-std::string cover_fault(const SphereTree& tree, const Cover& cover);
-
 }  // namespace morula

@@ -237,7 +237,7 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   result.tree = read_nodes(path, file, arrays,
                            index_member(file, file.member(file.root(), "tree", "the header"), "branching", "the tree"));
   result.cover = read_cover(file, arrays, mesh);
-  if (const std::string fault = cover_fault(result.tree, *result.cover); !fault.empty()) file.fail(fault);
+  if (const auto faults = validate(result.tree, *result.cover); !faults.empty()) file.fail(faults.front());
   result.report = read_report(file, file.member(file.root(), "report", "the header"));
   result.report.mesh_hash = from_hex(file, file.member(mesh, "hash", "the mesh"));
   return result;

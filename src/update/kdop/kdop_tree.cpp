@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
+#include <morula/geometry/scale.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <stdexcept>
 #include <string>
@@ -60,7 +61,8 @@ struct KDopTree::State {
   // Of leaf after leaf: points that lie one after the other in runs, others in a list, padded to whole groups.
   std::vector<std::uint32_t> run_begin{0}, point_begin{0}, points{};
   std::vector<PointRun> runs{};
-  std::vector<float> bounds{};  // per node: lower, then upper
+  std::vector<float> bounds{};    // per node: lower, then upper
+  std::vector<Spheref> around{};  // memory of pose()
   Vec3 origin{};
   UpdateStatus work{};  // of a good update: the same every time
 
@@ -81,6 +83,7 @@ struct KDopTree::State {
     work.vertices_read = local.vertex_count();
     work.cut_points_moved = local.cut_point_count();
     bounds.resize(tree.node_count() * static_cast<std::size_t>(k));
+    around.resize(tree.node_count());
   }
 
   void measure_leaves(const Rounding& rounding, Workers& workers) noexcept {
@@ -180,6 +183,30 @@ std::span<const float> KDopTree::upper(std::uint32_t node) const {
 
 Vec3 KDopTree::origin() const {
   return state_->origin;
+}
+
+PosedSpheres KDopTree::posed() const {
+  PosedSpheres spheres(state_->tree, true);
+  pose(spheres);
+  return spheres;
+}
+
+void KDopTree::pose(PosedSpheres& spheres) const {
+  const StandardFloats standard;
+  State& s = *state_;
+  for (std::uint32_t node = 0; node < s.tree.node_count(); ++node) {
+    const float *const low = s.lower(node), *const high = s.upper(node);
+    const auto middle = [&](int i) { return 0.5f * low[i] + 0.5f * high[i]; };
+    const Vec3f center{middle(0), middle(1), middle(2)};
+    // From the rounded centre to the farthest corner, in double: below 2^-50 off.
+    const auto reach = [&](int i, float c) {
+      return std::max(static_cast<double>(high[i]) - static_cast<double>(c),
+                      static_cast<double>(c) - static_cast<double>(low[i]));
+    };
+    const Vec3 farthest{reach(0, center.x), reach(1, center.y), reach(2, center.z)};
+    s.around[node] = {center, rounded_up(scaled_length(farthest) * (1 + 0x1p-48))};
+  }
+  spheres.set(s.around, s.origin);
 }
 
 std::uint64_t KDopTree::hash() const {

@@ -47,33 +47,21 @@ void slab_extents(const LocalPoint* points, std::span<const PointRun> runs, std:
 #include "simd/every_processor.inl"
 
 template <int k>
-std::span<const SlabKernel> kernels_of() {
-  static constexpr SlabKernel kernels[]{
-      plain::slab_extents<k>,
-#ifdef MORULA_VECTORS
-      baseline::slab_extents<k>,
-#endif
-#ifdef MORULA_DISPATCH
-      avx2::slab_extents<k>,
-      avx512::slab_extents<k>,
-#endif
-  };
-  return std::span(kernels).first(runnable_kinds());
-}
+constexpr KernelTable<SlabKernel> table{MORULA_EVERY_KIND(slab_extents<k>)};
 
 }  // namespace
 
 std::span<const SlabKernel> slab_kernels(int k) {
   switch (k) {
     case 6:
-      return kernels_of<6>();
+      return table<6>.runnable();
     case 14:
-      return kernels_of<14>();
+      return table<14>.runnable();
     case 18:
-      return kernels_of<18>();
+      return table<18>.runnable();
     default:
       assert(k == 26);
-      return kernels_of<26>();
+      return table<26>.runnable();
   }
 }
 

@@ -6,8 +6,8 @@ struct Slab {
   Wide lower, upper;
 };
 inline void add(Slab& slab, Wide value) {
-  slab.lower = smaller(value, slab.lower);
-  slab.upper = larger(value, slab.upper);
+  slab.lower = min(value, slab.lower);
+  slab.upper = max(value, slab.upper);
 }
 
 /// The slabs of a k-DOP, in order.
@@ -35,7 +35,7 @@ inline void add_points(Slabs<k>& slabs, const Rows& rows) {
 template <int k>
 inline void write_bounds(const Slabs<k>& slabs, float* lower, float* upper) {
   for (int i = 0; i < k / 2; ++i) {
-    lower[i] = -largest_lane(-slabs.slab[i].lower);
+    lower[i] = least_lane(slabs.slab[i].lower);
     upper[i] = largest_lane(slabs.slab[i].upper);
   }
 }

@@ -10,6 +10,7 @@
 #include "simd/processors.hpp"
 
 namespace morula {
+namespace {
 
 /// What the others have to reproduce, in plain loops; also for compilers without vector types.
 namespace plain {
@@ -59,27 +60,23 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return largest;
 }
 
+constexpr Kernels kernels{farthest, pull, narrow_floats};
+
 }  // namespace plain
 
 #define MORULA_KERNELS "update/points/kernels.inl"
 #include "simd/every_processor.inl"
 
+constexpr KernelTable<Kernels> table{MORULA_EVERY_KIND(kernels)};
+
+}  // namespace
+
 std::span<const Kernels> all_kernels() {
-  static constexpr Kernels all[]{
-      {"plain", plain::farthest, plain::pull, plain::narrow_floats},
-#ifdef MORULA_VECTORS
-      {"four lanes", baseline::farthest, baseline::pull, baseline::narrow_floats},
-#endif
-#ifdef MORULA_DISPATCH
-      {"AVX2", avx2::farthest, avx2::pull, avx2::narrow_floats},
-      {"AVX-512", avx512::farthest, avx512::pull, avx512::narrow_floats},
-#endif
-  };
-  return std::span(all).first(runnable_kinds());
+  return table.runnable();
 }
 
 const Kernels& kernels() {
-  return all_kernels().back();
+  return table.widest();
 }
 
 }  // namespace morula

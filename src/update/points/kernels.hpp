@@ -34,7 +34,6 @@ struct Pull {
 /// All kernels give the same bits: every distance is taken by the same operations in the same order, without fused
 /// ones, and then only compared.
 struct Kernels {
-  const char* instructions;
   /// squared[k] = largest squared distance from centers[k] to a point of the runs or of the list; 0 without any. At
   /// most most_centers; index.size() is a multiple of points_per_group.
   void (*farthest)(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,

@@ -13,13 +13,12 @@ struct Centers {
 };
 template <int count>
 [[gnu::always_inline]] inline void measure(const WidePoints& p, const Centers<count>& c, Wide (&farthest)[count]) {
-  for (int k = 0; k < count; ++k) farthest[k] = larger(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
+  for (int k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
 }
 
 template <int count>
 void farthest_of_few(const LocalPoint* points, const PointRun* run, const PointRun* runs_end,
-                     const std::uint32_t* index, const std::uint32_t* index_end, const Vec3f* centers,
-                     float* squared) {
+                     const std::uint32_t* index, const std::uint32_t* index_end, const Vec3f* centers, float* squared) {
   Centers<count> c;
   Wide farthest[count];
   for (int k = 0; k < count; ++k) {
@@ -50,19 +49,6 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
-// One bit for each lane that is equal to x.
-inline unsigned lanes_equal(Wide a, float x) {
-#ifndef MORULA_DISPATCH
-  return lane_bits(a == all(x));
-#elif MORULA_LANES == 16
-  return _mm512_cmp_ps_mask(a, all(x), _CMP_EQ_OQ);
-#elif MORULA_LANES == 8
-  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, all(x), _CMP_EQ_OQ)));
-#else
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(a, all(x))));
-#endif
-}
-
 Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   constexpr int packs = static_cast<int>(core_size) / lanes;
   WidePoints core[packs];
@@ -77,14 +63,14 @@ Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
     Wide farthest{};
     for (int k = 0; k < packs; ++k) {
       distances[k] = squared_distance(core[k], x, y, z);
-      farthest = larger(distances[k], farthest);
+      farthest = max(distances[k], farthest);
     }
     const float squared = largest_lane(farthest);
     if (step == 0 || squared < least) least = squared, best = {cx, cy, cz};
     if (squared <= pull.enough || step == pull_steps) return best;
     // The first in the list among equals, on every processor.
     unsigned equal = 0;
-    for (int k = 0; k < packs; ++k) equal |= lanes_equal(distances[k], squared) << (k * lanes);
+    for (int k = 0; k < packs; ++k) equal |= lanes_equal(distances[k], all(squared)) << (k * lanes);
     const LocalPoint& far = points[pull.core[__builtin_ctz(equal)]];
     const float distance = __builtin_sqrtf(squared);
     const float along = 0.15f * distance / static_cast<float>(step + 1);
@@ -132,3 +118,5 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   }
   return static_cast<std::uint32_t>(largest);
 }
+
+constexpr Kernels kernels{farthest, pull, narrow_floats};

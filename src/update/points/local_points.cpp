@@ -56,7 +56,7 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   cuts_of_block_ = BlockLists(std::move(cuts), block_count());
   const Box box = bounding_box(rest);
   rest_origin_ = box.center();
-  size_ = largest_component(box.extent());
+  size_ = max_norm(box.extent());
   guide_ = *std::min_element(ownership.vertices.begin(), ownership.vertices.end());
   guide_rest_ = rest.positions[guide_];
 }
@@ -120,12 +120,12 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
   Frame frame;
   frame.origin = origin_;
   const float largest = *std::max_element(block_largest_.begin(), block_largest_.end());
-  if (!(largest <= largest_local_coordinate && largest_component(origin_) <= largest_origin_coordinate)) {
+  if (!(largest <= largest_local_coordinate && max_norm(origin_) <= largest_origin_coordinate)) {
     frame.finite = false;
     frame.first_bad_vertex = first_bad_vertex(positions, origin_);
     return frame;
   }
-  frame.rounding = {static_cast<double>(largest), largest_component(origin_), weight_slack_};
+  frame.rounding = {static_cast<double>(largest), max_norm(origin_), weight_slack_};
   return frame;
 }
 
@@ -173,7 +173,7 @@ std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const V
     const Vec3f p(positions[v] - origin);
     const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
                       std::abs(p.z) <= largest_local_coordinate;
-    if (!good || !(largest_component(origin) <= largest_origin_coordinate)) first = std::min<std::size_t>(first, v);
+    if (!good || !(max_norm(origin) <= largest_origin_coordinate)) first = std::min<std::size_t>(first, v);
   }
   return first;
 }

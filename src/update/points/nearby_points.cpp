@@ -22,8 +22,7 @@ NearbyPoints::NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafO
     for (const std::uint32_t p : ownership.of_leaf(k))
       if (p < ownership.vertices.size())
         squared = std::max(squared, squared_distance(rest.positions[ownership.vertices[p]], center));
-    leaf_vertices_.push_back(
-        {center, squared < 0 ? -1 : rounded_up_radius(std::sqrt(squared), largest_component(center))});
+    leaf_vertices_.push_back({center, squared < 0 ? -1 : rounded_up_radius(std::sqrt(squared), max_norm(center))});
   }
 }
 

@@ -14,61 +14,6 @@
 namespace morula {
 namespace {
 
-void require(bool holds, const std::string& otherwise) {
-  if (!holds) throw std::invalid_argument("mesh and tree do not belong together: " + otherwise);
-}
-
-void require_array_sizes(const Mesh& mesh, const Built& built) {
-  const Cover& cover = built.cover;
-  require(cover.vertex_count == mesh.vertex_count(), "the cover is for " + std::to_string(cover.vertex_count) +
-                                                         " vertices, the mesh has " +
-                                                         std::to_string(mesh.vertex_count()));
-  require(cover.facet_count == mesh.facet_count(), "the cover is for " + std::to_string(cover.facet_count) +
-                                                       " facets, the mesh has " + std::to_string(mesh.facet_count()));
-  const std::size_t nodes = built.tree.node_count();
-  require(cover.region_begin.size() == nodes && cover.region_end.size() == nodes,
-          "the cover is for " + std::to_string(cover.region_begin.size()) + " nodes, the tree has " +
-              std::to_string(nodes));
-  require(cover.corner_begin.size() == cover.patch_count() + 1 && cover.corner_begin.front() == 0 &&
-              cover.corner_begin.back() == cover.corners.size() &&
-              std::is_sorted(cover.corner_begin.begin(), cover.corner_begin.end()),
-          "the patches do not span the corners");
-}
-
-void require_corners(const Cover& cover) {
-  for (const std::uint32_t corner : cover.corners)
-    require(corner < cover.vertex_count + cover.cut_points.size(),
-            "corner " + std::to_string(corner) + " does not exist");
-  for (std::size_t i = 0; i < cover.cut_points.size(); ++i) {
-    const CutPoint& c = cover.cut_points[i];
-    double sum = 0;
-    bool in_range = true;
-    for (int k = 0; k < 3; ++k) {
-      in_range = in_range && c.vertex[k] < cover.vertex_count && c.weight[k] >= 0 && c.weight[k] <= 1;
-      sum += c.weight[k];
-    }
-    require(in_range && std::abs(sum - 1) < 1e-9, "cut point " + std::to_string(i) + " is not on a facet");
-  }
-}
-
-void require_regions(const SphereTree& tree, const Cover& cover) {
-  require(cover.region_begin[0] == 0 && cover.region_end[0] == cover.patch_count(),
-          "the root does not own all patches");
-  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-    require(cover.region_begin[node] < cover.region_end[node], "node " + std::to_string(node) + " owns no patch");
-    if (tree.is_leaf(node)) continue;
-    std::uint32_t next = cover.region_begin[node];
-    for (std::uint32_t c = 0; c < tree.child_count[node]; ++c) {
-      const std::uint32_t child = tree.first_child[node] + c;
-      require(cover.region_begin[child] == next,
-              "the region of node " + std::to_string(child) + " does not follow its sibling's");
-      next = cover.region_end[child];
-    }
-    require(next == cover.region_end[node],
-            "the region of node " + std::to_string(node) + " is not the union of its children's");
-  }
-}
-
 // Where a corner lies in the plane of a facet. Nothing for a corner that is not on it, which only a cover made
 // elsewhere can have, and on a facet with a repeated vertex, whose plane has no such weights: these are never left out.
 std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
@@ -150,12 +95,19 @@ void require_belonging(const Mesh& mesh, const Built& built) {
   require_usable(mesh);
   if (const auto faults = validate(built.tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
-  require_array_sizes(mesh, built);
-  require_corners(built.cover);
-  require_regions(built.tree, built.cover);
+  const auto differ = [](const std::string& how) {
+    throw std::invalid_argument("mesh and tree do not belong together: " + how);
+  };
+  const auto expect_count = [&](std::uint32_t in_cover, std::size_t in_mesh, const char* what) {
+    if (in_cover != in_mesh)
+      differ("the cover is for " + std::to_string(in_cover) + what + ", the mesh has " + std::to_string(in_mesh));
+  };
+  expect_count(built.cover.vertex_count, mesh.vertex_count(), " vertices");
+  expect_count(built.cover.facet_count, mesh.facet_count(), " facets");
+  if (const auto faults = validate(built.tree, built.cover); !faults.empty()) differ(faults.front());
   // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
   if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
-    throw std::invalid_argument("mesh and tree do not belong together: the tree was made from a mesh of another hash");
+    differ("the tree was made from a mesh of another hash");
 }
 
 LeafOrder depth_first_leaves(const SphereTree& tree) {

@@ -27,25 +27,12 @@
 // What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
 #pragma once
 
-#include <cmath>
-#include <limits>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/vector.hpp>
 
+#include "geometry/rounded_up.hpp"
+
 namespace morula {
-
-/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centres
-/// that lie outside the hull of their anchors.
-inline constexpr float largest_local_coordinate = 0x1p57f;
-/// So does the origin stay below this: what reading at such coordinates costs, 2^-48 of them, is then below 2^52.
-inline constexpr double largest_origin_coordinate = 0x1p100;
-/// Radii that grow by ratios (approaches 1 and 2) stop here, so that boxes and distances made of them stay finite.
-inline constexpr float largest_radius = 0x1p60f;
-
-/// The least float that is not below x.
-inline float rounded_up(double x) {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
-}
 
 /// What the points of one frame allow for.
 struct Rounding {
@@ -58,7 +45,7 @@ struct Rounding {
   /// The radius of a sphere about `center` that contains spheres, which reach `reach` from it: taken in double.
   float wrapping_radius(double reach, const Vec3f& center) const {
     const double mesh_coordinate =
-        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
@@ -67,7 +54,7 @@ struct Rounding {
   float covering_radius(float squared_distance, const Vec3f& center) const {
     const double farthest = std::sqrt(static_cast<double>(squared_distance));
     const double mesh_coordinate =
-        largest_origin_coordinate + largest_coordinate + static_cast<double>(largest_component(center));
+        largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
     return rounded_up(farthest * (1 + 0x1p-22) + pad);
   }

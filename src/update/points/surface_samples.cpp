@@ -53,7 +53,7 @@ SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(re
   if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
   has_volume_ = report.has_volume() && report.volume != 0;
   inside_out_ = report.volume < 0;
-  const double size = largest_component(report.box.extent());
+  const double size = max_norm(report.box.extent());
   constexpr int ordinary = 20;  // sizes from 2^-20 to 2^20 keep cubes of a millionth of them within float
   if (std::abs(std::ilogb(size)) > ordinary) per_mesh_unit_ = std::ldexp(1.0, -std::ilogb(size));
   count = (count + block_size - 1) / block_size * block_size;

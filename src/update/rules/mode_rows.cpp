@@ -17,7 +17,7 @@ Vec3 middle_of(std::span<const Vec3> points) {
 
 double largest_of(std::span<const Vec3> points) {
   double largest = 0;
-  for (const Vec3& p : points) largest = std::max(largest, largest_component(p));
+  for (const Vec3& p : points) largest = std::max(largest, max_norm(p));
   return largest;
 }
 
@@ -25,7 +25,7 @@ double largest_of(std::span<const Vec3> points) {
 double reach_about(const Vec3& middle, std::span<const Vec3> points, double extent) {
   double farthest = 0;
   for (const Vec3& p : points) farthest = std::max(farthest, safe_length(p - middle));
-  return rounded_up_radius(farthest, extent + largest_component(middle));
+  return rounded_up_radius(farthest, extent + max_norm(middle));
 }
 
 // Of a symmetric matrix that is positive definite.
@@ -60,7 +60,7 @@ Vec3 mean_of(std::span<const Vec3> points) {
 }  // namespace
 
 double safe_length(const Vec3& v) {
-  const double largest = largest_component(v);
+  const double largest = max_norm(v);
   return largest > 0 ? largest * length(v / largest) : 0;
 }
 

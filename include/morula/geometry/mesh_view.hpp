@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A view of somebody else's mesh: positions wherever they are, facets, nothing copied. What only reads a mesh takes
+// one.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <morula/geometry/box.hpp>
+#include <morula/geometry/positions.hpp>
+#include <morula/geometry/vector.hpp>
+#include <span>
+
+namespace morula {
+
+/// Vertex indices of one facet, counter-clockwise seen from outside.
+using Facet = std::array<std::uint32_t, 3>;
+
+struct Mesh;
+
+/// Cheap to copy. Positions and facets must stay where they are while the view is used: a view of a mesh that is made
+/// for a call (`inspect(read_mesh(path))`) ends with the call.
+struct MeshView {
+  PositionView positions;  ///< one per vertex, float or double, at rest or deformed
+  std::span<const Facet> facets;
+
+  MeshView(const Mesh& mesh);
+  MeshView(const PositionView& positions_of, std::span<const Facet> facets_of)
+      : positions(positions_of), facets(facets_of) {}
+
+  std::size_t vertex_count() const { return positions.size(); }
+  std::size_t facet_count() const { return facets.size(); }
+  std::array<Vec3, 3> corners(std::size_t facet) const {
+    const Facet& f = facets[facet];
+    return {positions[f[0]], positions[f[1]], positions[f[2]]};
+  }
+};
+
+/// Throws std::invalid_argument, naming the first offender, unless the mesh has at least one facet, all indices are in
+/// range and all positions used by facets are finite. Every function that takes a mesh may assume it passed.
+void require_usable(const MeshView& mesh);
+
+/// Box of the vertices that facets use (unused vertices are not part of the surface).
+Box bounding_box(const MeshView& mesh);
+/// The largest |coordinate| of the vertices that facets use; 0 without facets. Ranges and pads are relative to it.
+double largest_coordinate(const MeshView& mesh);
+/// The same of all points of a box that is not empty.
+inline double largest_coordinate(const Box& box) {
+  return std::max(max_norm(box.lower), max_norm(box.upper));
+}
+double surface_area(const MeshView& mesh);
+/// Σ signed tetrahedra about the box centre: the enclosed volume when the mesh is closed and oriented outward.
+double signed_volume(const MeshView& mesh);
+/// 64-bit FNV-1a over positions and facets, byte order fixed: equal meshes, equal hashes.
+std::uint64_t mesh_hash(const MeshView& mesh);
+
+}  // namespace morula

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Nearest-first walk: down one sphere tree, past everything that is too far. What rays, shapes and insides ask with.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <morula/tree/sphere_tree.hpp>
+
+namespace morula {
+
+/// Walks from the root to leaves, nearest child first; equal bounds go by index. Allocates nothing.
+///
+/// bound_of(node): a number below what is sought in the node's region, in any unit. A bound that holds for a node holds
+/// for those below it. limit(): nodes of a greater bound are passed by; it may fall during the walk. leave(bound): told
+/// of everything that is passed by or was not reached. look(leaf, bound): false ends the walk.
+/// Cost: one bound per child of each node that is opened.
+template <class BoundOf, class Limit, class Leave, class Look>
+void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const Limit& limit, const Leave& leave,
+                        const Look& look) {
+  struct Waiting {
+    double bound;
+    std::uint32_t node;
+  };
+  // One path's siblings at most wait, on max_depth levels.
+  std::array<Waiting, max_depth * max_branching + 1> stack;
+  std::size_t top = 0;
+  stack[top++] = {bound_of(0), 0};
+  while (top > 0) {
+    const Waiting here = stack[--top];
+    if (here.bound > limit()) {
+      leave(here.bound);
+      continue;
+    }
+    if (tree.is_leaf(here.node)) {
+      if (look(here.node, here.bound)) continue;
+      while (top > 0) leave(stack[--top].bound);
+      return;
+    }
+    const std::size_t bottom = top;
+    const std::uint32_t first = tree.first_child[here.node];
+    for (std::uint32_t child = first + tree.child_count[here.node]; child-- > first;) {
+      const double own = bound_of(child), bound = own > here.bound ? own : here.bound;
+      if (bound > limit()) {
+        leave(bound);
+        continue;
+      }
+      assert(top < stack.size());
+      std::size_t at = top++;
+      for (; at > bottom && stack[at - 1].bound < bound; --at) stack[at] = stack[at - 1];
+      stack[at] = {bound, child};
+    }
+  }
+}
+
+}  // namespace morula

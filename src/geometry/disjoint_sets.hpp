@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Disjoint sets with path halving; the smallest index is the root, so nothing depends on the order of joins.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace morula {
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+  std::uint32_t root(std::uint32_t i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    if (a < b) parents_[b] = a;
+    if (b < a) parents_[a] = b;
+  }
+
+ private:
+  std::vector<std::uint32_t> parents_;
+};
+
+}  // namespace morula

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <morula/geometry/status.hpp>
+
+namespace morula {
+
+std::string message(const Status& status) {
+  using Code = Status::Code;
+  const std::string pair = status.pair ? "pair " + std::to_string(*status.pair) + ": " : "";
+  const std::string body = pair + (status.body == 0 ? "the first body" : "the second body");
+  const std::string index = std::to_string(status.index);
+  switch (status.code) {
+    case Code::ok:
+      return {};
+    case Code::wrong_vertex_count:
+      return "the positions are not one per vertex of the mesh";
+    case Code::non_finite_position:
+      return "vertex " + index +
+             " is not finite or too far away: coordinates about the centre stay below 1e17, others below 1e30";
+    case Code::bad_range:
+      return "a range of changed vertices ends before it begins, or behind the last vertex";
+    case Code::needs_coordinates:
+      return "the body has levels of the rule modal, which follow coordinates: call update_modal";
+    case Code::no_modes:
+      return "the body has no modes: give them in UpdateOptions::modes when it is made";
+    case Code::wrong_coordinate_count:
+      return "the coordinates are not one per mode";
+    case Code::bad_coordinate:
+      return "coordinate " + index + " is not finite, or moves the body out of range";
+    case Code::body_not_current:
+      return body + "'s last update was refused, so its spheres are those of an older frame: update it first";
+    case Code::body_not_complete:
+      return body +
+             " was updated lazily, and not all of its nodes have been reached: update it in full, or give "
+             "CollideOptions::reach where a query takes it";
+    case Code::no_surface:
+      return body + " has spheres alone, and facets are asked for: make its collider with a mesh and a cover";
+    case Code::positions_not_current:
+      return body + " was not given the positions of this frame: call Collider::set_positions after each update";
+    case Code::placement_too_far:
+      return body + " is placed 2^200 or more from the origin";
+    case Code::bad_option:
+      return "an option of the query is negative or not a number, or names a vertex that is none";
+    case Code::bad_shape:
+      return "the shape that is asked about is not finite, has a negative radius or no direction, or is too far away";
+    case Code::bad_level:
+      return pair + "neither tree has the level that contacts are asked for at";
+    case Code::no_front:
+      return "there is no front: call start() first";
+    case Code::other_bodies:
+      return pair + "the front is of other bodies or of another ownership: call start()";
+    case Code::other_frame:
+      return pair + "a body was updated since the front was made: call carry() or start()";
+    case Code::other_placement:
+      return pair + "a body was placed elsewhere since the front was made: call carry() or start()";
+    case Code::other_options:
+      return "the front is of another margin or level: call start()";
+    case Code::bad_front:
+      return "the front has indices out of range: call start()";
+  }
+  return {};
+}
+
+}  // namespace morula

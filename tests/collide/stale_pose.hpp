@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A collider whose spheres have moved while nobody gave the positions of the frame.
+#pragma once
+
+#include <morula/collide/collider.hpp>
+#include <vector>
+
+namespace morula::test {
+
+struct StalePose {
+  PosedSpheres spheres;
+  Collider collider;
+
+  StalePose(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
+      : spheres(pose), collider(mesh, cover, spheres.pose()) {
+    next_frame();
+  }
+  void next_frame() {
+    const std::vector<Spheref> same(spheres.pose().spheres.begin(), spheres.pose().spheres.end());
+    spheres.set(same, spheres.pose().origin);
+  }
+};
+
+}  // namespace morula::test
