@@ -53,7 +53,9 @@ TEST_P(BuildBy, covers_every_kind_of_mesh) {
                          described(GetParam(), named.name, 8, 2));
 }
 
-TEST_P(BuildBy, keeps_its_promises_for_every_branching_and_depth) {
+class BuildInEveryForm : public test::ByMethod {};
+
+TEST_P(BuildInEveryForm, keeps_its_promises_for_every_branching_and_depth) {
   const Mesh mesh = sample_body("limb", 8);
   const Method method = GetParam();
   // Those that make medial balls take some 20 ms per node.
@@ -66,6 +68,19 @@ TEST_P(BuildBy, keeps_its_promises_for_every_branching_and_depth) {
   expect(64, slow ? 1 : 2);
   for (const int depth : {0, 1, slow ? 2 : 4}) expect(4, depth);
   expect(2, slow ? 4 : 8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, BuildInEveryForm, testing::Values(Method::octree), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, BuildInEveryForm,
+                         testing::Values(Method::grid, Method::hubbard, Method::spawn, Method::medial, Method::combined,
+                                         Method::morula),
+                         test::method_name);
+
+TEST_P(BuildBy, keeps_its_promises_for_the_least_and_the_most_branching) {
+  const Mesh mesh = sample_body("limb", 6);
+  for (const int branching : {2, 64})
+    expect_promises_kept(mesh, {.method = GetParam(), .branching = branching, .depth = 1, .quality = quick(GetParam())},
+                         described(GetParam(), "limb", branching, 1));
 }
 
 TEST_P(BuildBy, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
