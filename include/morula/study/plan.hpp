@@ -101,16 +101,16 @@ struct Measures {
 };
 
 struct Plan {
-  std::vector<NamedMesh> bodies;
-  std::vector<Source> sources;  ///< those of the first body first
-  std::vector<Deformations> motions;
-  std::vector<FollowRule> rules;
-  std::vector<FollowRule> mixes;       ///< on the first source and all motions
-  std::size_t samples = 13;            ///< of each motion, from rest to the full amount
-  bool and_back = false;               ///< and back to rest again: frame_parameters()
-  std::vector<std::size_t> measured;   ///< samples that are measured; none: all
-  std::vector<std::size_t> of_levels;  ///< levels that are measured; none: the last two, as in the paper
-  Measures measures;
+  std::vector<NamedMesh> bodies{};
+  std::vector<Source> sources{};  ///< those of the first body first
+  std::vector<Deformations> motions{};
+  std::vector<FollowRule> rules{};
+  std::vector<FollowRule> mixes{};       ///< on the first source and all motions
+  std::size_t samples = 13;              ///< of each motion, from rest to the full amount
+  bool and_back = false;                 ///< and back to rest again: frame_parameters()
+  std::vector<std::size_t> measured{};   ///< samples that are measured; none: all
+  std::vector<std::size_t> of_levels{};  ///< levels that are measured; none: the last two, as in the paper
+  Measures measures{};
   int resolution = 192;  ///< of the paper's grid; of the fixed lattice, per diagonal at rest
   int branching = 8;
   int depth = 3;
@@ -120,12 +120,12 @@ struct Plan {
   ErrorUnit unit = ErrorUnit::volume;
   std::size_t needle_sides = 64;  ///< of a prism of long thin triangles, for void spheres; 0: none
   int cost_repeats = 9;
-  std::vector<Source> press_sources;                              ///< beside `sources`: trees that are only pressed
-  std::vector<FollowRule> press_rules;                            ///< of kind `update`; none: nothing is pressed
+  std::vector<Source> press_sources{};                            ///< beside `sources`: trees that are only pressed
+  std::vector<FollowRule> press_rules{};                          ///< of kind `update`; none: nothing is pressed
   std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};     ///< shares of the diagonal at rest
   std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< pair tests
   Deformations press_pose{Bend{45.0, Axis::automatic}};
-  SphOrigin sph_origin;
+  SphOrigin sph_origin{};
   bool keep_trees = false;  ///< of all bodies, not of the first alone
 
   /// 0 at rest, 1 at the full amount; one per sample.

@@ -60,8 +60,8 @@ using Progress = std::function<void(double share, std::string what)>;
 
 struct RunOptions {
   const Cache* cache = nullptr;  ///< nullptr: nothing is kept
-  std::stop_token stop;
-  Progress progress;  ///< or none
+  std::stop_token stop{};
+  Progress progress{};  ///< or none
 };
 
 /// The same figures for any number of workers, and however often the study was interrupted; times differ.
