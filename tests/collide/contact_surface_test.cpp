@@ -14,7 +14,6 @@
 
 #include "simd/processors.hpp"
 
-
 namespace morula {
 namespace {
 

@@ -166,7 +166,8 @@ class BodyRun {
     workers_.run(poses_.size() * plan_.samples, [&](std::size_t i) {
       StudyPoses& poses = poses_[i / plan_.samples];
       const std::size_t sample = i % plan_.samples;
-      poses.distances[sample] = std::make_unique<SignedDistance>(MeshView(poses.motion.frames[sample], body().mesh.facets));
+      poses.distances[sample] =
+          std::make_unique<SignedDistance>(MeshView(poses.motion.frames[sample], body().mesh.facets));
     });
   }
 
