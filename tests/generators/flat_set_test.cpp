@@ -69,16 +69,19 @@ TEST(FlatSet, keeps_within_every_branching) {
     }
 }
 
-TEST(FlatSet, of_every_kind_of_mesh_is_sound) {
+class FlatSetOfAll : public test::ByMethod {};
+
+TEST_P(FlatSetOfAll, every_kind_of_mesh_is_sound) {
   for (const test::NamedMesh& named : test::all_meshes())
-    for (const Method method : {Method::octree, Method::grid})
-      for (const std::size_t spheres : {2, 30}) {
-        const Built built = build(named.mesh, {.method = method, .spheres = spheres});
-        EXPECT_LE(built.tree.leaf_count(), spheres) << named.name;
-        const auto faults = validate(named.mesh, built);
-        EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
-      }
+    for (const std::size_t spheres : {2, 30}) {
+      const Built built = build(named.mesh, {.method = GetParam(), .spheres = spheres});
+      EXPECT_LE(built.tree.leaf_count(), spheres) << named.name;
+      const auto faults = validate(named.mesh, built);
+      EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
+    }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, FlatSetOfAll, testing::Values(Method::octree, Method::grid), test::method_name);
 
 TEST(FlatSet, works_with_every_method) {
   const Mesh mesh = sample_body("bar", 6);
@@ -89,13 +92,17 @@ TEST(FlatSet, works_with_every_method) {
   }
 }
 
-TEST(FlatSet, has_the_same_bits_for_any_number_of_workers) {
+class FlatSetBits : public test::ByMethod {};
+
+TEST_P(FlatSetBits, are_the_same_for_any_number_of_workers) {
   const Mesh mesh = sample_body("limb", 16);
-  for (const Method method : {Method::octree, Method::grid, Method::spawn})
-    for (const double protrusion : {0.0, 0.08})
-      test::expect_same_bits_for_any_number_of_workers(
-          mesh, {.method = method, .spheres = protrusion > 0 ? 0u : 60u, .max_protrusion = protrusion});
+  for (const double protrusion : {0.0, 0.08})
+    test::expect_same_bits_for_any_number_of_workers(
+        mesh, {.method = GetParam(), .spheres = protrusion > 0 ? 0u : 60u, .max_protrusion = protrusion});
 }
+
+INSTANTIATE_TEST_SUITE_P(Quick, FlatSetBits, testing::Values(Method::octree, Method::grid), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, FlatSetBits, testing::Values(Method::spawn), test::method_name);
 
 TEST(FlatSet, gets_tighter_with_more_spheres) {
   const Mesh mesh = sample_body("limb", 16);

@@ -17,10 +17,13 @@
 namespace morula {
 namespace {
 
-TEST(LoosenessEstimate, agrees_with_voxels_on_sample_bodies_at_rest_and_deformed) {
-  for (const char* name : {"limb", "bar", "capsule", "torus", "blob", "two"})
-    test::expect_estimates_near_voxels(name, sample_body(name, 32));
+class EstimateOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(EstimateOf, a_sample_body_agrees_with_voxels_at_rest_and_deformed) {
+  test::expect_estimates_near_voxels(GetParam(), sample_body(GetParam(), 32));
 }
+INSTANTIATE_TEST_SUITE_P(Sample, EstimateOf, testing::Values("limb", "bar", "capsule", "torus", "blob", "two"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 // What is known without voxels: shells about a ball, and the root.
 TEST(LoosenessEstimate, is_exact_about_a_ball) {
