@@ -254,10 +254,10 @@ TEST(Skinned, bad_input_is_named_and_changes_nothing) {
     transforms[1].translation.y = bad;
     const UpdateStatus status = body.update_skinned(transforms);
     EXPECT_EQ(status.code, Code::bad_transform) << bad;
-    EXPECT_EQ(status.first_bad_transform, 1u) << bad;
+    EXPECT_EQ(status.index, 1u) << bad;
     transforms = good;
     transforms[2].columns[0].z = bad;
-    EXPECT_EQ(body.update_skinned(transforms).first_bad_transform, 2u) << bad;
+    EXPECT_EQ(body.update_skinned(transforms).index, 2u) << bad;
   }
   EXPECT_FALSE(body.is_current());
   EXPECT_EQ(body.hash(), last_good);
