@@ -15,6 +15,9 @@ set(morula_installed_targets morula_core morula)
 if(MORULA_IO)
   list(APPEND morula_installed_targets morula_io)
 endif()
+if(MORULA_STUDY)
+  list(APPEND morula_installed_targets morula_page morula_study)
+endif()
 install(TARGETS ${morula_installed_targets} EXPORT morula_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
 install(EXPORT morula_targets NAMESPACE morula:: FILE MorulaTargets.cmake

@@ -24,13 +24,18 @@ set(height_update 7)  # a body that rebuilds its tree builds
 set(height_accuracy 8)
 set(height_collide 8)
 set(height_io 8)
+# experiments
+set(height_page 9)
+set(height_study 10)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
 set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
-set(wings_io array mesh tree motion)
+set(wings_study svg run claims output)
+set(wings_io array gltf mesh tree motion)
 # Files beside the wings that the wings may include.
+set(common_study json numbers words)
 set(common_collide require)
 set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
 

@@ -59,7 +59,7 @@ for (let begin = 0; begin < bytes.length; begin += 8000) {
 const cpp = `// Made by viewer/build.mjs.
 #include "page/template.hpp"
 
-namespace morula::cli {
+namespace morula::page {
 namespace {
 
 const char* const parts[] = {
@@ -73,11 +73,11 @@ std::string page_template() {
   return page;
 }
 
-std::string why_no_page() {
+std::string why_no_template() {
   return {};
 }
 
-}  // namespace morula::cli
+}  // namespace morula::page
 `;
 mkdirSync(binary, { recursive: true });
 for (const [name, content] of [['page.html', page], ['page_template.cpp', cpp]]) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <morula/accuracy/measure.hpp>
+#include <morula/io/csv.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>

@@ -10,6 +10,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <morula/study/study.hpp>
 #include <scenes/scenes.hpp>
 
 #include "shared/command.hpp"
@@ -19,9 +20,7 @@
 #include "shared/interrupt.hpp"
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
-#include "study/files.hpp"
-#include "study/page.hpp"
-#include "study/run.hpp"
+#include "shared/report.hpp"
 
 namespace morula::cli {
 namespace {
@@ -50,14 +49,14 @@ struct Options {
 };
 
 /// The corpus meshes with an inside, up to a size, and those that were asked for.
-void add_bodies(const Options& o, StudyPlan& plan) {
+void add_bodies(const Options& o, study::Plan& plan) {
   for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), read_mesh(path)});
   if (o.corpus) {
     const std::vector<fs::path> paths = scenes::corpus_meshes();
     if (paths.empty()) throw UsageError("--corpus: there are no corpus meshes; fetch them with scripts/corpus");
     for (const fs::path& path : paths) {
       try {
-        NamedMesh body{path.stem().string(), read_mesh(path)};
+        study::NamedMesh body{path.stem().string(), read_mesh(path)};
         if (body.mesh.facet_count() <= o.max_facets && inspect(body.mesh).has_volume())
           plan.bodies.push_back(std::move(body));
       } catch (const FileError&) {  // the corpus has broken files too
@@ -66,7 +65,7 @@ void add_bodies(const Options& o, StudyPlan& plan) {
   }
   if (plan.bodies.empty() && o.trees.empty()) plan.bodies.push_back({"limb", sample_body("limb", o.quick ? 12 : 48)});
   std::vector<std::string> names;
-  for (NamedMesh& body : plan.bodies) {
+  for (study::NamedMesh& body : plan.bodies) {
     const auto same = std::count(names.begin(), names.end(), body.name);
     names.push_back(body.name);
     if (same > 0) body.name += fmt::format("-{}", same + 1);
@@ -74,7 +73,7 @@ void add_bodies(const Options& o, StudyPlan& plan) {
 }
 
 /// The body of a tree file named MESH-METHOD.sph: one of --mesh, or of the corpus.
-std::size_t body_of(StudyPlan& plan, const std::string& mesh, const fs::path& tree) {
+std::size_t body_of(study::Plan& plan, const std::string& mesh, const fs::path& tree) {
   for (std::size_t i = 0; i < plan.bodies.size(); ++i)
     if (plan.bodies[i].name == mesh) return i;
   for (const fs::path& path : scenes::corpus_meshes()) {
@@ -88,7 +87,7 @@ std::size_t body_of(StudyPlan& plan, const std::string& mesh, const fs::path& tr
                   tree.string(), mesh));
 }
 
-void add_tree_files(const Options& o, StudyPlan& plan) {
+void add_tree_files(const Options& o, study::Plan& plan) {
   if (!fs::is_directory(o.trees)) throw UsageError(fmt::format("--trees {}: is no folder", o.trees));
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(o.trees))
@@ -104,8 +103,8 @@ void add_tree_files(const Options& o, StudyPlan& plan) {
     const std::string mesh = stem.substr(0, dash);
     const std::string method = stem.substr(dash + 1);
     if (!o.methods.empty() && std::find(o.methods.begin(), o.methods.end(), method) == o.methods.end()) continue;
-    const bool known =
-        std::any_of(plan.bodies.begin(), plan.bodies.end(), [&](const NamedMesh& body) { return body.name == mesh; });
+    const bool known = std::any_of(plan.bodies.begin(), plan.bodies.end(),
+                                   [&](const study::NamedMesh& body) { return body.name == mesh; });
     if (chosen && !known) continue;  // --mesh says which
     plan.sources.push_back({body_of(plan, mesh, file), method, std::nullopt, file});
   }
@@ -116,13 +115,13 @@ void add_tree_files(const Options& o, StudyPlan& plan) {
                     o.trees));
   }
   for (std::size_t body = 0; body < plan.bodies.size(); ++body) {
-    if (std::any_of(plan.sources.begin(), plan.sources.end(), [&](const StudySource& s) { return s.body == body; }))
+    if (std::any_of(plan.sources.begin(), plan.sources.end(), [&](const study::Source& s) { return s.body == body; }))
       continue;
     throw UsageError(fmt::format("--trees {}: holds no tree of {}; name it {}-METHOD.sph", o.trees,
                                  plan.bodies[body].name, plan.bodies[body].name));
   }
   std::stable_sort(plan.sources.begin(), plan.sources.end(),
-                   [](const StudySource& a, const StudySource& b) { return a.body < b.body; });
+                   [](const study::Source& a, const study::Source& b) { return a.body < b.body; });
 }
 
 void require_once(const char* option, const std::vector<std::string>& names) {
@@ -133,20 +132,33 @@ void require_once(const char* option, const std::vector<std::string>& names) {
 }
 
 /// Those that follow positions: all that were asked for, else the ones that differ most.
-std::vector<StudyRule> press_rules(const StudyPlan& plan, bool all) {
-  std::vector<StudyRule> rules;
-  for (const StudyRule& rule : plan.rules) {
-    if (rule.kind != StudyRule::Kind::update) continue;
-    if (all || rule.name == "traditional" || rule.name == "approach2" || rule.name == "exact") rules.push_back(rule);
+std::vector<study::FollowRule> press_rules(const study::Plan& plan, bool all) {
+  std::vector<study::FollowRule> rules;
+  for (const study::FollowRule& rule : plan.rules) {
+    if (rule.kind != study::RuleKey::Kind::update) continue;
+    const study::RuleKey key = rule.key().value();
+    if (all || key == Rule::traditional || key == Rule::approach2 || key == Rule::exact) rules.push_back(rule);
   }
   return rules;
 }
 
-StudyPlan make_plan(const Options& o) {
-  StudyPlan plan;
+std::vector<std::string> study_rule_names() {
+  std::vector<std::string> names;
+  for (const study::RuleKey& key : study::all_rule_keys()) names.push_back(name(key));
+  return names;
+}
+
+std::vector<std::string> names_of(const std::vector<Method>& methods) {
+  std::vector<std::string> names;
+  for (const Method method : methods) names.emplace_back(name(method));
+  return names;
+}
+
+study::Plan make_plan(const Options& o) {
+  study::Plan plan;
   std::vector<std::string> methods = o.methods;
   if (methods.empty()) {
-    methods = paper_methods();
+    methods = names_of(study::paper_methods());
     if (!o.quick) methods.emplace_back("morula");
   }
   require_once("--methods", methods);
@@ -155,40 +167,42 @@ StudyPlan make_plan(const Options& o) {
   }
   const std::vector<std::string> rules =
       o.rules.empty()
-          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "refitted", "fresh"}
+          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "rebuilt", "fresh"}
           : o.rules;
   require_once("--rules", rules);
-  for (const std::string& rule : rules) plan.rules.push_back(study_rule(rule));
+  for (const std::string& rule : rules) {
+    check_name("rule", rule, study_rule_names());
+    plan.rules.emplace_back(*study::rule_key_from_name(rule));
+  }
   check_name("unit", o.unit, {"volume", "box"});
-  plan.unit = o.unit == "box" ? ErrorUnit::box : ErrorUnit::volume;
+  plan.unit = o.unit == "box" ? study::ErrorUnit::box : study::ErrorUnit::volume;
   plan.samples = o.frames > 0 ? o.frames : o.quick ? 5 : 13;
   plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
   plan.fresh_poses = o.quick ? 1 : 2;
   plan.branching = o.branching;
   plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
   plan.seed = o.seed;
-  plan.sph_origin = o.sph_origin;
+  plan.sph_origin = parse_sph_origin(o.sph_origin);
   plan.cost_repeats = o.quick ? 3 : 9;
   if (o.quick) plan.needle_sides = 16;
-  plan.motions = paper_motions();
-  if (o.mixes) plan.mixes = rule_mixes(plan.depth);
+  plan.motions = study::paper_motions();
+  if (o.mixes) plan.mixes = study::rule_mixes(plan.depth);
   plan.press_rules = press_rules(plan, !o.rules.empty());
   add_bodies(o, plan);
   if (!o.trees.empty()) {
     add_tree_files(o, plan);
     plan.needle_sides = 0;
   } else {
-    for (std::size_t body = 0; body < plan.bodies.size(); ++body)
-      for (const std::string& method : methods) plan.sources.push_back({body, method, parse_method(method), {}});
-    if (o.methods.empty() && !o.quick)
-      for (std::size_t body = 0; body < plan.bodies.size(); ++body)
-        plan.press_sources.push_back({body, "octree", Method::octree, {}});
+    std::vector<Method> generators;
+    for (const std::string& method : methods) generators.push_back(parse_method(method));
+    plan.sources = study::sources_of(plan.bodies, generators);
+    if (o.methods.empty() && !o.quick) plan.press_sources = study::sources_of(plan.bodies, {Method::octree});
   }
   return plan;
 }
 
 int study_command(const Options& o) {
-  const StudyPlan plan = make_plan(o);
+  const study::Plan plan = make_plan(o);
   Workers workers = make_workers(o.threads);
   const Interrupt interrupt;
   const fs::path folder = o.output;
@@ -196,44 +210,44 @@ int study_command(const Options& o) {
     throw UsageError(fmt::format("{}: is a file; name a folder", o.output));
   }
   if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
-  const StudyCache cache(folder / "cells");
+  const study::Cache cache(folder / "cells");
   Stopwatch watch;
   try {
-    const Study study = [&] {
+    const study::Study study = [&] {
       Progress progress("study");
-      return make_study(plan, cache, workers, interrupt.token(),
-                        [&](double share, std::string label) { progress.update(share, std::move(label)); });
+      return study::make_study(plan, workers, {&cache, interrupt.token(), [&](double share, std::string what) {
+                                                 progress.update(share, std::move(what));
+                                               }});
     }();
     // Into a folder in use: finished cells stay where they are, and results change together.
     WholeFolder results(folder, WholeFolder::Mode::merge);
-    write_study(study, results.path());
+    study::write_study(study, results.path());
     const bool with_page = has_page();
     if (with_page) {
       Progress progress("study");
-      const PageContent page =
-          study_page(plan, study.result, study.json, workers,
-                     [&](double share, std::string label) { progress.update(share, std::move(label)); });
+      const PageContent page = study::study_page(
+          study, workers, [&](double share, std::string what) { progress.update(share, std::move(what)); });
       write_whole(results.path() / "index.html", make_page(page));
     }
-    if (interrupt.requested()) throw StudyStopped();
+    if (interrupt.requested()) throw study::Stopped();
     results.commit();
     note_written(folder);
     if (o.json) {
-      print_json(study.json);
+      print_json(Json::parse(study::study_json(study)));
     } else {
-      fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}", claims_text(study.claims),
-                 o.output, seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
-                 contents_text(study));
+      fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
+                 study::claims_text(study.claims), o.output, seconds(watch.lap()), study.result.taken_from_cache,
+                 study.result.cell_count(), study::contents_text(study));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
       } else {
         fmt::print("- no index.html: this morula was built without its page\n");
       }
     }
-    const std::vector<std::string> faults = study_faults(study.result);
+    const std::vector<std::string> faults = study::faults(plan, study.result);
     for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
     return faults.empty() ? exit_done : exit_check_failed;
-  } catch (const StudyStopped&) {
+  } catch (const study::Stopped&) {
     say("morula: interrupted; finished cells are kept in {}: the same command goes on from there\n",
         (folder / "cells").string());
     return interrupt.exit_code();
@@ -259,7 +273,7 @@ void add_study(CLI::App& app, Run& run) {
   command
       ->add_option("--methods", o->methods,
                    fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
-                               fmt::join(paper_methods(), ", ")))
+                               fmt::join(names_of(study::paper_methods()), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   command

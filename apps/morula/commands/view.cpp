@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <morula/page/page.hpp>
 
-#include "page/scene.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
@@ -63,17 +64,19 @@ PageMotion read_motion(const Options& o, const Mesh& mesh) {
   return motion;
 }
 
-Json read_study(const std::string& path) {
-  if (path.empty()) return nullptr;
+/// The text of a study.json; nothing without one.
+std::string read_study(const std::string& path) {
+  if (path.empty()) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) throw UsageError(fmt::format("{}: cannot be read; --study takes the study.json of a study", path));
-  Json study = Json::parse(file, nullptr, false);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const Json study = Json::parse(text, nullptr, false);
   const bool whole = study.is_object() && study.contains("claims") && study.contains("figures");
   if (!whole) throw UsageError(fmt::format("{}: is not the JSON of a study (claims, figures)", path));
-  return study;
+  return text;
 }
 
-void print_result(const Options& o, const PageContent& content, const Built& built, std::size_t bytes) {
+void print_result(const Options& o, const PageContent& content, const CoveredTree& built, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
   for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
@@ -100,24 +103,20 @@ void print_result(const Options& o, const PageContent& content, const Built& bui
 }
 
 int view_command(const Options& o) {
-  require_page();
+  if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
   const std::string ending = extension(o.output);
   if (ending != ".html" && ending != ".htm") throw UsageError(fmt::format("{}: pages are written as .html", o.output));
   require_output_place(o.output);
   require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
-  for (const std::vector<Rule>& list : rules) {
-    if (std::count(list.begin(), list.end(), Rule::modal) > 0) {
-      throw UsageError("--rule modal needs a modal model, which morula view does not take");
-    }
-  }
+  for (const std::vector<Rule>& list : rules) require_position_rules(list);
   Workers workers = make_workers(o.threads);
 
   PageContent content;
   content.study = read_study(o.study);
   const Mesh mesh = read_mesh(o.mesh);
-  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].size() > built.tree.level_count()) {
       throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],

@@ -1,23 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How numbers are written for people. Files and JSON get every digit instead.
+// Numbers for people, as the study writes them.
 #pragma once
 
-#include <scenes/median.hpp>
-#include <string>
+#include <morula/study/numbers.hpp>
 
 namespace morula::cli {
 
-/// Three significant digits.
-std::string figure(double value);
-/// A share of 1 as a percentage; a share that is not zero is never written as 0%.
-std::string percent(double share);
-std::string seconds(double value);
-/// "1 sphere", "2 spheres"; `many` when the plural is not the singular with an s.
-std::string counted(std::size_t count, const std::string& one, const std::string& many = {});
-/// As many digits as reading back needs for the same bits.
-std::string exact_digits(double value);
-
-using scenes::median;
+using study::counted;
+using study::exact_digits;
+using study::figure;
+using study::hash_text;
+using study::percent;
+using study::seconds;
 
 }  // namespace morula::cli

@@ -32,9 +32,6 @@ std::vector<std::filesystem::path> trees_in(const std::filesystem::path& folder)
 /// "0000.sph": how frames are named, in the order of their numbers.
 std::string frame_file_name(std::size_t frame, std::string_view extension);
 
-/// A cell of a CSV file, quoted when it must be.
-std::string csv_cell(std::string_view text);
-
 /// Throws UsageError when the folder already holds files with one of these extensions that will not be overwritten:
 /// they would be read as frames of what is written now.
 void require_no_strangers(const std::filesystem::path& folder, std::size_t frame_count,

@@ -262,6 +262,16 @@ std::vector<Rule> parse_rules(const std::string& text) {
   return rules;
 }
 
+void require_position_rules(const std::vector<Rule>& rules) {
+  for (const Rule rule : rules) {
+    if (traits(rule).follows == RuleTraits::Follows::positions) continue;
+    throw UsageError(fmt::format("--rule {} needs {}: not offered here", name(rule),
+                                 traits(rule).follows == RuleTraits::Follows::modes
+                                     ? "the coordinates of a modal model"
+                                     : "a skin and the transforms of its bones"));
+  }
+}
+
 RuleOptions parse_rule_details(const RuleDetailNames& names) {
   RuleOptions details;
   check_name("--approach1-weights", names.approach1_weights, {"uniform", "inverse-distance", "area"});
@@ -297,34 +307,21 @@ Vec3 parse_vector(std::string_view option, const std::string& text) {
   return v;
 }
 
-ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh) {
+study::SphOrigin parse_sph_origin(const std::string& text) {
+  using Kind = study::SphOrigin::Kind;
   if (text == "none") return {};
-  if (text == "bbox-center") {
-    if (mesh == nullptr) throw UsageError("--sph-origin bbox-center needs the mesh: add --mesh MESH");
-    return {.sph_origin = bounding_box(*mesh).center()};
-  }
+  if (text == "bbox-center") return {Kind::box_center, {}};
   if (text.find(',') == std::string::npos) {
     throw UsageError(fmt::format("--sph-origin '{}' is none of: none, bbox-center, x,y,z", text));
   }
-  return {.sph_origin = parse_vector("--sph-origin", text)};
+  return {Kind::point, parse_vector("--sph-origin", text)};
 }
 
-Rule rule_of_level(const std::vector<Rule>& rules, std::size_t level) {
-  return rules[std::min(level, rules.size() - 1)];
-}
-
-std::string describe_rules(const std::vector<Rule>& rules, std::size_t level_count) {
-  std::vector<std::string> spans;
-  for (std::size_t begin = 0; begin < level_count;) {
-    std::size_t end = begin + 1;
-    while (end < level_count && rule_of_level(rules, end) == rule_of_level(rules, begin)) ++end;
-    const std::string_view rule = name(rule_of_level(rules, begin));
-    if (begin == 0 && end == level_count) return std::string(rule);
-    spans.push_back(end - begin == 1 ? fmt::format("{} on level {}", rule, begin)
-                                     : fmt::format("{} on levels {}-{}", rule, begin, end - 1));
-    begin = end;
-  }
-  return fmt::format("{}", fmt::join(spans, ", "));
+ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh) {
+  const study::SphOrigin origin = parse_sph_origin(text);
+  if (origin.kind != study::SphOrigin::Kind::box_center) return {.sph_origin = origin.point};
+  if (mesh == nullptr) throw UsageError("--sph-origin bbox-center needs the mesh: add --mesh MESH");
+  return {.sph_origin = origin.of(*mesh)};
 }
 
 }  // namespace morula::cli

@@ -10,6 +10,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/parallel/workers.hpp>
+#include <morula/study/plan.hpp>
 #include <morula/update/rules.hpp>
 #include <optional>
 #include <string>
@@ -61,15 +62,14 @@ Quality parse_quality(const std::string& name);
 Axis parse_axis(const std::string& name);
 /// "exact", or a list such as "0:exact,2:approach2": from the given level on, until the next one given.
 std::vector<Rule> parse_rules(const std::string& text);
+/// Throws UsageError for a rule that follows anything but positions: the command has nothing else.
+void require_position_rules(const std::vector<Rule>& rules);
 RuleOptions parse_rule_details(const RuleDetailNames& names);
 /// "x,y,z".
 Vec3 parse_vector(std::string_view option, const std::string& text);
+/// "none", "bbox-center" or "x,y,z".
+study::SphOrigin parse_sph_origin(const std::string& text);
 /// none, bbox-center (of `mesh`, without which it is refused) or "x,y,z".
 ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh);
-
-/// "exact", or "exact 0-1, approach2 2-3" when levels differ.
-std::string describe_rules(const std::vector<Rule>& rules, std::size_t level_count);
-/// The rule of a level: the last one serves all deeper levels.
-Rule rule_of_level(const std::vector<Rule>& rules, std::size_t level);
 
 }  // namespace morula::cli

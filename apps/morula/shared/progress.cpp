@@ -55,11 +55,4 @@ std::string time_left(std::optional<double> seconds) {
   return fmt::format(", about {:.0f} h left", *seconds / 3600);
 }
 
-double Stopwatch::lap() {
-  const auto now = std::chrono::steady_clock::now();
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  start_ = now;
-  return elapsed;
-}
-
 }  // namespace morula::cli

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <morula/parallel/stopwatch.hpp>
 #include <optional>
 #include <string>
 
@@ -30,14 +31,5 @@ class Progress {
 
 /// ", about 3 min left"; nothing while it is not known, and for less than a second.
 std::string time_left(std::optional<double> seconds);
-
-/// Seconds since made, or since the last call of lap().
-class Stopwatch {
- public:
-  double lap();
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace morula::cli

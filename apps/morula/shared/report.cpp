@@ -136,8 +136,4 @@ std::string percent_or_na(const std::optional<double>& value) {
   return value ? percent(*value) : "n/a";
 }
 
-std::string hash_text(std::uint64_t hash) {
-  return fmt::format("0x{:016x}", hash);
-}
-
 }  // namespace morula::cli

@@ -47,7 +47,4 @@ Json level_measure_json(const LevelMeasure& level);
 std::string figure_or_na(const std::optional<double>& value);
 std::string percent_or_na(const std::optional<double>& value);
 
-/// 64-bit hashes as JSON has them: "0x…", since numbers of JSON readers often have 53 bits.
-std::string hash_text(std::uint64_t hash);
-
 }  // namespace morula::cli

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Page: one self-contained HTML file that shows bodies, their spheres in motion, and what was measured of them.
+#pragma once
+
+#include <functional>
+#include <morula/accuracy/measure.hpp>
+#include <morula/parallel/workers.hpp>
+#include <morula/tree/cover.hpp>
+#include <morula/update/rules.hpp>
+#include <string>
+#include <vector>
+
+namespace morula {
+
+/// A mesh, and where its vertices are in every frame.
+struct PageMotion {
+  std::string body;  ///< what to call the mesh in the page's menus
+  std::string name;  ///< and the motion; "rest" when nothing moves
+  std::vector<Facet> facets;
+  std::vector<std::string> frame_names;
+  std::vector<std::vector<Vec3>> frames;  ///< at least one
+};
+
+/// The spheres of a tree that follow one motion by one rule.
+struct PageScene {
+  std::size_t motion = 0;  ///< index into PageContent::motions
+  std::string tree;        ///< what to call it
+  std::string rule;
+  SphereTree rest;                          ///< with the spheres of the rule at rest: growth counts from their radii
+  std::vector<std::vector<Sphere>> frames;  ///< per frame of the motion, one per node
+  std::vector<std::vector<LevelMeasure>> measured;  ///< per frame and level; empty when not measured
+  /// Per frame and node: share of the sphere's volume outside the body, 0 to 1; empty when not measured.
+  std::vector<std::vector<float>> empty_share;
+};
+
+/// At least one scene. The page shows the first, and lets the reader choose when there are more.
+struct PageContent {
+  std::string title;
+  std::vector<PageMotion> motions;
+  std::vector<PageScene> scenes;
+  /// Results of a study (claims, figures, tables, pictures), shown beside the body: the text of a study.json; empty for
+  /// none.
+  std::string study;
+};
+
+/// The spheres of a tree through all frames of a motion, as scene of motion 0; when `measured`, with what the page
+/// shows of levels and spheres.
+///
+/// tree: what to call it. rules: one per level from the root, the last one for all deeper levels. progress: told the
+/// share done, or none. Throws std::invalid_argument, naming the frame, for positions that cannot be used.
+PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
+                        const std::vector<Rule>& rules, bool measured, Workers& workers = serial_workers(),
+                        const std::function<void(double)>& progress = {});
+
+/// Was this library built with the page?
+bool has_page();
+/// Why it was not, in words that end a sentence; empty when it was.
+std::string why_no_page();
+
+/// The page: positions to 1/65535 of the box of all frames, spheres in single precision.
+///
+/// Throws std::invalid_argument, naming the scene, when sizes do not agree, and when `study` is not the JSON of a study
+/// (claims, figures); std::runtime_error when this library was built without the page.
+std::string make_page(const PageContent& content);
+
+}  // namespace morula

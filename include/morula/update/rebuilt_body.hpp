@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A body that stays tight: when its fixed ownership has grown loose, another is built in the background and swapped in.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <morula/generators/build.hpp>
+#include <morula/update/body.hpp>
+#include <morula/update/looseness_estimate.hpp>
+#include <string>
+#include <vector>
+
+namespace morula {
+
+/// Runs rebuilds: our own thread, the calling one, or the host's.
+enum class RebuildThread : std::uint8_t {
+  background,  ///< a thread that the body owns
+  caller,      ///< inside update(), which then takes as long as a build: the same bits on every run
+  host,        ///< RebuildOptions::executor
+};
+
+struct RebuildOptions {
+  // How to rebuild; branching and depth are those of the home tree.
+  Method method = Method::morula;
+  Quality quality = Quality::draft;       ///< for Method::morula, while the body moves
+  Quality still_quality = Quality::fast;  ///< the same, once it has stopped
+  std::uint64_t seed = 1;
+
+  /// A rebuild is wanted when the estimated looseness of some level is this many times what it was when the present
+  /// ownership was built; above 1.
+  double growth = 1.25;
+  /// Frames between estimates; at least 1.
+  int check_every = 4;
+  /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.
+  int rebuild_every = 0;
+  /// Another ownership is taken over when it is better by at least this share, by the sum over levels of looseness over
+  /// looseness at home; below 1. Very negative: always, for tests.
+  double gain = 0.05;
+  /// Rebuild for where the motion will be when the result is in use, rather than for where it was. From three poses
+  /// `look_ahead_frames` apart, straight on or turning as it did; 0: never.
+  int look_ahead_frames = 1;
+  /// At most this share of wall time goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
+  /// RebuildThread::caller.
+  double processor_share = 1.0;
+
+  RebuildThread thread = RebuildThread::background;
+  /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
+  /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
+  std::function<void(std::function<void()> job)> executor{};
+
+  std::size_t sample_count = LoosenessEstimator::default_samples;
+};
+
+/// What has happened so far.
+struct RebuildReport {
+  std::size_t checks = 0;          ///< estimates made
+  std::size_t started = 0;         ///< rebuilds
+  std::size_t finished = 0;        ///< of these, to the end
+  std::size_t stopped = 0;         ///< given up because the body was at rest again
+  std::size_t failed = 0;          ///< ended by an exception; `failure` is the last one's message
+  std::size_t swapped = 0;         ///< taken over
+  std::size_t refused = 0;         ///< not better than what there was
+  std::size_t returned_home = 0;   ///< changes back to the home ownership, at rest or because it was tighter
+  double rebuild_seconds = 0;      ///< wall time of the last one finished
+  std::size_t rebuild_frames = 0;  ///< frames from the pose it was built for to its end
+  std::string failure;
+  /// Per level set, from the root: estimated at the last check, and when the present ownership was built.
+  std::vector<double> looseness, looseness_at_build;
+};
+
+struct RebuildStatus {
+  UpdateStatus update;   ///< of the spheres that are current now
+  bool swapped = false;  ///< body() is another one than before: nodes have other numbers
+  explicit operator bool() const { return static_cast<bool>(update); }
+};
+
+/// A Body by the rule `exact`, and up to two more while it is away from rest: each an ownership ("epoch") of the same
+/// surface, each updated from the caller's positions before anyone sees it. So every level covers in every frame,
+/// whatever happens in the background; swaps change only how tightly.
+///
+/// At rest exactly, the home ownership serves: the spheres are then those of rest bit for bit, whatever came before.
+/// Memory: mesh, and up to three bodies.
+class RebuiltBody {
+ public:
+  /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
+  /// an executor, and RebuildThread::background in a library built without threads.
+  RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options = {},
+              Workers& workers = serial_workers());
+  /// Stops a rebuild and waits for our own thread: at most as long as one node of a build, or the making of a Body.
+  ~RebuiltBody();
+  RebuiltBody(RebuiltBody&&) noexcept;
+  RebuiltBody& operator=(RebuiltBody&&) noexcept;
+
+  /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
+  ///
+  /// No allocation, except in frames where a rebuild starts or its result comes in. Cost beyond Body::update: an
+  /// estimate every `check_every` frames, a copy of the positions when a rebuild starts, up to two updates and three
+  /// estimates when it ends.
+  RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
+
+  /// The present one: spheres, tree, cover. The reference is good until the next update.
+  const Body& body() const;
+  /// Counts swaps: as long as it stays the same, so does the numbering of nodes. Starts at 0.
+  std::uint64_t epoch() const;
+  bool is_home() const;
+  bool is_rebuilding() const;
+  const RebuildReport& report() const;
+  const RebuildOptions& options() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morula

@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <morula/page/page.hpp>
+#include <morula/version.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "page/data.hpp"
+#include "page/template.hpp"
+
+namespace morula {
+namespace {
+
+using namespace page;
+
+/// Keys stay in the order they were written in.
+using Json = nlohmann::ordered_json;
+
+constexpr int page_format = 1;
+
+/// Rejects what the page could not show, before anything is packed.
+void check_content(const PageContent& content) {
+  if (content.scenes.empty()) throw std::invalid_argument("a page needs at least one scene");
+  for (std::size_t i = 0; i < content.motions.size(); ++i) {
+    const PageMotion& motion = content.motions[i];
+    const auto refuse = [&](const char* what) {
+      throw std::invalid_argument(fmt::format("motion {} of the page: {}", i, what));
+    };
+    if (motion.facets.empty() || motion.frames.empty()) refuse("no facets or no frames");
+    if (motion.frame_names.size() != motion.frames.size()) refuse("not one name per frame");
+    const std::size_t vertices = motion.frames.front().size();
+    for (const std::vector<Vec3>& frame : motion.frames) {
+      if (frame.size() != vertices) refuse("frames differ in their number of vertices");
+    }
+    for (const Facet& facet : motion.facets) {
+      if (*std::max_element(facet.begin(), facet.end()) >= vertices) refuse("a facet names a vertex that is not there");
+    }
+  }
+  for (std::size_t i = 0; i < content.scenes.size(); ++i) {
+    const PageScene& scene = content.scenes[i];
+    const auto refuse = [&](const char* what) {
+      throw std::invalid_argument(fmt::format("scene {} of the page: {}", i, what));
+    };
+    if (scene.motion >= content.motions.size()) refuse("its motion is not there");
+    const std::size_t frames = content.motions[scene.motion].frames.size();
+    const std::size_t nodes = scene.rest.node_count();
+    if (nodes == 0) refuse("its tree has no nodes");
+    if (scene.frames.size() != frames) refuse("not as many frames as its motion");
+    for (const std::vector<Sphere>& spheres : scene.frames) {
+      if (spheres.size() != nodes) refuse("not one sphere per node");
+    }
+    if (!scene.measured.empty() && scene.measured.size() != frames) refuse("not measured in every frame");
+    for (const std::vector<LevelMeasure>& levels : scene.measured) {
+      if (levels.size() != scene.rest.level_count()) refuse("not measured at every level");
+    }
+    if (!scene.empty_share.empty() && scene.empty_share.size() != frames) refuse("empty shares miss a frame");
+    for (const std::vector<float>& shares : scene.empty_share) {
+      if (shares.size() != nodes) refuse("not one empty share per node");
+    }
+  }
+}
+
+/// Nothing for none.
+Json parse_study(const std::string& text) {
+  if (text.empty()) return nullptr;
+  Json study = Json::parse(text, nullptr, false);
+  const bool whole = study.is_object() && study.contains("claims") && study.contains("figures");
+  if (!whole) throw std::invalid_argument("what the page is to show is not the JSON of a study (claims, figures)");
+  return study;
+}
+
+/// JSON that may stand inside a <script> element.
+std::string script_json(const Json& json) {
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string data_element(const std::string& id, const std::string& bytes) {
+  return fmt::format("<script type=\"application/octet-stream\" id=\"{}\">{}</script>\n", id, base64(bytes));
+}
+
+Json bytes_json(const std::string& id, const std::string& bytes) {
+  return {{"id", id}, {"bytes", bytes.size()}, {"checksum", checksum(bytes)}};
+}
+
+Json vector_json(const Vec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+/// [level][frame] of a figure; null where it is not known.
+template <class Figure>
+Json by_level(const PageScene& scene, const Figure& figure) {
+  Json levels = Json::array();
+  for (std::size_t level = 0; level < scene.rest.level_count(); ++level) {
+    Json frames = Json::array();
+    for (const std::vector<LevelMeasure>& measured : scene.measured) {
+      const std::optional<double> value = figure(measured[level]);
+      frames.push_back(value && std::isfinite(*value) ? Json(*value) : Json(nullptr));
+    }
+    levels.push_back(std::move(frames));
+  }
+  return levels;
+}
+
+Json measured_json(const PageScene& scene) {
+  if (scene.measured.empty()) return nullptr;
+  using Value = std::optional<double>;
+  return {{"looseness", by_level(scene, [](const LevelMeasure& m) { return m.looseness.looseness; })},
+          {"bare_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.bare_area); })},
+          {"gap", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.gap); })}};
+}
+
+struct Packer {
+  Json motions = Json::array();
+  Json scenes = Json::array();
+  std::string elements;
+  std::vector<Vec3> origins;
+
+  void add(const PageMotion& motion) {
+    const std::string id = fmt::format("morula-motion-{}", motions.size());
+    const Quantisation grid = quantisation(motion.facets, motion.frames);
+    PackedBytes packed;
+    pack_facets(packed, motion.facets);
+    pack_positions(packed, grid, motion.frames);
+    motions.push_back({{"body", motion.body},
+                       {"name", motion.name},
+                       {"vertices", motion.frames.front().size()},
+                       {"facets", motion.facets.size()},
+                       {"frames", motion.frame_names},
+                       {"origin", vector_json(grid.origin)},
+                       {"step", vector_json(grid.step)},
+                       {"data", bytes_json(id, packed.bytes())}});
+    elements += data_element(id, packed.bytes());
+    origins.push_back(grid.origin);
+  }
+
+  void add(const PageScene& scene) {
+    const std::string id = fmt::format("morula-scene-{}", scenes.size());
+    PackedBytes packed;
+    pack_spheres(packed, origins[scene.motion], scene.rest.spheres);
+    for (const std::vector<Sphere>& frame : scene.frames) pack_spheres(packed, origins[scene.motion], frame);
+    for (const std::vector<float>& shares : scene.empty_share) {
+      for (const float share : shares) {
+        packed.add_uint16(static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0f, 1.0f) * 65535.0f)));
+      }
+    }
+    scenes.push_back({{"motion", scene.motion},
+                      {"tree", scene.tree},
+                      {"rule", scene.rule},
+                      {"branching", scene.rest.branching},
+                      {"level_begin", scene.rest.level_begin},
+                      {"child_count", scene.rest.child_count},
+                      {"empty_share", !scene.empty_share.empty()},
+                      {"measured", measured_json(scene)},
+                      {"data", bytes_json(id, packed.bytes())}});
+    elements += data_element(id, packed.bytes());
+  }
+};
+
+}  // namespace
+
+bool has_page() {
+  return why_no_page().empty();
+}
+
+std::string why_no_page() {
+  return page::why_no_template();
+}
+
+std::string make_page(const PageContent& content) {
+  if (!has_page()) throw std::runtime_error(fmt::format("Morula was built without its page: {}", why_no_page()));
+  check_content(content);
+  const Json study = parse_study(content.study);
+  Packer packer;
+  for (const PageMotion& motion : content.motions) packer.add(motion);
+  for (const PageScene& scene : content.scenes) packer.add(scene);
+  const Json manifest{{"format", page_format},     {"morula", version},       {"title", content.title},
+                      {"motions", packer.motions}, {"scenes", packer.scenes}, {"study", study}};
+
+  std::string page = page_template();
+  const std::string mark = page_data_mark;
+  const std::size_t place = page.find(mark);
+  if (place == std::string::npos) throw std::logic_error("the page has no place for data");
+  // The last element tells a whole file from one that was cut short.
+  std::string data =
+      fmt::format("<script type=\"application/json\" id=\"morula-manifest\">{}</script>\n{}{}", script_json(manifest),
+                  packer.elements, "<script type=\"application/json\" id=\"morula-end\">true</script>");
+  page.replace(place, mark.size(), data);
+  return page;
+}
+
+}  // namespace morula

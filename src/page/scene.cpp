@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <morula/geometry/inspect.hpp>
+#include <morula/page/page.hpp>
+#include <morula/query/sphere_volume.hpp>
+#include <morula/update/body.hpp>
+#include <morula/update/rule_levels.hpp>
+#include <numbers>
+#include <stdexcept>
+
+namespace morula {
+namespace {
+
+/// How much of each sphere is empty. Nothing to say of a mesh without inside.
+std::vector<float> empty_shares(const SignedDistance& object, const std::vector<Sphere>& spheres, Workers& workers) {
+  std::vector<float> shares(spheres.size(), 0.0f);
+  parallel_for(workers, spheres.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      const double radius = spheres[node].radius;
+      const double volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+      if (volume > 0) shares[node] = static_cast<float>(outside_volume(object, spheres[node]) / volume);
+    }
+  });
+  return shares;
+}
+
+/// One lattice for all frames and levels, so that their figures compare; the same as that of morula update --measure.
+MeasureOptions measure_options(const Mesh& rest) {
+  MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
+  options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;
+  return options;
+}
+
+}  // namespace
+
+PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
+                        const std::vector<Rule>& rules, bool measured, Workers& workers,
+                        const std::function<void(double)>& progress) {
+  Body body(rest, built, {.rules = rules, .details = {}, .modes = {}}, workers);
+  PageScene scene{.motion = 0,
+                  .tree = tree,
+                  .rule = describe_rules(rules, built.tree.level_count()),
+                  .rest = body.current_tree(),
+                  .frames = {},
+                  .measured = {},
+                  .empty_share = {}};
+  const bool has_inside = inspect(rest).has_volume();
+  Mesh mesh = rest;
+  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
+    if (progress) progress(static_cast<double>(i) / static_cast<double>(motion.frames.size()));
+    if (!body.update(motion.frames[i], workers)) {
+      throw std::invalid_argument(
+          fmt::format("{}: a vertex is too far away for single precision; nothing was written", motion.frame_names[i]));
+    }
+    scene.frames.emplace_back();
+    body.copy_spheres(scene.frames.back());
+    if (!measured) continue;
+    mesh.positions = motion.frames[i];
+    scene.measured.push_back(measure(mesh, body.current_tree(), measure_options(rest), workers));
+    if (has_inside)
+      scene.empty_share.push_back(empty_shares(SignedDistance(mesh, workers), scene.frames.back(), workers));
+  }
+  return scene;
+}
+
+}  // namespace morula

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Bodies and spheres seen from one side, as compact SVG: shaded facets, and the visible part of every sphere.
+#pragma once
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <span>
+#include <string>
+
+namespace morula::study {
+
+/// Parallel projection. right, up, toward: an orthonormal frame; toward points at the viewer.
+struct PictureView {
+  Vec3 right, up, toward;
+  double scale = 1;  // page units per mesh unit
+  double page_x = 0;
+  double page_y = 0;  // where the origin of the mesh comes to lie; the page's y points down
+
+  double x(const Vec3& p) const { return page_x + scale * dot(right, p); }
+  double y(const Vec3& p) const { return page_y - scale * dot(up, p); }
+  double depth(const Vec3& p) const { return scale * dot(toward, p); }
+};
+
+/// A view of bodies that lie along `axis`: from the side, a little from above and turned.
+PictureView side_view(int axis);
+
+/// What is drawn, in page units, if nothing is moved.
+struct PictureBox {
+  double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+PictureBox picture_box(const PictureView& view, const PositionView& points, std::span<const Sphere> spheres);
+
+/// Facets that face the viewer, in the order of their depth; neighbouring ones of one shade share a path.
+std::string svg_mesh(const MeshView& mesh, const PictureView& view);
+
+/// The visible part of every sphere, shaded as a ball, and in a colour of its own the part of the mesh that is in front
+/// of all spheres: surface that is bare. Found on a raster of a third of a page unit. id: begins the names of
+/// gradients.
+std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
+                        const std::string& id);
+
+/// The gradient that svg_spheres refers to; once in a file.
+std::string svg_sphere_definitions(const std::string& id);
+
+/// A coarser mesh for pictures: vertices that share a cell of a lattice become one, which is where the first of them
+/// is. `kept` tells for each of its vertices which one of the mesh it is.
+Mesh coarser(const Mesh& mesh, std::size_t most_facets, std::vector<std::uint32_t>& kept);
+
+}  // namespace morula::study

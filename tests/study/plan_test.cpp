@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <morula/geometry/inspect.hpp>
+#include <morula/study/run.hpp>
+#include <morula/update/rule_levels.hpp>
+#include <numbers>
+#include <scenes/scenes.hpp>
+#include <set>
+#include <stdexcept>
+
+namespace morula::study {
+namespace {
+
+TEST(StudyPlan, the_motions_of_the_paper_are_scenes) {
+  std::set<std::string> known;
+  for (const scenes::NamedMotion& motion : scenes::standard_motions()) known.insert(motion.name);
+  std::vector<std::string> words;
+  for (const Deformations& motion : paper_motions()) words.push_back(describe_all(motion));
+  EXPECT_EQ(words, (std::vector<std::string>{"stretch 2", "twist 180", "bend 90"}));
+  for (const std::string& motion : words) EXPECT_EQ(known.count(motion), 1u) << motion;
+}
+
+TEST(StudyPlan, every_way_to_follow_is_found_by_its_name) {
+  std::set<std::string> names;
+  for (const RuleKey& key : all_rule_keys()) {
+    names.insert(name(key));
+    EXPECT_EQ(rule_key_from_name(name(key)), key) << name(key);
+    EXPECT_EQ(FollowRule(key).key(), key) << name(key);
+  }
+  EXPECT_EQ(names.size(), all_rule_keys().size());
+  EXPECT_EQ(names.count("rebuilt") + names.count("fresh") + names.count("exact"), 3u);
+  EXPECT_FALSE(rule_key_from_name("exat"));
+}
+
+TEST(StudyPlan, mixes_differ_and_pass_for_no_rule) {
+  std::set<std::string> names;
+  for (const FollowRule& mix : rule_mixes(2)) {
+    names.insert(mix.name);
+    EXPECT_FALSE(mix.key()) << mix.name;
+    ASSERT_EQ(mix.options.rules.size(), 3u) << mix.name;
+    EXPECT_EQ(mix.options.rules[0], mix.options.rules[1]) << mix.name;
+  }
+  EXPECT_EQ(names.size(), 31u);  // 4 × 4, and all but one made to cover
+}
+
+TEST(StudyPlan, samples_go_out_or_there_and_back) {
+  Plan plan;
+  plan.samples = 5;
+  EXPECT_EQ(plan.parameters(), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
+  plan.and_back = true;
+  EXPECT_EQ(plan.parameters(), (std::vector<double>{0, 0.5, 1, 0.5, 0}));
+  plan.measured = {0, 2};
+  EXPECT_EQ(plan.measured_samples(), (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(plan.levels(), (std::vector<std::size_t>{2, 3}));
+}
+
+TEST(StudyPlan, the_prism_is_closed_and_has_its_volume) {
+  const MeshReport report = inspect(needle_prism(16));
+  ASSERT_TRUE(report.has_volume());
+  // 16 triangles of two radii of 1/2, times the length of 4.
+  EXPECT_NEAR(report.volume, 4 * 16 * 0.5 * 0.25 * std::sin(2 * std::numbers::pi / 16), 1e-12);
+}
+
+TEST(StudyPlan, refuses_what_names_something_that_is_not_there) {
+  Plan good;
+  good.bodies = {{"prism", needle_prism(8)}};
+  good.sources = sources_of(good.bodies, {Method::octree});
+  good.needle_sides = 0;
+  EXPECT_NO_THROW(run(good));
+  std::vector<Plan> bad(6, good);
+  bad[0].bodies.clear();
+  bad[1].sources.clear();
+  bad[2].sources[0].body = 1;
+  bad[3].measured = {2, 1};
+  bad[4].measured = {good.samples};
+  bad[5].press_rules = {fresh};
+  for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_THROW(run(bad[i]), std::invalid_argument) << i;
+}
+
+TEST(RuleLevels, are_told_by_spans_of_levels) {
+  const std::vector<Rule> rules{Rule::exact, Rule::exact, Rule::approach2};
+  EXPECT_EQ(describe_rules(rules, 2), "exact");
+  EXPECT_EQ(describe_rules(rules, 3), "exact on levels 0-1, approach2 on level 2");
+  EXPECT_EQ(describe_rules(rules, 5), "exact on levels 0-1, approach2 on levels 2-4");
+  EXPECT_EQ(rule_of_level(rules, 9), Rule::approach2);
+}
+
+}  // namespace
+}  // namespace morula::study
