@@ -33,7 +33,7 @@ set(wings_generators fit driver divide reduce)
 set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
 set(wings_study svg run claims output)
-set(wings_io array mesh tree motion)
+set(wings_io array gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_study json numbers words)
 set(common_collide require)

@@ -29,6 +29,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/skin_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
@@ -39,5 +40,5 @@
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/update/looseness_estimate.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <morula/version.hpp>

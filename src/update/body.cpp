@@ -15,6 +15,7 @@
 #include "update/points/facet_hull.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/ownership_check.hpp"
+#include "update/rules/engine_table.hpp"
 
 namespace morula {
 namespace {
@@ -25,20 +26,41 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   const double floor = options.details.distance_floor;
   if (!(floor >= 0 && floor <= 1))
     throw std::invalid_argument("distance_floor " + std::to_string(floor) + " is not in 0…1");
+  for (const Rule rule : options.rules)
+    if (!is_rule(rule))
+      throw std::invalid_argument("there is no update rule of the number " + std::to_string(static_cast<int>(rule)));
   std::vector<Rule> rules(level_count);
   for (std::size_t level = 0; level < level_count; ++level)
     rules[level] = options.rules[std::min(level, options.rules.size() - 1)];
-  if (options.modes.empty() && std::count(rules.begin(), rules.end(), Rule::modal) > 0)
-    throw std::invalid_argument("the rule modal needs the modes of a modal model (UpdateOptions::modes)");
   return rules;
 }
 
-// What each node follows. A leaf has no children to wrap.
+// What moves a body with these rules; throws where it is not there.
+RuleTraits::Follows followed_by(std::span<const Rule> rules, const UpdateOptions& options) {
+  const Rule* first = nullptr;
+  for (const Rule& rule : rules) {
+    const RuleTraits::Follows follows = traits(rule).follows;
+    if (follows == RuleTraits::Follows::positions) continue;
+    if (follows == RuleTraits::Follows::modes && options.modes.empty())
+      throw std::invalid_argument("the rule " + std::string(name(rule)) +
+                                  " needs the modes of a modal model (UpdateOptions::modes)");
+    if (follows == RuleTraits::Follows::bones && options.skin.empty())
+      throw std::invalid_argument("the rule " + std::string(name(rule)) + " needs a skin (UpdateOptions::skin)");
+    if (first != nullptr && traits(*first).follows != follows)
+      throw std::invalid_argument("no update can move both " + std::string(name(*first)) + " and " +
+                                  std::string(name(rule)) + ": they follow different things");
+    first = &rule;
+  }
+  return first == nullptr ? RuleTraits::Follows::positions : traits(*first).follows;
+}
+
+// What each node follows. A leaf has no children to read.
 std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> rule_of_level) {
   std::vector<Rule> rules;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const Rule rule = rule_of_level[tree.level_of(node)];
-    rules.push_back(rule == Rule::wrapped && tree.is_leaf(node) ? Rule::exact : rule);
+    const bool has_nothing = traits(rule).reads == RuleTraits::Reads::children && tree.is_leaf(node);
+    rules.push_back(has_nothing ? Rule::exact : rule);
   }
   return rules;
 }
@@ -46,7 +68,7 @@ std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> r
 // Nodes whose radii are raised to what they own.
 std::vector<std::uint8_t> raised_nodes(std::span<const Rule> rule_of_node) {
   std::vector<std::uint8_t> flags;
-  for (const Rule rule : rule_of_node) flags.push_back(rule == Rule::exact || rule == Rule::modal ? 0 : 1);
+  for (const Rule rule : rule_of_node) flags.push_back(covers_alone(rule) ? 0 : 1);
   return flags;
 }
 
@@ -57,15 +79,28 @@ std::vector<std::uint8_t> leaves_measured(const SphereTree& tree, const LeafOrde
   for (const std::uint32_t leaf : order.leaves) {
     bool measured = false;
     for (std::uint32_t node = leaf; node != no_node && !measured; node = tree.parent[node])
-      measured = rule_of_node[node] == Rule::exact || (conservative && rule_of_node[node] != Rule::modal);
+      measured = traits(rule_of_node[node]).reads == RuleTraits::Reads::corners ||
+                 (conservative && !covers_alone(rule_of_node[node]));
     flags.push_back(measured ? 1 : 0);
   }
   return flags;
 }
 
+// One engine for all the rules that it serves.
+void bind_engines(const Binding& binding, EngineList& engines) {
+  std::vector<BindEngine*> bound;
+  for (const EngineRow& row : engine_table) {
+    const auto& rules = binding.rule_of_node;
+    if (std::find(rules.begin(), rules.end(), row.rule) == rules.end()) continue;
+    if (std::find(bound.begin(), bound.end(), row.bind) != bound.end()) continue;
+    bound.push_back(row.bind);
+    engines.add(row.bind(binding));
+  }
+}
+
 // Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
 // mesh.
-std::uint64_t ownership_stamp(const Built& built) {
+std::uint64_t ownership_stamp(const CoveredTree& built) {
   Hasher hash;
   hash.add(tree_hash(built.tree));
   hash.add(built.cover.vertex_count);
@@ -76,16 +111,16 @@ std::uint64_t ownership_stamp(const Built& built) {
 
 }  // namespace
 
-Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const Built>(built), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(built), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, Built&& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const Built>(std::move(built)), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(std::move(built)), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions options, Workers& workers) {
+Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
-  const Built& built = *shared;
+  const CoveredTree& built = *shared;
   require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);
@@ -104,46 +139,48 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
         " is too far from the centre for an update, or all are too far from the origin: scale "
         "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
   s.origin = rest.origin;
+  s.follows = followed_by(rule_of_level, s.options);
   narrow_spheres(built.tree.spheres, rest.origin, s.spheres);
   const std::vector<Spheref> of_tree = s.spheres;
-  const auto exact_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::exact);
-  const auto modal_nodes = std::count(rule_of_node.begin(), rule_of_node.end(), Rule::modal);
-  const auto modal_levels = std::count(rule_of_level.begin(), rule_of_level.end(), Rule::modal);
-  const bool has_paper_nodes = exact_nodes + modal_nodes < std::ssize(rule_of_node);
-  // A wrapped node follows its children only: such a body may be smaller than what an index of facets takes.
-  const bool has_links = std::any_of(rule_of_node.begin(), rule_of_node.end(), [](Rule rule) {
-    return rule != Rule::exact && rule != Rule::modal && rule != Rule::wrapped;
-  });
+  const auto some_node = [&](const auto& is_so) {
+    return std::any_of(rule_of_node.begin(), rule_of_node.end(), is_so);
+  };
+  // Nobody else looks for facets: other bodies may be smaller than what an index of facets takes.
   std::optional<TriangleBvh> bvh;
-  if (has_links) bvh.emplace(mesh, workers);
-  const Binding binding{mesh,    built.tree,    rule_of_node, bvh ? &*bvh : nullptr,
-                        s.local, rest.rounding, of_tree,      workers};
+  if (some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) bvh.emplace(mesh, workers);
   if (!s.options.modes.empty()) {
     require_modes(s.options.modes, mesh);
     s.motion.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
-    if (modal_levels > 0) s.modal.emplace(mesh, built, rule_of_level, s.options, *s.motion, workers);
-    if (modal_levels < std::ssize(rule_of_level)) s.rest_positions = s.moved_positions = mesh.positions;
   }
-  if (s.modal) {
-    const std::vector<double> at_rest(s.options.modes.mode_count, 0.0);
-    s.modal->update(s.motion->pose(at_rest), s.spheres, workers);
+  if (!s.options.skin.empty()) {
+    require_skin(s.options.skin, mesh);
+    s.skin.emplace(mesh, built, s.options.skin, ownership.vertices, s.local.rest_origin(), s.local.size());
   }
-  if (exact_nodes > 0) {
-    s.exact.emplace(binding, order, ownership);
-    s.exact->update(s.local.points(), rest.rounding, s.spheres, workers);
-    s.report.corners_owned = s.exact->walk().owned_points();
-    s.work.points_tested += s.exact->walk().tested_points();
-    for (std::size_t k = 0; k < s.exact->anchors().size(); ++k) {
-      const CenterTie& tie = s.exact->anchors()[k];
-      s.report.degenerate_anchors += tie.degenerate;
-      s.report.carried_centers += tie.carries && !tie.degenerate;
-    }
-  }
-  if (has_paper_nodes) {
-    s.paper.emplace(binding, s.options.details, s.spheres, s.report);
-    s.work.points_tested += s.paper->tested_points();
-  }
-  if (s.options.conservative && s.paper) {
+  const bool raises = s.options.conservative && some_node([](Rule rule) { return !covers_alone(rule); });
+  const bool reads_points =
+      raises || some_node([](Rule rule) { return traits(rule).reads != RuleTraits::Reads::nothing; });
+  if (reads_points && (s.motion || s.skin)) s.rest_positions = s.moved_positions = mesh.positions;
+
+  const RuleFrame frame{.origin = rest.origin, .points = s.local.points(), .rounding = rest.rounding};
+  const Binding binding{.mesh = mesh,
+                        .built = built,
+                        .options = s.options,
+                        .rule_of_level = rule_of_level,
+                        .rule_of_node = rule_of_node,
+                        .order = order,
+                        .ownership = ownership,
+                        .bvh = bvh ? &*bvh : nullptr,
+                        .local = s.local,
+                        .rest = frame,
+                        .modal_motion = s.motion ? &*s.motion : nullptr,
+                        .skin_motion = s.skin ? &*s.skin : nullptr,
+                        .tree_spheres = of_tree,
+                        .spheres = s.spheres,
+                        .report = s.report,
+                        .workers = workers};
+  bind_engines(binding, s.engines);
+  for (const auto& engine : s.engines) s.work.points_tested += engine->tested_points();
+  if (raises) {
     s.raised.emplace(built.tree, order, ownership, raised_nodes(rule_of_node));
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
@@ -151,12 +188,11 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions 
   s.ownership = ownership_stamp(built);
   s.reached.resize(built.tree.node_count());
   s.coordinates_reached.resize(s.options.modes.mode_count);
-  s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(), [](Rule rule) {
-                     return rule == Rule::exact || rule == Rule::wrapped || rule == Rule::modal;
-                   });
+  s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(),
+                                                         [](Rule rule) { return traits(rule).covers; });
   s.show();
   s.work.nodes_updated = built.tree.node_count();
-  if (modal_levels < std::ssize(rule_of_level)) {
+  if (reads_points) {
     s.work.vertices_read = s.local.vertex_count();
     s.work.cut_points_moved = s.local.cut_point_count();
   }
@@ -193,11 +229,15 @@ UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& wo
   return state_->shown(state_->counted(state_->follow(coordinates, workers)));
 }
 
+UpdateStatus Body::update_skinned(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
+  const StandardFloats standard;
+  return state_->shown(state_->counted(state_->follow(transforms, workers)));
+}
+
 UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {
   const StandardFloats standard;
   State& s = *state_;
-  const bool all_exact = s.exact && !s.paper && !s.modal;
-  if (!all_exact) return update(positions, workers);
+  if (!s.is_lazy(RuleTraits::Follows::positions)) return update(positions, workers);
   const std::size_t nodes = s.nodes_to_level(level);
   return s.shown(s.counted_lazily(s.follow_lazily(positions, nodes, workers), nodes), &positions);
 }
@@ -206,8 +246,7 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
                                        Workers& workers) noexcept {
   const StandardFloats standard;
   State& s = *state_;
-  const bool all_modal = s.modal && !s.paper && !s.exact;
-  if (!all_modal) return update_modal(coordinates, workers);
+  if (!s.is_lazy(RuleTraits::Follows::modes)) return update_modal(coordinates, workers);
   const std::size_t nodes = s.nodes_to_level(level);
   return s.shown(s.counted_lazily(s.follow_lazily(coordinates, nodes), nodes));
 }
@@ -231,12 +270,14 @@ Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinate
   const StandardFloats standard;
   const State& s = *state_;
   std::size_t bad = 0;
-  if (!s.modal || !s.modal->serves(node) || coordinates.size() != s.motion->mode_count() ||
-      !s.motion->accepts(coordinates, bad))
-    return {s.built->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
-  const ModalPose pose = s.motion->pose(coordinates);
-  const Spheref sphere = s.modal->sphere(node, pose);
-  return {pose.origin + Vec3(sphere.center), static_cast<double>(sphere.radius)};
+  if (s.follows == RuleTraits::Follows::modes && coordinates.size() == s.motion->mode_count() &&
+      s.motion->accepts(coordinates, bad)) {
+    const ModalPose pose = s.motion->pose(coordinates);
+    for (const auto& engine : s.engines)
+      if (const auto sphere = engine->sphere_alone(node, {.origin = pose.origin, .modes = &pose}))
+        return {pose.origin + Vec3(sphere->center), static_cast<double>(sphere->radius)};
+  }
+  return {s.built->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
 }
 
 std::span<const Spheref> Body::spheres() const {

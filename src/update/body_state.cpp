@@ -34,16 +34,18 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   return status;
 }
 
-// The exact rule reads points alone, those of the papers their children: all levels of the first, then level by level
-// upwards. Modal levels have been written before. Radii are raised last: what the rules make of their children is the
-// rules' own.
-void Body::State::write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept {
-  if (exact) exact->update(local.points(), frame.rounding, spheres, workers);
-  if (paper)
-    for (std::size_t level = built->tree.level_count(); level-- > 0;)
-      paper->update_level(level, local.points(), frame.rounding, spheres, workers);
+// Nodes that look at no other sphere first, then level by level upwards those that read their children. Radii are
+// raised last: what the rules make of their children is the rules' own.
+void Body::State::write_spheres(const RuleFrame& frame, Workers& workers) noexcept {
+  for (const auto& engine : engines) engine->update(frame, spheres.size(), spheres, workers);
+  write_levels(frame, workers);
   if (raised) raise(frame.rounding, workers);
   origin = frame.origin;
+}
+
+void Body::State::write_levels(const RuleFrame& frame, Workers& workers) noexcept {
+  for (std::size_t level = built->tree.level_count(); level-- > 0;)
+    for (const auto& engine : engines) engine->update_level(level, frame, spheres, workers);
 }
 
 void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
@@ -54,62 +56,102 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   }
 }
 
+// Of a body none of whose levels asks for anything else, the answer is ok.
+static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
+  switch (asked_for) {
+    case RuleTraits::Follows::modes:
+      return refused(Status::Code::needs_coordinates);
+    case RuleTraits::Follows::bones:
+      return refused(Status::Code::needs_transforms);
+    case RuleTraits::Follows::positions:
+      break;
+  }
+  return {};
+}
+
+// Good input gives a good status, here and below.
+UpdateStatus Body::State::refused_positions(const PositionView& positions) const noexcept {
+  if (const UpdateStatus fault = refusal(follows); !fault) return fault;
+  if (positions.size() != built->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
+  return {};
+}
+
+UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
+  if (!motion) return refused(Status::Code::no_modes);
+  if (follows == RuleTraits::Follows::bones) return refusal(follows);
+  if (coordinates.size() != motion->mode_count()) return refused(Status::Code::wrong_coordinate_count);
+  if (std::size_t bad = 0; !motion->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
+  return {};
+}
+
+UpdateStatus Body::State::refused_transforms(std::span<const AffineTransform> transforms) const noexcept {
+  if (!skin) return refused(Status::Code::no_skin);
+  if (follows == RuleTraits::Follows::modes) return refusal(follows);
+  if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
+  if (std::size_t bad = 0; !skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
+  return {};
+}
+
 UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
-  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  write_spheres(at, workers);
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
+  write_spheres({.origin = at.origin, .points = local.points(), .rounding = at.rounding}, workers);
   return work;
 }
 
 UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
                                  Workers& workers) noexcept {
-  if (modal) return {.code = UpdateStatus::Code::needs_coordinates};
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   for (const VertexRange& range : changed)
-    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
-  const bool all_local = exact && !raised && (!paper || paper->only_wraps());
+    if (range.begin > range.end || range.end > positions.size()) return refused(Status::Code::bad_range);
+  const bool all_local = !raised && std::all_of(engines.begin(), engines.end(),
+                                                [](const auto& engine) { return engine->follows_changes(); });
   if (!all_local || !followed || !local.keeps_origin(positions)) return follow(positions, workers);
 
   const LocalPoints::Frame at = local.move_changed(positions, changed);
   followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
+  const RuleFrame frame{.origin = at.origin, .points = local.points(), .rounding = at.rounding};
   UpdateStatus status = work;
   status.vertices_read = local.changed_vertices();
   status.cut_points_moved = local.changed_cut_points();
-  status.points_tested = exact->update_changed(local.points(), local.changed_blocks(), at.rounding, spheres);
-  if (paper)
-    for (std::size_t level = built->tree.level_count(); level-- > 0;)
-      paper->update_level(level, local.points(), at.rounding, spheres, workers);
+  status.points_tested = 0;
+  for (const auto& engine : engines)
+    status.points_tested += engine->update_changed(frame, local.changed_blocks(), spheres);
+  write_levels(frame, workers);
   return status;
 }
 
-// Good coordinates give a good status.
-UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
-  if (!motion) return {.code = UpdateStatus::Code::no_modes};
-  if (coordinates.size() != motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
-  if (std::size_t bad = 0; !motion->accepts(coordinates, bad))
-    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
-  return {};
+template <class MovePositions>
+UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& move_positions,
+                                       Workers& workers) noexcept {
+  if (!moved_positions.empty()) {
+    move_positions();
+    const LocalPoints::Frame at = local.move(moved_positions, workers);
+    followed = at.finite;
+    if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
+    frame.origin = at.origin;
+    frame.points = local.points();
+    frame.rounding = at.rounding;
+  }
+  write_spheres(frame, workers);
+  return work;
 }
 
 UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_coordinates(coordinates); !refused) return refused;
+  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
   const ModalPose pose = motion->pose(coordinates);
-  if (moved_positions.empty()) {
-    modal->update(pose, spheres, workers);
-    origin = pose.origin;
-    return work;
-  }
-  move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers);
-  const LocalPoints::Frame at = local.move(moved_positions, workers);
-  followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  if (modal) modal->update(pose, spheres, workers);
-  write_spheres(at, workers);
-  return work;
+  const auto move = [&] { move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers); };
+  return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
+}
+
+UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
+  if (const UpdateStatus fault = refused_transforms(transforms); !fault) return fault;
+  const BonePose pose = skin->pose(options.skin, transforms);
+  const auto move = [&] { move_by_skin(options.skin, rest_positions, transforms, moved_positions, workers); };
+  return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
 }
 
 std::size_t Body::State::nodes_to_level(std::size_t level) const noexcept {
@@ -117,21 +159,25 @@ std::size_t Body::State::nodes_to_level(std::size_t level) const noexcept {
   return begin[std::min(level, built->tree.level_count() - 1) + 1];
 }
 
+bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
+  return follows == wanted && !raised && engines.size() == 1 && engines[0].is_lazy();
+}
+
 UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept {
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = false;  // a partial update cannot start from spheres that are not there
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
-  exact->update_first(nodes, local.points(), at.rounding, spheres, workers);
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
+  engines[0].update({.origin = at.origin, .points = local.points(), .rounding = at.rounding}, nodes, spheres, workers);
   origin = at.origin;
   return work;
 }
 
 UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept {
-  if (const UpdateStatus refused = refused_coordinates(coordinates); !refused) return refused;
+  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
   std::copy(coordinates.begin(), coordinates.end(), coordinates_reached.begin());
   const ModalPose pose = motion->pose(coordinates_reached);
-  for (std::uint32_t node = 0; node < nodes; ++node) spheres[node] = modal->sphere(node, pose);
+  engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());
   origin = pose.origin;
   return work;
 }
@@ -144,9 +190,7 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
   std::fill(reached.begin(), reached.end(), std::uint8_t{0});
   std::fill_n(reached.begin(), nodes, std::uint8_t{1});
   status.nodes_updated = nodes;
-  status.points_tested = 0;
-  if (exact)
-    for (std::size_t k = 0; k < nodes; ++k) status.points_tested += exact->walk().points_of(k);
+  status.points_tested = engines[0].tested_points(nodes);
   return status;
 }
 
@@ -154,13 +198,16 @@ std::size_t Body::State::reach(std::uint32_t node) noexcept {
   // The points are lost when an update was refused since.
   if (!lazy || !current || built->tree.is_leaf(node)) return 0;
   std::size_t brought = 0;
+  ModalPose pose;
+  RuleFrame frame{.origin = origin, .points = local.points()};
+  if (follows == RuleTraits::Follows::modes) {
+    pose = motion->pose(coordinates_reached);
+    frame.modes = &pose;
+  }
   const std::uint32_t first = built->tree.first_child[node];
   for (std::uint32_t child = first; child < first + built->tree.child_count[node]; ++child) {
     if (reached[child] != 0) continue;
-    if (exact)
-      exact->update_one(child, local.points(), spheres);
-    else
-      spheres[child] = modal->sphere(child, motion->pose(coordinates_reached));
+    engines[0].update_one(child, frame, spheres);
     reached[child] = 1;
     ++brought;
   }

@@ -7,26 +7,27 @@
 #include <optional>
 
 #include "update/points/local_points.hpp"
-#include "update/rules/exact.hpp"
+#include "update/rules/corner_walk.hpp"
+#include "update/rules/engine.hpp"
 #include "update/rules/modal.hpp"
-#include "update/rules/paper_rules.hpp"
+#include "update/rules/skin_motion.hpp"
 
 namespace morula {
 
 struct Body::State {
-  std::shared_ptr<const Built> built;
+  std::shared_ptr<const CoveredTree> built;
   UpdateOptions options;
   LocalPoints local;
   std::vector<Spheref> spheres{};
   Vec3 origin{};
   BindReport report{};
   UpdateStatus work{};  // of a good update: the same every time
-  std::optional<ExactRule> exact{};
-  std::optional<PaperRules> paper{};
-  std::optional<CornerWalk> raised{};   // conservative: the nodes of the papers' rules
+  EngineList engines{};
+  std::optional<CornerWalk> raised{};   // conservative: the nodes of rules that do not cover by themselves
   std::optional<ModalMotion> motion{};  // of a body with modes
-  std::optional<ModalRule> modal{};
-  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes and levels that follow vertices
+  std::optional<SkinMotion> skin{};     // of a body with a skin
+  RuleTraits::Follows follows{};        // what some level asks for; positions where none asks for anything else
+  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
   PosedTree posed{};         // what queries read; show() brings it up to date
   std::uint64_t frames = 0;  // good updates
@@ -43,13 +44,15 @@ struct Body::State {
   UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
   UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
+  UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
 
   // After every change: what queries see. positions: of an update that was given some.
   UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
   void show() noexcept;
 
-  // The same for the first `nodes` nodes, whole levels.
+  // The same for the first `nodes` nodes, whole levels, of bodies that can be lazy with these.
+  bool is_lazy(RuleTraits::Follows wanted) const noexcept;
   UpdateStatus follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept;
   UpdateStatus follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept;
   UpdateStatus counted_lazily(UpdateStatus status, std::size_t nodes) noexcept;
@@ -60,8 +63,14 @@ struct Body::State {
   void raise(const Rounding& rounding, Workers& workers) noexcept;
 
  private:
+  UpdateStatus refused_positions(const PositionView& positions) const noexcept;
   UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
-  void write_spheres(const LocalPoints::Frame& frame, Workers& workers) noexcept;
+  UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;
+  // To positions, which move_positions has to form where some level needs them.
+  template <class MovePositions>
+  UpdateStatus follow_model(RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;
+  void write_spheres(const RuleFrame& frame, Workers& workers) noexcept;
+  void write_levels(const RuleFrame& frame, Workers& workers) noexcept;
 };
 
 }  // namespace morula

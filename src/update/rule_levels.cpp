@@ -26,16 +26,9 @@ std::string describe_rules(std::span<const Rule> rules, std::size_t level_count)
   return text;
 }
 
-bool promises_cover(const UpdateOptions& options, Rule rule) {
-  return options.conservative || rule == Rule::exact || rule == Rule::modal ||
-         (rule == Rule::wrapped && std::all_of(options.rules.begin(), options.rules.end(), [](Rule r) {
-            return r == Rule::exact || r == Rule::modal || r == Rule::wrapped;
-          }));
-}
-
 bool any_promises_cover(const Body& body) {
   for (std::size_t level = 0; level < body.rest_tree().level_count(); ++level) {
-    if (promises_cover(body.options(), rule_of_level(body.options().rules, level))) return true;
+    if (covers(body.options(), rule_of_level(body.options().rules, level))) return true;
   }
   return false;
 }
@@ -45,7 +38,7 @@ Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& p
   body.copy_spheres(spheres);
   const SphereTree& tree = body.rest_tree();
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
-    if (promises_cover(body.options(), rule_of_level(body.options().rules, level))) continue;
+    if (covers(body.options(), rule_of_level(body.options().rules, level))) continue;
     // An infinite sphere contains every corner: these nodes cannot fail, nor hide the excess of another.
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
       spheres[node].radius = std::numeric_limits<double>::infinity();

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/skin_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
 
@@ -50,7 +52,7 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   bench.require("build limb.obj -o limb.morula --depth 2");
   bench.require("deform limb.obj -o motion --stretch 2 --frames 3");
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const Built built = read_built(bench / "limb.morula", mesh);
+  const CoveredTree built = read_covered_tree(bench / "limb.morula", mesh);
   const Motion motion(bench / "motion", mesh);
   for (const Rule rule : position_rules()) {
     const std::string rule_name(name(rule));
@@ -162,7 +164,7 @@ TEST(UpdateCommand, follows_a_modal_model) {
     EXPECT_EQ(bench.read("s/0000.sph"), bench.read("s/0002.sph")) << option;
   }
   bench.require("update limb.obj limb.morula " + modal_model + "-o s");
-  Body body(bench.mesh, read_built(bench / "limb.morula", bench.mesh), {.rules = {Rule::modal}, .modes = modes});
+  Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh), {.rules = {Rule::modal}, .modes = modes});
   ASSERT_TRUE(body.update_modal(q));
   EXPECT_EQ(tree_hash(read_tree(bench / "s/0001.sph").tree), tree_hash(body.current_tree()));
 }
@@ -189,6 +191,73 @@ TEST(UpdateCommand, modal_models_that_do_not_fit_are_refused) {
   refuse("--modes flat.npy --coords coords.npy", "flat.npy: the array's shape is '(2, 3)', but (modes, vertices, 3)");
   refuse("--modes modes.npy --coords huge.npy", "huge.npy frame 1: coordinate 1 is not finite, or");
   refuse(modal_model + "--modal-bound exact", "known: gradient, shift");
+}
+
+// Two bones that share the vertices of a limb by their place along x; the second turns.
+struct SkinBench : ModalBench {
+  SkinBench() {
+    std::vector<double> weights, transforms;
+    skin = {.bone_count = 2, .begin = {0}};
+    for (const Vec3& p : mesh.positions) {
+      const double share = std::clamp(0.5 + p.x, 0.0, 1.0);
+      for (const double weight : {1 - share, share}) weights.push_back(weight);
+      for (const std::uint32_t bone : {0u, 1u}) {
+        if (weights[weights.size() - 2 + bone] == 0) continue;
+        skin.bones.push_back(bone);
+        skin.weights.push_back(weights[weights.size() - 2 + bone]);
+      }
+      skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
+    }
+    turned.columns = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
+    turned.translation = {0.5, 0, 0};
+    for (int frame = 0; frame < 2; ++frame)
+      for (const double number : {1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.}) transforms.push_back(number);
+    for (const double number : {1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.}) transforms.push_back(number);
+    for (const double number : {0., -1., 0., 0.5, 1., 0., 0., 0., 0., 0., 1., 0.}) transforms.push_back(number);
+    write_npy(*this, "weights.npy", "(" + std::to_string(mesh.vertex_count()) + ", 2)", weights);
+    write_npy(*this, "bones.npy", "(2, 2, 3, 4)", transforms);
+  }
+  Skin skin;
+  AffineTransform turned;
+};
+const std::string skin_model = "--skin weights.npy --transforms bones.npy ";
+
+TEST(UpdateCommand, follows_a_skin_by_any_rule_and_certifies_those_that_cover) {
+  const SkinBench bench;
+  const auto exact = bench.require("update limb.obj limb.morula " + skin_model + "-o e --json").json();
+  EXPECT_EQ(exact["rule"], "exact");
+  EXPECT_TRUE(exact["certificate"]["covered"].get<bool>());
+  EXPECT_EQ(exact["skin"]["bones"], 2);
+  const auto skinned = bench.require("update limb.obj limb.morula " + skin_model + "-o s --rule skinned --json").json();
+  EXPECT_EQ(skinned["rule"], "skinned");
+  EXPECT_TRUE(skinned["certificate"].is_null());
+  for (const auto& [rule, folder] : {std::pair{Rule::exact, "e"}, std::pair{Rule::skinned, "s"}}) {
+    Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh), {.rules = {rule}, .skin = bench.skin});
+    ASSERT_TRUE(body.update_skinned(std::vector{AffineTransform{}, bench.turned}));
+    EXPECT_EQ(tree_hash(read_tree(bench / (std::string(folder) + "/0001.sph")).tree), tree_hash(body.current_tree()));
+  }
+  const CommandResult text = bench.require("update limb.obj limb.morula " + skin_model + "-o s --rule skinned");
+  EXPECT_NE(text.out.find("rules other than exact, wrapped and modal may leave surface bare"), std::string::npos);
+}
+
+TEST(UpdateCommand, skins_that_do_not_fit_are_refused) {
+  const SkinBench bench;
+  const auto before = bench.listing();
+  const auto refuse = [&](const std::string& arguments, const std::string& fragment) {
+    const CommandResult result = bench.run("update limb.obj limb.morula " + arguments + " -o s");
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << result.err;
+    EXPECT_EQ(bench.listing(), before) << arguments;
+  };
+  refuse("--skin weights.npy", "add --transforms FILE");
+  refuse("--transforms bones.npy", "add --skin FILE");
+  refuse("limb.obj " + skin_model, "both positions (limb.obj) and --skin");
+  refuse(skin_model + modal_model, "both --modes and --skin");
+  refuse("limb.obj --rule skinned", "--rule skinned needs a skin");
+  refuse(modal_model + "--rule skinned", "--rule skinned needs a skin");
+  refuse(skin_model + "--rule modal", "--rule modal needs a modal model");
+  refuse("--skin bones.npy --transforms bones.npy", "(vertices, bones)");
+  refuse("--skin weights.npy --transforms coords.npy", "(frames, bones, 3, 4)");
 }
 
 TEST(UpdateCommand, all_frames_go_into_one_archive) {

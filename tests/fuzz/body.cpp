@@ -65,7 +65,7 @@ long double upper_bound(const Triangle& a, const Triangle& b) {
 
 struct Side {
   Mesh mesh;
-  std::shared_ptr<const Built> built;
+  std::shared_ptr<const CoveredTree> built;
   std::unique_ptr<Body> body, twin;  // the twin is always updated in full
   std::unique_ptr<Collider> collider;
   std::vector<Vec3> positions;
@@ -103,7 +103,7 @@ std::unique_ptr<Side> side_of(Bytes& in, bool only_exact) {
   if (is_extreme(side->mesh.positions)) return nullptr;
   const bool is_modal = std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0;
   try {
-    side->built = std::make_shared<Built>(build(side->mesh, build_options));
+    side->built = std::make_shared<CoveredTree>(build(side->mesh, build_options));
     if (is_modal) options.modes = modes_of(side->mesh);
     side->body = std::make_unique<Body>(side->mesh, side->built, options);
   } catch (const std::invalid_argument&) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mesh files: the first byte says which format, the others are the file. A mesh that is read is usable, and what is
 // written of it reads back as the same bits.
-#include <array>
 #include <bit>
 #include <cstring>
 #include <morula/io/mesh_file.hpp>
@@ -19,13 +18,15 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 }
 
 void require_round_trip(const Mesh& mesh) {
-  for (const char* const name : {"again.obj", "again.off", "again.ply"}) {
-    const std::string bytes = mesh_bytes(name + 5, mesh.positions, mesh.facets);
+  for (const MeshFormat& format : mesh_formats) {
+    if (format.write == nullptr) continue;
+    const std::string bytes = format.write(mesh.positions, mesh.facets);
+    const std::string name = "again" + std::string(format.extension);
     require(same_bits(mesh_of_bytes(name, bytes), mesh), "a mesh that was written reads back as another one");
   }
 }
 
-void try_mesh(const char* name, std::string_view bytes) {
+void try_mesh(const std::string& name, std::string_view bytes) {
   Mesh mesh;
   const MemoryMeter memory;
   try {
@@ -45,9 +46,8 @@ void try_mesh(const char* name, std::string_view bytes) {
 }  // namespace morula::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array names{"mesh.obj", "mesh.off", "mesh.ply", "mesh.stl"};
   morula::fuzz::Bytes in(data, size);
-  const char* const name = names[in.below(names.size())];
-  morula::fuzz::try_mesh(name, in.rest());
+  const auto& format = morula::mesh_formats[in.below(morula::mesh_formats.size())];
+  morula::fuzz::try_mesh("mesh" + std::string(format.extension), in.rest());
   return 0;
 }

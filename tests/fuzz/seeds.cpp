@@ -10,6 +10,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <string>
 
+#include "../io/gltf_files.hpp"
 #include "io/array/npy.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
@@ -43,6 +44,10 @@ std::string big_endian(auto value) {
 }
 
 void add_meshes(Seeds seeds) {
+  for (const test::GltfMaker& file : {test::tetrahedron(), test::bending_arm()}) {
+    seeds.add("4" + file.text());
+    seeds.add("5" + file.glb());
+  }
   Mesh bar = sample_body("bar", 3);
   bar.facets.resize(24);
   for (const Mesh& mesh : {specimen_mesh(), bar}) {
@@ -88,7 +93,7 @@ void add_meshes(Seeds seeds) {
 
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
-    const Built built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
+    const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
     const std::string native = native_bytes(built), text = sph_text("a.sph", built.tree),
                       json = json_tree_text(built.tree);
     for (const char* const bases : {"0123", "4567"}) {

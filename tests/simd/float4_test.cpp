@@ -20,7 +20,7 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 // What lanes of both types are made of: ordinary numbers, and those that compilers and processors disagree about.
 std::vector<float> specimens() {
-  std::vector<float> all{0.0f,     -0.0f,     1.0f,     -1.0f,     0.1f,         1e-40f,      -1e-40f, 1e38f,
+  std::vector<float> all{0.0f,     -0.0f,     1.0f,        -1.0f,     0.1f,         1e-40f,      -1e-40f, 1e38f,
                          infinity, -infinity, 16777216.0f, 0x1p-126f, not_a_number, 123456.789f, 3.0f,    -7.5f};
   Random random(4);
   for (int i = 0; i < 64; ++i) all.push_back(static_cast<float>(random.uniform(-1000, 1000)));

@@ -17,10 +17,13 @@
 namespace morula {
 namespace {
 
-TEST(LoosenessEstimate, agrees_with_voxels_on_sample_bodies_at_rest_and_deformed) {
-  for (const char* name : {"limb", "bar", "capsule", "torus", "blob", "two"})
-    test::expect_estimates_near_voxels(name, sample_body(name, 32));
+class EstimateOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(EstimateOf, a_sample_body_agrees_with_voxels_at_rest_and_deformed) {
+  test::expect_estimates_near_voxels(GetParam(), sample_body(GetParam(), 32));
 }
+INSTANTIATE_TEST_SUITE_P(Sample, EstimateOf, testing::Values("limb", "bar", "capsule", "torus", "blob", "two"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 // What is known without voxels: shells about a ball, and the root.
 TEST(LoosenessEstimate, is_exact_about_a_ball) {
@@ -86,7 +89,7 @@ TEST(LoosenessEstimate, finds_coarse_levels_of_open_meshes_looser) {
 
 TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_between) {
   const Mesh mesh = sample_body("limb", 20);
-  const Built built = build(mesh, {.method = Method::grid, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 2});
   const Body body(mesh, built), other(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
   LoosenessEstimator estimator(mesh);
   std::vector<double> first(3), second(3), longer(5);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <morula/geometry/triangle.hpp>
+#include <stdexcept>
+#include <string>
 
 namespace morula::test {
 namespace {
@@ -126,7 +128,7 @@ class PlainRules {
 
 }  // namespace
 
-RestFacts::RestFacts(const Mesh& rest_mesh, const Built& rest_built)
+RestFacts::RestFacts(const Mesh& rest_mesh, const CoveredTree& rest_built)
     : mesh(rest_mesh), built(rest_built), vertex_area(mesh.vertex_count()) {
   const SphereTree& tree = built.tree;
   children.resize(tree.node_count());
@@ -183,12 +185,15 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
       case Rule::approach2:
         result.now[node] = plain.approach2(node, positions, result.rest, result.now);
         break;
+      default:
+        throw std::invalid_argument("the reference does not know the rule " + std::string(name(rule)));
     }
   }
   return result;
 }
 
-double owned_reach(const Built& built, std::uint32_t node, const Vec3& center, const std::vector<Vec3>& positions) {
+double owned_reach(const CoveredTree& built, std::uint32_t node, const Vec3& center,
+                   const std::vector<Vec3>& positions) {
   double reach = 0;
   for (const std::uint32_t c : built.cover.region_corners(node))
     reach = std::max(reach, distance(center, corner_position(built.cover, c, positions)));

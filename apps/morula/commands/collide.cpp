@@ -104,9 +104,7 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
 
 int collide_command(const Options& o) {
   const std::vector<Rule> rules = parse_rules(o.rule);
-  if (std::count(rules.begin(), rules.end(), Rule::modal) > 0) {
-    throw UsageError("--rule modal needs the coordinates of a modal model: not offered here");
-  }
+  require_position_rules(rules);
   ContactQuery query = make_query(o);
   const std::string format = extension(o.output);
   if (!o.output.empty()) {

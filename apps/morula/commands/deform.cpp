@@ -9,6 +9,7 @@
 #include <memory>
 #include <morula/deform/deformation.hpp>
 #include <morula/io/motion_file.hpp>
+#include <set>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -79,7 +80,13 @@ int deform_command(const Options& o, const CLI::App& command) {
     throw UsageError(fmt::format("{}: a motion is a folder of meshes or a .npy file; name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
-  check_name("format", o.extension, {"obj", "off", "ply"});
+  std::vector<std::string> written;
+  std::set<std::string> read;
+  for (const MeshFileKind& format : mesh_file_kinds()) {
+    read.emplace(format.extension);
+    if (format.is_written) written.emplace_back(format.extension.substr(1));
+  }
+  check_name("format", o.extension, written);
   const bool is_npy = kind == FileKind::motion;
   if (is_npy) {
     require_output_place(o.output);
@@ -87,7 +94,7 @@ int deform_command(const Options& o, const CLI::App& command) {
   } else {
     require_folder_place(o.output);
     require_frames_not_input(o.output, o.frames, ending, {o.mesh});
-    require_no_strangers(o.output, o.frames, ending, {".obj", ".off", ".ply", ".stl"});
+    require_no_strangers(o.output, o.frames, ending, read);
   }
   const Mesh mesh = read_mesh(o.mesh);
   const std::vector<double> parameters = frame_parameters(o.frames, !o.one_way);
@@ -168,7 +175,7 @@ void add_deform(CLI::App& app, Run& run) {
       ->transform(whole_number(2, 1000000))
       ->capture_default_str();
   command->add_flag("--one-way", o->one_way, "End at the full amount instead of going back to rest");
-  command->add_option("--format", o->extension, "Of meshes in a folder: obj, off or ply")
+  command->add_option("--format", o->extension, "Of meshes in a folder: the extension of " + writable_mesh_list())
       ->type_name("NAME")
       ->capture_default_str();
   add_json(*command, o->json);

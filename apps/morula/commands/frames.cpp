@@ -4,44 +4,97 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "shared/command.hpp"
+#include "shared/files.hpp"
 
 namespace morula::cli {
+
+using Follows = RuleTraits::Follows;
+
+Follows FrameFiles::follow() const {
+  return !modes.empty() ? Follows::modes : !skin.empty() ? Follows::bones : Follows::positions;
+}
+
+const std::string& FrameFiles::moving() const {
+  return are_modal() ? coordinates : are_skinned() ? transforms : motion;
+}
 
 void require_frames(const FrameFiles& files) {
   if (files.modes.empty() != files.coordinates.empty()) {
     throw UsageError(files.modes.empty() ? "--coords needs the modes they belong to: add --modes FILE"
                                          : "--modes needs a coordinate per frame and mode: add --coords FILE");
   }
-  if (files.motion.empty() == files.modes.empty()) {
+  if (files.skin.empty() != files.transforms.empty()) {
+    throw UsageError(files.skin.empty() ? "--transforms needs the skin they move: add --skin FILE"
+                                        : "--skin needs a transform per frame and bone: add --transforms FILE");
+  }
+  if (!files.modes.empty() && !files.skin.empty()) throw UsageError("both --modes and --skin: leave out one of them");
+  const bool has_model = !files.modes.empty() || !files.skin.empty();
+  if (files.motion.empty() == !has_model) {
     throw UsageError(files.motion.empty()
-                         ? "MOTION is missing: name positions, or a modal model with --modes and --coords"
-                         : fmt::format("both positions ({}) and --modes: leave out one of them", files.motion));
+                         ? "MOTION is missing: name positions, or a modal model with --modes and --coords, or a skin "
+                           "with --skin and --transforms"
+                         : fmt::format("both positions ({}) and {}: leave out one of them", files.motion,
+                                       files.modes.empty() ? "--skin" : "--modes"));
   }
 }
 
-Frames::Frames(const FrameFiles& files, const Mesh& mesh) {
-  if (!files.are_modal()) {
-    motion_.emplace(files.motion, mesh);
-    return;
+void require_rules_followed(const std::vector<Rule>& rules, FrameFiles& files) {
+  for (const Rule rule : rules) {
+    const Follows wanted = traits(rule).follows;
+    if (wanted == Follows::positions || wanted == files.follow()) continue;
+    if (wanted == Follows::modes) {
+      throw UsageError(
+          fmt::format("--rule {} needs a modal model: give --modes and --coords instead of MOTION", name(rule)));
+    }
+    const std::string ending = extension(files.motion);
+    if (ending != ".gltf" && ending != ".glb") {
+      throw UsageError(fmt::format("--rule {} needs a skin: give --skin and --transforms, or a .gltf or .glb as MOTION",
+                                   name(rule)));
+    }
+    files.skin = files.transforms = files.motion;
+    files.motion.clear();
   }
-  modes_ = read_modes(files.modes, mesh);
-  coordinates_ = read_coordinates(files.coordinates, modes_.mode_count);
-  modal_name_ = std::filesystem::path(files.coordinates).filename().string();
+}
+
+Frames::Frames(const FrameFiles& files, const Mesh& mesh) : follow_(files.follow()) {
+  file_name_ = std::filesystem::path(files.moving()).filename().string();
+  switch (follow_) {
+    case Follows::positions:
+      motion_.emplace(files.motion, mesh, files.animation);
+      return;
+    case Follows::modes:
+      modes_ = read_modes(files.modes, mesh);
+      coordinates_ = read_coordinates(files.coordinates, modes_.mode_count);
+      break;
+    case Follows::bones:
+      skin_ = read_skin(files.skin, mesh);
+      bones_ = read_bone_frames(files.transforms, skin_.bone_count, files.animation);
+      break;
+  }
   rest_ = mesh.positions;
   positions_ = rest_;
 }
 
+std::size_t Frames::count() const {
+  return motion_                     ? motion_->frame_count()
+         : follow_ == Follows::bones ? bones_.frame_count()
+                                     : coordinates_.frame_count();
+}
+
 std::string Frames::name(std::size_t i) const {
-  return motion_ ? motion_->frame_name(i) : fmt::format("{} frame {}", modal_name_, i);
+  return motion_ ? motion_->frame_name(i) : fmt::format("{} frame {}", file_name_, i);
 }
 
 const std::vector<Vec3>& Frames::load(std::size_t i, const Body& body, Workers& workers) {
   loaded_ = i;
   if (motion_) {
     positions_ = motion_->frame(i);
+  } else if (follow_ == Follows::bones) {
+    move_by_skin(body.options().skin, rest_, bones_.frame(i), positions_, workers);
   } else {
     move_by_modes(body.options().modes, rest_, coordinates_.frame(i), positions_, workers);
   }
@@ -49,7 +102,9 @@ const std::vector<Vec3>& Frames::load(std::size_t i, const Body& body, Workers& 
 }
 
 UpdateStatus Frames::update(Body& body, Workers& workers) const {
-  return motion_ ? body.update(positions_, workers) : body.update_modal(coordinates_.frame(loaded_), workers);
+  if (motion_) return body.update(positions_, workers);
+  return follow_ == Follows::bones ? body.update_skinned(bones_.frame(loaded_), workers)
+                                   : body.update_modal(coordinates_.frame(loaded_), workers);
 }
 
 }  // namespace morula::cli

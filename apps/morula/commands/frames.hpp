@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the frames of an update come from: files with positions, or the coordinates of a modal model.
+// Where the frames of an update come from: files with positions, the coordinates of a modal model, or the bones of a
+// skin.
 #pragma once
 
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/skin_file.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 #include <string>
@@ -17,32 +19,47 @@ struct FrameFiles {
   std::string motion;
   std::string modes;
   std::string coordinates;
+  std::string skin;
+  std::string transforms;
+  MotionOptions animation;
 
-  bool are_modal() const { return !modes.empty(); }
+  RuleTraits::Follows follow() const;
+  bool are_modal() const { return follow() == RuleTraits::Follows::modes; }
+  bool are_skinned() const { return follow() == RuleTraits::Follows::bones; }
+  /// The file that holds what changes from frame to frame.
+  const std::string& moving() const;
 };
-/// Throws UsageError unless there is either a motion, or modes and their coordinates.
+/// Throws UsageError unless there is either a motion, or modes and their coordinates, or a skin and its transforms.
 void require_frames(const FrameFiles& files);
+/// Throws UsageError where a rule follows what the files do not have. A glTF file in the place of a motion serves as
+/// the skin and the transforms that a rule asks for.
+void require_rules_followed(const std::vector<Rule>& rules, FrameFiles& files);
 
 class Frames {
  public:
   /// mesh: at rest.
   Frames(const FrameFiles& files, const Mesh& mesh);
 
-  /// For the options of the body that is to be moved; empty for positions from files.
+  /// For the options of the body that is to be moved; empty where the files have none.
   Modes take_modes() { return std::move(modes_); }
-  std::size_t count() const { return motion_ ? motion_->frame_count() : coordinates_.frame_count(); }
+  Skin take_skin() { return std::move(skin_); }
+  std::size_t count() const;
   std::string name(std::size_t i) const;
 
-  /// Reads frame i, or moves the mesh by its coordinates and the body's modes.
+  /// Reads frame i, or moves the mesh by its coordinates and the body's modes, or by its transforms and the body's
+  /// skin.
   const std::vector<Vec3>& load(std::size_t i, const Body& body, Workers& workers);
   /// Moves the body to the frame loaded last.
   UpdateStatus update(Body& body, Workers& workers) const;
 
  private:
-  std::string modal_name_;
+  RuleTraits::Follows follow_;
+  std::string file_name_;
   std::optional<Motion> motion_;
   Modes modes_;
   ModalCoordinates coordinates_;
+  Skin skin_;
+  BoneFrames bones_;
   std::vector<Vec3> rest_, positions_;
   std::size_t loaded_ = 0;
 };

@@ -55,7 +55,7 @@ void add_sample(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("sample", "Write a sample mesh made by formula");
   command->add_option("NAME", o->name, fmt::format("{}", fmt::join(body_names(), ", ")))->required()->type_name("");
-  command->add_option("-o,--output", o->output, "Mesh file: .obj, .off or .ply")->type_name("MESH")->required();
+  command->add_option("-o,--output", o->output, "Mesh file: " + writable_mesh_list())->type_name("MESH")->required();
   command->add_option("--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
       ->type_name("N")
       ->transform(signed_number())

@@ -52,25 +52,6 @@ struct Outcome {
   std::vector<MeasuredFrame> measured;  // with --measure
 };
 
-std::string why_refused(const UpdateStatus& status) {
-  switch (status.code) {
-    case UpdateStatus::Code::wrong_vertex_count:
-      return "its vertex count is not the mesh's";
-    case UpdateStatus::Code::non_finite_position:
-      return fmt::format("vertex {} is not finite, or too far away for single precision", status.first_bad_vertex);
-    case UpdateStatus::Code::bad_coordinate:
-      return fmt::format("coordinate {} is not finite, or moves the body too far for single precision",
-                         status.first_bad_coordinate);
-    case UpdateStatus::Code::bad_range:
-    case UpdateStatus::Code::needs_coordinates:
-    case UpdateStatus::Code::no_modes:
-    case UpdateStatus::Code::wrong_coordinate_count:
-    case UpdateStatus::Code::ok:
-      break;
-  }
-  return "unknown reason";
-}
-
 /// One lattice for all frames and levels, so that their figures compare.
 MeasureOptions measure_options(const Mesh& rest) {
   MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
@@ -100,7 +81,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
     outcome.last = frames.update(body, workers);
     outcome.microseconds.push_back(1e6 * watch.lap());
     if (!outcome.last) {
-      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), why_refused(outcome.last)));
+      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), message(outcome.last)));
     }
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
     if (o.measure) {
@@ -113,12 +94,13 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
   return outcome;
 }
 
-Json outcome_json(const Options& o, const Built& built, const Body& body, const Outcome& outcome, unsigned threads) {
+Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+                  unsigned threads) {
   const double typical = median(outcome.microseconds);
   const BindReport& bind = body.bind_report();
   Json json{{"mesh", o.mesh},
             {"tree", o.tree},
-            {"motion", o.files.are_modal() ? o.files.coordinates : o.files.motion},
+            {"motion", o.files.moving()},
             {"output", o.output},
             {"rule", describe_rules(body.options().rules, body.rest_tree().level_count())},
             {"frames", outcome.microseconds.size()},
@@ -142,6 +124,9 @@ Json outcome_json(const Options& o, const Built& built, const Body& body, const 
   if (o.files.are_modal()) {
     json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
   }
+  if (o.files.are_skinned()) {
+    json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
+  }
   if (o.measure) json["measured"] = frames_json(outcome.measured);
   if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
   return json;
@@ -152,7 +137,18 @@ void print_measured(const std::vector<MeasuredFrame>& frames) {
   fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
 }
 
-void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome,
+// "exact, wrapped and modal".
+std::string covering_rules() {
+  std::vector<std::string_view> names;
+  for (const RuleTraits& row : rule_table) {
+    if (row.covers) names.push_back(row.name);
+  }
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{} and {}", fmt::join(names, ", "), last);
+}
+
+void print_text(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
                 const SphereOutput& output, unsigned threads) {
   const std::vector<Rule>& rules = body.options().rules;
   const std::size_t levels = body.rest_tree().level_count();
@@ -178,9 +174,8 @@ void print_text(const Options& o, const Built& built, const Body& body, const Ou
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
-  const auto covers = [&](Rule rule) { return promises_cover(body.options(), rule); };
-  if (!std::all_of(rules.begin(), rules.end(), covers)) {
-    fmt::print("note         rules other than exact, wrapped and modal may leave surface bare: {} says how much\n",
+  if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
+    fmt::print("note         rules other than {} may leave surface bare: {} says how much\n", covering_rules(),
                o.measure ? "the table" : "--measure");
   }
   fmt::print("written      {}\n", output.name());
@@ -193,23 +188,24 @@ UpdateOptions update_options(const Options& o) {
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
                         .conservative = o.conservative,
                         .details = parse_rule_details(o.details)};
-  if (!o.files.are_modal() && std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0) {
-    throw UsageError("--rule modal needs a modal model: give --modes and --coords instead of MOTION");
-  }
   return options;
 }
 
-int update_command(const Options& o) {
+int update_command(const Options& given) {
+  Options o = given;
   require_frames(o.files);
   UpdateOptions options = update_options(o);
+  require_rules_followed(options.rules, o.files);
   const std::string format = sphere_format(o.format, o.output);
   Workers workers = make_workers(o.threads);
   const Mesh mesh = read_mesh(o.mesh);
   Frames frames(o.files, mesh);
   options.modes = frames.take_modes();
-  require_sphere_output(o.output, format, frames.count(),
-                        {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates});
-  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  options.skin = frames.take_skin();
+  require_sphere_output(
+      o.output, format, frames.count(),
+      {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin, o.files.transforms});
+  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   if (options.rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
                                  options.rules.size() - 1, o.tree, built.tree.level_count() - 1));
@@ -241,7 +237,10 @@ void add_update(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   command
-      ->add_option("MOTION", o->files.motion, "Positions: folder of meshes, glob such as \"out/frame*.obj\", or .npy")
+      ->add_option(
+          "MOTION", o->files.motion,
+          "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, or .gltf and .glb, whose animation is "
+          "played")
       ->type_name("");
   command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")
@@ -250,6 +249,18 @@ void add_update(CLI::App& app, Run& run) {
       ->type_name("FILE");
   command->add_option("--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
       ->type_name("FILE");
+  command->add_option("--skin", o->files.skin, "Instead of MOTION: weights, a .npy of shape (vertices, bones); or glTF")
+      ->type_name("FILE");
+  command
+      ->add_option("--transforms", o->files.transforms,
+                   "Of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
+      ->type_name("FILE");
+  command->add_option("--fps", o->files.animation.frames_per_second, "Of glTF: frames a second; default: 30")
+      ->type_name("RATE")
+      ->transform(number_above_zero());
+  command->add_option("--animation", o->files.animation.animation, "Of glTF: which animation, counted from 0")
+      ->type_name("N")
+      ->transform(whole_number(0, 1000000));
   command
       ->add_option("--rule", o->rule,
                    fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",

@@ -76,7 +76,7 @@ std::string read_study(const std::string& path) {
   return text;
 }
 
-void print_result(const Options& o, const PageContent& content, const Built& built, std::size_t bytes) {
+void print_result(const Options& o, const PageContent& content, const CoveredTree& built, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
   for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
@@ -110,17 +110,13 @@ int view_command(const Options& o) {
   require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
-  for (const std::vector<Rule>& list : rules) {
-    if (std::count(list.begin(), list.end(), Rule::modal) > 0) {
-      throw UsageError("--rule modal needs a modal model, which morula view does not take");
-    }
-  }
+  for (const std::vector<Rule>& list : rules) require_position_rules(list);
   Workers workers = make_workers(o.threads);
 
   PageContent content;
   content.study = read_study(o.study);
   const Mesh mesh = read_mesh(o.mesh);
-  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].size() > built.tree.level_count()) {
       throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],

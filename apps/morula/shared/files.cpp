@@ -10,6 +10,7 @@
 #include <cctype>
 #include <charconv>
 #include <morula/io/frame_files.hpp>
+#include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <system_error>
 
@@ -21,7 +22,13 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::set<std::string> tree_extensions{".morula", ".sph", ".json"};
-const std::set<std::string> written_mesh_extensions{".obj", ".off", ".ply"};
+
+const MeshFileKind* mesh_kind(const std::string& ending) {
+  for (const MeshFileKind& kind : mesh_file_kinds()) {
+    if (kind.extension == ending) return &kind;
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -37,7 +44,7 @@ FileKind file_kind(const fs::path& path) {
   const std::string ending = extension(path);
   if (tree_extensions.count(ending) != 0) return FileKind::tree;
   if (ending == ".npy") return FileKind::motion;
-  if (written_mesh_extensions.count(ending) != 0 || ending == ".stl") return FileKind::mesh;
+  if (mesh_kind(ending) != nullptr) return FileKind::mesh;
   return FileKind::unknown;
 }
 
@@ -68,8 +75,9 @@ void require_tree_output(const fs::path& path) {
 }
 
 void require_mesh_output(const fs::path& path) {
-  if (written_mesh_extensions.count(extension(path)) == 0) {
-    throw UsageError(fmt::format("{}: meshes are written as .obj, .off or .ply", path.string()));
+  const MeshFileKind* const kind = mesh_kind(extension(path));
+  if (kind == nullptr || !kind->is_written) {
+    throw UsageError(fmt::format("{}: meshes are written as {}", path.string(), writable_mesh_list()));
   }
   require_output_place(path);
 }

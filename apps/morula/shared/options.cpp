@@ -262,6 +262,16 @@ std::vector<Rule> parse_rules(const std::string& text) {
   return rules;
 }
 
+void require_position_rules(const std::vector<Rule>& rules) {
+  for (const Rule rule : rules) {
+    if (traits(rule).follows == RuleTraits::Follows::positions) continue;
+    throw UsageError(fmt::format("--rule {} needs {}: not offered here", name(rule),
+                                 traits(rule).follows == RuleTraits::Follows::modes
+                                     ? "the coordinates of a modal model"
+                                     : "a skin and the transforms of its bones"));
+  }
+}
+
 RuleOptions parse_rule_details(const RuleDetailNames& names) {
   RuleOptions details;
   check_name("--approach1-weights", names.approach1_weights, {"uniform", "inverse-distance", "area"});

@@ -62,6 +62,8 @@ Quality parse_quality(const std::string& name);
 Axis parse_axis(const std::string& name);
 /// "exact", or a list such as "0:exact,2:approach2": from the given level on, until the next one given.
 std::vector<Rule> parse_rules(const std::string& text);
+/// Throws UsageError for a rule that follows anything but positions: the command has nothing else.
+void require_position_rules(const std::vector<Rule>& rules);
 RuleOptions parse_rule_details(const RuleDetailNames& names);
 /// "x,y,z".
 Vec3 parse_vector(std::string_view option, const std::string& text);

@@ -35,6 +35,7 @@ struct Front {
     std::uint32_t opened_roots = none;  ///< in `opened`
     std::array<Vec3, 3> rows;           ///< from b's local frame to a's
     Vec3 translation;
+    double pad = 0;       ///< what pair tests add to the radii, margin included: more when far from the origin
     double rounding = 0;  ///< verdicts on pairs that are nearer to touching than this may change by rounding alone
     bool operator==(const Pair&) const = default;
   };

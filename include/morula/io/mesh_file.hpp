@@ -5,8 +5,10 @@
 
 #include <filesystem>
 #include <morula/geometry/mesh.hpp>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace morula {
 
@@ -16,7 +18,8 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads OBJ, OFF, PLY (ascii, little and big endian) or STL (ascii, binary), chosen by extension.
+/// Reads OBJ, OFF, PLY (ascii, little and big endian), STL (ascii, binary) or glTF 2.0 (.gltf, .glb), chosen by
+/// extension.
 ///
 /// Polygons become triangle fans. STL has no vertices: bitwise equal corners become one (exact welding), in order of
 /// first use. Texture coordinates, normals, colours, materials and groups are ignored.
@@ -28,7 +31,15 @@ Mesh read_mesh(const std::filesystem::path& path);
 /// same bits. Written whole or not at all.
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh);
 
-/// Lower-case extensions with the dot that read_mesh knows, for help texts: ".obj .off .ply .stl".
+struct MeshFileKind {
+  std::string_view extension;  ///< lower case, with the dot
+  bool is_written;             ///< by write_mesh; all are read
+};
+/// Every format that read_mesh knows.
+std::span<const MeshFileKind> mesh_file_kinds();
+/// Their extensions, for help texts: ".obj .off .ply .stl .gltf .glb".
 std::string readable_mesh_extensions();
+/// Those of the formats that write_mesh knows: ".obj, .off or .ply".
+std::string writable_mesh_list();
 
 }  // namespace morula

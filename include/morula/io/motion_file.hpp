@@ -3,6 +3,7 @@
 // Motions on disk: vertex positions per frame, for a mesh that stays topologically the same.
 #pragma once
 
+#include <memory>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
@@ -10,14 +11,23 @@
 
 namespace morula {
 
+/// Of files that hold an animation rather than frames.
+struct MotionOptions {
+  double frames_per_second = 30;  ///< frame i is at i / frames_per_second seconds; the last one is not after the end
+  std::size_t animation = 0;      ///< which one, where a file has several
+};
+
+class FrameSource;
+
 /// Frames are read one at a time; a motion of any length fits in memory.
 class Motion {
  public:
   /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers),
-  /// one mesh file (a single frame), or a NumPy .npy array of float32 or float64, shape (frames, vertices, 3), C order.
-  /// Throws FileError when nothing matches, a numbered frame is missing in between (frame_files.hpp), or the array has
-  /// another shape or type.
-  Motion(const std::filesystem::path& path, const Mesh& mesh);
+  /// one mesh file (a single frame; of glTF its animation, posed by nodes, skins and morph targets), or a NumPy .npy
+  /// array of float32 or float64, shape (frames, vertices, 3), C order. Throws FileError when nothing matches, a
+  /// numbered frame is missing in between (frame_files.hpp), or the array has another shape or type, or an option is
+  /// out of range for the animation.
+  Motion(const std::filesystem::path& path, const Mesh& mesh, const MotionOptions& options = {});
 
   std::size_t frame_count() const { return frame_count_; }
   /// Positions of one frame. Throws FileError naming the file when its vertex count or facets differ from the mesh's,
@@ -27,7 +37,12 @@ class Motion {
   std::string frame_name(std::size_t i) const;
 
  private:
-  std::vector<std::filesystem::path> files_;  // one per frame, or the .npy alone
+  // Throws FileError unless they are those of the mesh.
+  void require_frames_of(const std::filesystem::path& file, std::size_t vertex_count,
+                         std::span<const Facet> facets) const;
+
+  std::vector<std::filesystem::path> files_;   // one per frame, or the one that holds all
+  std::shared_ptr<const FrameSource> source_;  // of a file that holds an animation
   bool is_npy_ = false;
   bool npy_is_double_ = false;
   std::size_t npy_data_offset_ = 0;

@@ -21,10 +21,10 @@ struct NamedMesh {
   Mesh mesh;
 };
 
-/// A rule on all levels; or `exact` with re-fitting; or a tree built anew at sampled poses, which no update can be
+/// A rule on all levels; or `exact` with rebuilding; or a tree built anew at sampled poses, which no update can be
 /// expected to beat.
 struct RuleKey {
-  enum class Kind : std::uint8_t { update, refitted, fresh };
+  enum class Kind : std::uint8_t { update, rebuilt, fresh };
   Kind kind = Kind::update;
   Rule rule = Rule::exact;  ///< of `update`
 
@@ -34,14 +34,14 @@ struct RuleKey {
     return kind == other.kind && (kind != Kind::update || rule == other.rule);
   }
 };
-inline constexpr RuleKey::Kind refitted = RuleKey::Kind::refitted;
+inline constexpr RuleKey::Kind rebuilt = RuleKey::Kind::rebuilt;
 inline constexpr RuleKey::Kind fresh = RuleKey::Kind::fresh;
 
-/// "approach1", "refitted", "fresh".
+/// "approach1", "rebuilt", "fresh".
 std::string name(const RuleKey& key);
 /// "Approach 1", as the paper writes it; our own rules by name.
 std::string title(const RuleKey& key);
-/// All rules that follow positions, `refitted`, `fresh`.
+/// All rules that follow positions, `rebuilt`, `fresh`.
 std::vector<RuleKey> all_rule_keys();
 std::optional<RuleKey> rule_key_from_name(std::string_view name);
 

@@ -5,34 +5,28 @@
 
 #include <memory>
 #include <morula/geometry/positions.hpp>
+#include <morula/geometry/status.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/update/rules.hpp>
 
 namespace morula {
 
-struct UpdateStatus {
-  enum class Code : std::uint8_t {
-    ok,
-    wrong_vertex_count,
-    non_finite_position,
-    bad_range,               ///< of vertices: ends before it begins, or behind the last one
-    needs_coordinates,       ///< positions given to a body with a level of the rule `modal`
-    no_modes,                ///< coordinates given to a body without modes
-    wrong_coordinate_count,  ///< not one per mode
-    bad_coordinate,          ///< not finite, or so large that the body leaves the range of float
-  };
-  Code code = Code::ok;
-  std::size_t first_bad_vertex = 0;      ///< of non_finite_position: the lowest
-  std::size_t first_bad_coordinate = 0;  ///< of bad_coordinate: the lowest not finite, or the one that moves most
-  // Work done, the same on every run; all 0 when nothing was changed.
+/// Refused, or the work done: the same on every run; all 0 when nothing was changed.
+struct UpdateStatus : Status {
   std::size_t nodes_updated = 0;
-  std::size_t vertices_read = 0;  ///< 0 when all levels follow `modal`
+  std::size_t vertices_read = 0;  ///< 0 when no level looks at points
   std::size_t cut_points_moved = 0;
   std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
-
-  explicit operator bool() const { return code == Code::ok; }
 };
+
+/// A status of a fault. index: of the vertex, coordinate or bone it is about.
+inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
+  UpdateStatus status;
+  status.code = code;
+  status.index = index;
+  return status;
+}
 
 /// Degenerate cases met when the body was made.
 struct BindReport {
@@ -53,14 +47,15 @@ class Body {
   /// Starts at rest, with the spheres that update(mesh.positions) makes: the tree's, narrowed to float with radii
   /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
-  /// rule list is empty, an option is out of range, modes are not finite, not for this mesh or missing for a level of
-  /// the rule `modal`, or coordinates about the centre reach 2^57 (1.4e17): their squares would leave the range of
-  /// float. The centre itself may be as far as 2^100 (1e30). However small a body is, its spheres contain it; below
-  /// about 2^-60 (1e-18) they are the size of what float cannot tell.
-  Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
-  Body(const Mesh& mesh, Built&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  /// rule list is empty or names no rule, an option is out of range, modes or a skin are not finite, not for this mesh
+  /// or missing for a level of the rule `modal` or `skinned`, two levels ask for these two, or coordinates about the
+  /// centre reach 2^57 (1.4e17): their squares would leave the range of float. The centre itself may be as far as 2^100
+  /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
+  /// cannot tell.
+  Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
-  Body(const Mesh& mesh, std::shared_ptr<const Built> built, UpdateOptions options = {},
+  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options = {},
        Workers& workers = serial_workers());
   ~Body();
   /// Another body of the same model in the same pose, independent from now on; tree and cover are shared. Making one
@@ -76,8 +71,9 @@ class Body {
   /// Positions are narrowed to float about an origin that moves with the body, so being far away costs no precision.
   /// A wrong count or a coordinate (of a vertex that facets use) that is not finite, or 2^57 or more from the origin,
   /// or an origin beyond 2^100, is reported and changes nothing: the last good spheres stay. No allocation. Same bits
-  /// for any number of workers. A body with levels of the rule `modal` is refused: where its vertices are does not tell
-  /// its coordinates. Cost: linear in vertices + cut points + owned corners (exact) or links (other rules).
+  /// for any number of workers. A body with levels of the rule `modal` or `skinned` is refused: where its vertices are
+  /// does not tell its coordinates or transforms. Cost: linear in vertices + cut points + owned corners (exact) or
+  /// links (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.
@@ -99,6 +95,19 @@ class Body {
   /// Cost: nodes × modes when all levels are modal, whatever the number of vertices; else vertices × modes and that of
   /// update().
   UpdateStatus update_modal(std::span<const double> coordinates, Workers& workers = serial_workers()) noexcept;
+
+  /// Moves every sphere by the transforms of the skin's bones, relative to rest: vertex i is then at
+  /// rest_i + sum_b w_ib (T_b rest_i - rest_i).
+  ///
+  /// transforms: one per bone, finite, affine; the identity for all gives rest, bit for bit. Levels of the rule
+  /// `skinned` blend the transforms with the mean weights of what they own, and take no care to cover: levels that do
+  /// are those of covers(options(), rule). Other levels follow the positions, which are formed first as move_by_skin
+  /// does, and promise what they promise. Bad transforms are reported and change nothing. No allocation. Same bits for
+  /// any number of workers.
+  /// Cost: nodes × their bones when all levels are skinned, whatever the number of vertices; else influences, and that
+  /// of update().
+  UpdateStatus update_skinned(std::span<const AffineTransform> transforms,
+                              Workers& workers = serial_workers()) noexcept;
 
   /// As update(), but only of the nodes of levels 0…level. Those below keep the spheres of an older frame, about an
   /// older origin, until reach() is asked for them; nobody may read them before.

@@ -15,9 +15,6 @@ Rule rule_of_level(std::span<const Rule> rules, std::size_t level);
 /// "exact", or "exact on levels 0-1, approach2 on levels 2-3" when levels differ.
 std::string describe_rules(std::span<const Rule> rules, std::size_t level_count);
 
-/// True of the rules that cover by construction, and of all where radii are made to cover. The others promise nothing:
-/// coverage() says what they leave bare.
-bool promises_cover(const UpdateOptions& options, Rule rule);
 /// True when some level promises cover.
 bool any_promises_cover(const Body& body);
 

@@ -3,8 +3,10 @@
 // The update rules, as plain values, and what the paper leaves open about them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <morula/update/modes.hpp>
+#include <morula/update/skin.hpp>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -12,8 +14,7 @@
 
 namespace morula {
 
-/// How a node's sphere follows the deformed surface. `exact`, `modal` and `wrapped` over these cover it by
-/// construction, the others may leave surface bare [garcia2005, sec. 3].
+/// How a node's sphere follows the deformed surface [garcia2005, sec. 3]. rule_table says what is known of each.
 enum class Rule : std::uint8_t {
   traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
   weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
@@ -22,11 +23,51 @@ enum class Rule : std::uint8_t {
   exact,        ///< Morula's: owned patches, every corner inside; covers by construction
   wrapped,      ///< bottom-up: a sphere around the children's; covers when they do. Leaves follow `exact`
   modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers likewise
+  skinned,      ///< moved and resized by the transforms of a skin's bones [jones2017]; may leave surface bare
 };
+
+/// What is known of a rule, written once: names, checks and certificates ask here.
+struct RuleTraits {
+  /// Which update moves it: Body::update, update_modal or update_skinned. All of them move rules that follow positions.
+  enum class Follows : std::uint8_t { positions, modes, bones };
+  /// What it looks at in every frame: the corners that nodes own; vertices that they are linked with, and children's
+  /// spheres; these alone (a leaf, which has none, then follows `exact`); or what it follows and nothing else.
+  enum class Reads : std::uint8_t { corners, links, children, nothing };
+
+  Rule rule;
+  std::string_view name;
+  Follows follows;
+  Reads reads;
+  bool covers;  ///< by construction; one that reads children covers as far as they do
+};
+/// One row per rule, in the order of the enumerators: rules.cpp does not compile otherwise.
+inline constexpr std::array rule_table{
+    RuleTraits{Rule::traditional, "traditional", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
+    RuleTraits{Rule::weighted, "weighted", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
+    RuleTraits{Rule::approach1, "approach1", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
+    RuleTraits{Rule::approach2, "approach2", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
+    RuleTraits{Rule::exact, "exact", RuleTraits::Follows::positions, RuleTraits::Reads::corners, true},
+    RuleTraits{Rule::wrapped, "wrapped", RuleTraits::Follows::positions, RuleTraits::Reads::children, true},
+    RuleTraits{Rule::modal, "modal", RuleTraits::Follows::modes, RuleTraits::Reads::nothing, true},
+    RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, false},
+};
+
+/// Is it an enumerator, not just some number?
+constexpr bool is_rule(Rule rule) {
+  return static_cast<std::size_t>(rule) < rule_table.size();
+}
+/// Of an enumerator.
+constexpr const RuleTraits& traits(Rule rule) {
+  return rule_table[static_cast<std::size_t>(rule)];
+}
+/// Does it cover by construction, whatever the other levels follow?
+constexpr bool covers_alone(Rule rule) {
+  return traits(rule).covers && traits(rule).reads != RuleTraits::Reads::children;
+}
 std::string_view name(Rule rule);
 std::optional<Rule> rule_from_name(std::string_view name);
 std::span<const Rule> all_rules();
-/// Those that follow positions: all but `modal`, which follows coordinates and needs UpdateOptions::modes.
+/// Those that follow positions, which need nothing but a mesh and its tree.
 std::span<const Rule> position_rules();
 
 /// Questions that the papers leave open. Defaults are the literal readings, but for modal_bound.
@@ -55,6 +96,11 @@ struct UpdateOptions {
   bool conservative = false;
   RuleOptions details{};
   Modes modes{};  ///< what update_modal() moves the body by; `modal` needs them
+  Skin skin{};    ///< what update_skinned() moves the body by; `skinned` needs it
 };
+/// Do all levels cover the surface by construction, whatever it does?
+bool covers(const UpdateOptions& options);
+/// Do levels that follow this rule, among those of the options?
+bool covers(const UpdateOptions& options, Rule rule);
 
 }  // namespace morula

@@ -69,7 +69,7 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
     inside_.clear();
     for (const ColliderPair& pair : pairs)
       inside_.push_back({test_of(*pair.a), test_of(*pair.b), component_vertices(pair.a->surface()),
-           component_vertices(pair.b->surface())});
+                         component_vertices(pair.b->surface())});
   }
   result.containment.resize(pairs.size());
   const auto test = [](std::optional<InsideQuery>& outer, const Collider& inner,

@@ -29,6 +29,7 @@ void stamp(Front::Pair& bodies, const Collider& a, const Collider& b, const Plac
   stamp(bodies.a, a);
   stamp(bodies.b, b);
   bodies.rows = placed.rows;
+  bodies.pad = static_cast<double>(placed.narrow.pad);
   bodies.translation = placed.translation;
 }
 
@@ -81,14 +82,17 @@ void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, co
   const std::span<const Spheref> now_a = a.pose().spheres, now_b = b.pose().spheres;
   const bool same_frame = bodies.rows == placed.rows && bodies.translation == placed.translation &&
                           bodies.a.origin == a.pose().origin && bodies.b.origin == b.pose().origin;
+  // A pad that has changed is a radius that has: one side takes it for both. Far from the origin pads are large, and
+  // bodies that come back have none of it, even if they have not moved against each other.
+  const double pad_change = std::abs(static_cast<double>(placed.narrow.pad) - bodies.pad);
   const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
     return !same_frame || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
   };
-  const bool moved_a = has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
+  const bool moved_a = pad_change > 0 || has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
   const double least = same_frame ? 0 : placed.rounding;
   if (moved_a) {
     const Vec3 shift = a.pose().origin - bodies.a.origin;
-    travel(bodies.a, a, least, scratch,
+    travel(bodies.a, a, least + pad_change, scratch,
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }
   if (moved_b) {

@@ -1,36 +1,69 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The mesh formats, one reader and writer each, from and to bytes in memory. docs/formats.md says what is accepted.
+// The mesh formats, one row each: readers and writers from and to bytes in memory. docs/formats.md says what is
+// accepted.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <memory>
 #include <morula/geometry/mesh.hpp>
+#include <morula/io/motion_file.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace morula {
 
+/// Positions of one frame after the other, out of one file.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual std::size_t frame_count() const = 0;
+  /// Throws FileError for positions that are not finite.
+  virtual std::vector<Vec3> frame(std::size_t i) const = 0;
+  /// The facets that the frames have.
+  virtual const std::vector<Facet>& facets() const = 0;
+  virtual std::size_t vertex_count() const = 0;
+};
+
+/// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages, and for
+/// what a file names beside itself.
+using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes);
+/// Positions may be other than the mesh's own, so that frames need no copy of the mesh.
+using MeshBytes = std::string(std::span<const Vec3> positions, std::span<const Facet> facets);
+using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::path& path, const MotionOptions& options);
+
+ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf;
+MeshBytes obj_text, off_text, ply_bytes;
+OpenFrames open_gltf_frames;
+
+struct MeshFormat {
+  std::string_view extension;  ///< lower case, with the dot
+  ReadMesh* read;
+  MeshBytes* write;               ///< none: it is not written
+  OpenFrames* open_frames;        ///< none: a file is a single frame
+  std::string_view not_written;   ///< why
+  std::string_view frame_remedy;  ///< what to do about frames that differ from the mesh; empty: the usual
+};
+/// All that is known of formats; whoever lists, reads or writes them asks here.
+inline constexpr std::array mesh_formats{
+    MeshFormat{".obj", read_obj, obj_text, nullptr, "", ""},
+    MeshFormat{".off", read_off, off_text, nullptr, "", ""},
+    MeshFormat{".ply", read_ply, ply_bytes, nullptr, "", ""},
+    MeshFormat{".stl", read_stl, nullptr, nullptr, "STL is read but not written, since it loses the vertices",
+               "STL frames lose their vertices, write them as another format"},
+    MeshFormat{".gltf", read_gltf, nullptr, open_gltf_frames, "glTF is read but not written", ""},
+    MeshFormat{".glb", read_gltf, nullptr, open_gltf_frames, "glTF is read but not written", ""},
+};
+/// Nothing where the extension is of no format.
+const MeshFormat* mesh_format(std::string_view extension);
+bool is_writable_mesh_extension(std::string_view extension);
+
 /// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
 Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes);
-
-/// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages.
-Mesh read_obj(const std::filesystem::path& path, std::string_view text);
-Mesh read_off(const std::filesystem::path& path, std::string_view text);
-Mesh read_ply(const std::filesystem::path& path, std::string_view bytes);
-Mesh read_stl(const std::filesystem::path& path, std::string_view bytes);
-
-/// Positions may be other than the mesh's own, so that frames need no copy of the mesh.
-std::string obj_text(std::span<const Vec3> positions, std::span<const Facet> facets);
-std::string off_text(std::span<const Vec3> positions, std::span<const Facet> facets);
-std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> facets);
-
-/// True for ".obj", ".off" and ".ply".
-bool is_writable_mesh_extension(std::string_view extension);
 /// The bytes of a file with this extension, which must be writable.
 std::string mesh_bytes(std::string_view extension, std::span<const Vec3> positions, std::span<const Facet> facets);
-/// True for the extensions that read_mesh knows.
-bool is_readable_mesh_extension(std::string_view extension);
 
 /// A polygon's corners one after another become a fan of facets about the first.
 class FanBuilder {

@@ -26,31 +26,26 @@ void require_sound(const std::filesystem::path& path, const Mesh& mesh) {
 Mesh read_mesh(const std::filesystem::path& path) {
   const StandardFloats standard;
   const std::string extension = lower_extension(path);
-  if (!is_readable_mesh_extension(extension))
+  if (mesh_format(extension) == nullptr)
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no known mesh format; name a file with one of " + readable_mesh_extensions());
   return mesh_of_bytes(path, read_whole(path));
 }
 
 Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes) {
-  const std::string extension = lower_extension(path);
-  Mesh mesh;
-  if (extension == ".obj") mesh = read_obj(path, bytes);
-  if (extension == ".off") mesh = read_off(path, bytes);
-  if (extension == ".ply") mesh = read_ply(path, bytes);
-  if (extension == ".stl") mesh = read_stl(path, bytes);
+  Mesh mesh = mesh_format(lower_extension(path))->read(path, bytes);
   require_sound(path, mesh);
   return mesh;
 }
 
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
   const std::string extension = lower_extension(path);
-  if (extension == ".stl")
-    throw FileError(path.string() +
-                    ": STL is read but not written, since it loses the vertices; use .obj, .off or .ply");
-  if (!is_writable_mesh_extension(extension))
+  const MeshFormat* const format = mesh_format(extension);
+  if (format != nullptr && format->write == nullptr)
+    throw FileError(path.string() + ": " + std::string(format->not_written) + "; use " + writable_mesh_list());
+  if (format == nullptr)
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
-                    " says no mesh format that can be written; use .obj, .off or .ply");
+                    " says no mesh format that can be written; use " + writable_mesh_list());
   require_usable(mesh);
   // What is written must read back, unused vertices included.
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
@@ -59,21 +54,44 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
   write_whole(path, mesh_bytes(extension, mesh.positions, mesh.facets));
 }
 
-std::string readable_mesh_extensions() {
-  return ".obj .off .ply .stl";
+std::span<const MeshFileKind> mesh_file_kinds() {
+  static constexpr auto kinds = [] {
+    std::array<MeshFileKind, mesh_formats.size()> list{};
+    for (std::size_t i = 0; i < list.size(); ++i)
+      list[i] = {mesh_formats[i].extension, mesh_formats[i].write != nullptr};
+    return list;
+  }();
+  return kinds;
 }
 
-bool is_readable_mesh_extension(std::string_view extension) {
-  return extension == ".stl" || is_writable_mesh_extension(extension);
+std::string readable_mesh_extensions() {
+  std::string list;
+  for (const MeshFormat& format : mesh_formats) list += (list.empty() ? "" : " ") + std::string(format.extension);
+  return list;
+}
+
+std::string writable_mesh_list() {
+  std::vector<std::string> names;
+  for (const MeshFormat& format : mesh_formats)
+    if (format.write != nullptr) names.emplace_back(format.extension);
+  std::string list = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) list += (i + 1 < names.size() ? ", " : " or ") + names[i];
+  return list;
+}
+
+const MeshFormat* mesh_format(std::string_view extension) {
+  for (const MeshFormat& format : mesh_formats)
+    if (format.extension == extension) return &format;
+  return nullptr;
 }
 
 bool is_writable_mesh_extension(std::string_view extension) {
-  return extension == ".obj" || extension == ".off" || extension == ".ply";
+  const MeshFormat* const format = mesh_format(extension);
+  return format != nullptr && format->write != nullptr;
 }
 
 std::string mesh_bytes(std::string_view extension, std::span<const Vec3> positions, std::span<const Facet> facets) {
-  if (extension == ".obj") return obj_text(positions, facets);
-  return extension == ".off" ? off_text(positions, facets) : ply_bytes(positions, facets);
+  return mesh_format(extension)->write(positions, facets);
 }
 
 }  // namespace morula

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <morula/io/modal_file.hpp>
+#include <morula/io/skin_file.hpp>
 #include <vector>
 
 #include "io/array/npy.hpp"
@@ -19,5 +20,8 @@ std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, 
 /// As read_modes and read_coordinates.
 Modes modes_of(const ByteSource& source, const Mesh& mesh);
 ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count);
+/// As read_skin and read_bone_frames of .npy files.
+Skin skin_of(const ByteSource& source, const Mesh& mesh);
+BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count);
 
 }  // namespace morula

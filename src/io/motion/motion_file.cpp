@@ -18,10 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> mesh_extensions{".obj", ".off", ".ply", ".stl"};
+std::set<std::string> mesh_extensions() {
+  std::set<std::string> extensions;
+  for (const MeshFormat& format : mesh_formats) extensions.emplace(format.extension);
+  return extensions;
+}
 
 std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& asked) {
-  std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions);
+  std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions());
   if (files.empty())
     throw FileError(asked.string() + ": no mesh file is there; a motion needs files ending in " +
                     readable_mesh_extensions());
@@ -47,7 +51,8 @@ bool is_frame_of(const std::string& name, std::size_t frame_count, const std::st
 
 }  // namespace
 
-Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
+Motion::Motion(const fs::path& path, const Mesh& mesh, const MotionOptions& options)
+    : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
   std::error_code ignored;
   const std::string name = path.filename().string();
   if (fs::is_directory(path, ignored)) {
@@ -56,14 +61,21 @@ Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vert
     files_ = frames_in(path.parent_path(), name, path);
   } else {
     is_npy_ = lower_extension(path) == ".npy";
-    if (!is_npy_ && !is_readable_mesh_extension(lower_extension(path)))
+    const MeshFormat* const format = mesh_format(lower_extension(path));
+    if (!is_npy_ && format == nullptr)
       throw FileError(path.string() +
                       ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
                       "ending in .npy " + readable_mesh_extensions());
     size_of_file(path);
     files_ = {path};
+    if (format != nullptr && format->open_frames != nullptr) source_ = format->open_frames(path, options);
   }
   frame_count_ = files_.size();
+  if (source_) {
+    require_frames_of(path, source_->vertex_count(), source_->facets());
+    frame_count_ = source_->frame_count();
+    return;
+  }
   if (!is_npy_) return;
 
   const NpyArray array = motion_array(path, vertex_count_);
@@ -72,26 +84,27 @@ Motion::Motion(const fs::path& path, const Mesh& mesh) : vertex_count_(mesh.vert
   frame_count_ = array.shape[0];
 }
 
+void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, std::span<const Facet> facets) const {
+  const auto differs = [&](const std::string& how) {
+    const std::string_view own = mesh_format(lower_extension(file))->frame_remedy;
+    const std::string_view usual = "all frames need the vertices and facets of the mesh at rest, in the same order";
+    throw FileError(file.string() + ": " + how + "; " + std::string(own.empty() ? usual : own));
+  };
+  if (vertex_count != vertex_count_)
+    differs("has " + std::to_string(vertex_count) + " vertices, but the mesh has " + std::to_string(vertex_count_));
+  if (facets.size() != facets_.size())
+    differs("has " + std::to_string(facets.size()) + " facets, but the mesh has " + std::to_string(facets_.size()));
+  const auto [own, rest] = std::mismatch(facets.begin(), facets.end(), facets_.begin());
+  if (own != facets.end())
+    differs("facet " + std::to_string(rest - facets_.begin()) + ", counted from 0, has other vertices than the mesh's");
+}
+
 std::vector<Vec3> Motion::frame(std::size_t i) const {
   assert(i < frame_count_);
+  if (source_) return source_->frame(i);
   if (!is_npy_) {
     Mesh mesh = read_mesh(files_[i]);
-    const auto differs = [&](const std::string& how) {
-      throw FileError(files_[i].string() + ": " + how +
-                      (lower_extension(files_[i]) == ".stl"
-                           ? "; STL frames lose their vertices, write them as .obj, .off or .ply"
-                           : "; all frames need the vertices and facets of the mesh at rest, in the same order"));
-    };
-    if (mesh.vertex_count() != vertex_count_)
-      differs("has " + std::to_string(mesh.vertex_count()) + " vertices, but the mesh has " +
-              std::to_string(vertex_count_));
-    if (mesh.facet_count() != facets_.size())
-      differs("has " + std::to_string(mesh.facet_count()) + " facets, but the mesh has " +
-              std::to_string(facets_.size()));
-    const auto [own, rest] = std::mismatch(mesh.facets.begin(), mesh.facets.end(), facets_.begin());
-    if (own != mesh.facets.end())
-      differs("facet " + std::to_string(rest - facets_.begin()) +
-              ", counted from 0, has other vertices than the mesh's");
+    require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
     return std::move(mesh.positions);
   }
 
@@ -124,7 +137,7 @@ std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, 
 
 std::string Motion::frame_name(std::size_t i) const {
   assert(i < frame_count_);
-  if (is_npy_) return files_[0].filename().string() + " frame " + std::to_string(i);
+  if (is_npy_ || source_) return files_[0].filename().string() + " frame " + std::to_string(i);
   return files_[i].filename().string();
 }
 
@@ -134,7 +147,7 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
   require_usable(mesh);
   if (frame_count == 0) throw std::invalid_argument("a motion has at least one frame");
   if (!is_writable_mesh_extension(extension))
-    throw std::invalid_argument("frames are written as .obj, .off or .ply, not as " + in_quotes(extension));
+    throw std::invalid_argument("frames are written as " + writable_mesh_list() + ", not as " + in_quotes(extension));
   const std::string own_extension = lower_extension(path);
   std::error_code error;
   if (own_extension == ".npy") {
@@ -149,13 +162,12 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
     npy_->write(start);
     return;
   }
-  if (fs::exists(path, error) ? !fs::is_directory(path, error) : is_readable_mesh_extension(own_extension))
+  if (fs::exists(path, error) ? !fs::is_directory(path, error) : mesh_format(own_extension) != nullptr)
     throw FileError(path.string() + ": a motion is written into a folder or a .npy file, not into one mesh file");
   // Frames of a longer motion that was here before would be read as part of this one.
   for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name[0] != '.' && is_readable_mesh_extension(lower_extension(name)) &&
-        !is_frame_of(name, frame_count, extension))
+    if (name[0] != '.' && mesh_format(lower_extension(name)) != nullptr && !is_frame_of(name, frame_count, extension))
       throw FileError(entry->path().string() + ": would be read as part of this motion of " +
                       std::to_string(frame_count) + " frames; empty the folder, or choose another");
   }

@@ -8,6 +8,7 @@
 #include "update/points/kernels.hpp"
 #include "update/points/nearby_points.hpp"
 #include "update/points/outermost.hpp"
+#include "update/rules/engine_table.hpp"
 
 namespace morula {
 namespace {
@@ -23,14 +24,17 @@ std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule ru
 
 }  // namespace
 
-ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership)
-    : walk_(binding.tree, order, ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+ExactRule::ExactRule(const Binding& binding)
+    : walk_(binding.built.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+  const SphereTree& tree = binding.built.tree;
+  const LeafOrder& order = binding.order;
+  const Ownership& ownership = binding.ownership;
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   core_.resize(core_size * node_count);
   core_radius_.resize(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
-  const NearbyPoints nearby(binding.mesh, binding.tree, order, ownership);
+  const NearbyPoints nearby(binding.mesh, tree, order, ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     PointSet points(binding.local.points().size());
     std::vector<std::uint32_t> candidates;
@@ -42,31 +46,31 @@ ExactRule::ExactRule(const Binding& binding, const LeafOrder& order, const Owner
       // What the node owns, and vertices not much farther off than its sphere reaches, so that a centre inside the body
       // finds anchors on all sides.
       constexpr double reach = 1.3;
-      const Sphere& at_rest = binding.tree.spheres[node];
+      const Sphere& at_rest = tree.spheres[node];
       for (const std::uint32_t p : owned) points.add(p);
       nearby.add({at_rest.center, reach * at_rest.radius}, points);
       points.take(candidates);
-      const Spheref& rest = binding.rest_spheres[node];
+      const Spheref& rest = binding.tree_spheres[node];
       chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
-  find_dependents(binding, ownership);
+  find_dependents(binding);
 }
 
 void ExactRule::choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned) {
   const std::span<std::uint32_t> core = std::span(core_).subspan(core_size * k, core_size);
-  const Vec3f& center = binding.rest_spheres[walk_.nodes()[k]].center;
+  const Vec3f& center = binding.tree_spheres[walk_.nodes()[k]].center;
   outermost(binding.local.points(), owned, center, core);
   float squared = 0;
   kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
   core_radius_[k] = std::sqrt(squared);
 }
 
-void ExactRule::find_dependents(const Binding& binding, const Ownership& ownership) {
+void ExactRule::find_dependents(const Binding& binding) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> leaves, nodes;
   for (std::uint32_t leaf = 0; leaf < walk_.leaf_count(); ++leaf)
-    for (const std::uint32_t p : ownership.of_leaf(leaf))
+    for (const std::uint32_t p : binding.ownership.of_leaf(leaf))
       binding.local.each_block(p, [&](std::uint32_t block) {
         if (leaves.empty() || leaves.back() != std::pair(block, leaf)) leaves.emplace_back(block, leaf);
       });
@@ -83,29 +87,43 @@ void ExactRule::find_dependents(const Binding& binding, const Ownership& ownersh
   moved_.resize(walk_.nodes().size());
 }
 
-void ExactRule::update_first(std::size_t count, std::span<const LocalPoint> points, const Rounding& rounding,
-                             std::span<Spheref> spheres, Workers& workers) noexcept {
+std::size_t ExactRule::place_of(std::size_t node) const noexcept {
+  const std::span<const std::uint32_t> nodes = walk_.nodes();
+  return static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
+}
+
+void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
+                       Workers& workers) noexcept {
+  const std::size_t count = place_of(node_end);
   parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, points);
+    for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, frame.points);
   });
-  walk_.measure_first(count, points, spheres, workers);
-  rounding_ = rounding;
+  walk_.measure_first(count, frame.points, spheres, workers);
+  rounding_ = frame.rounding;
   parallel_for(workers, count, 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding, spheres);
+    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding_, spheres);
   });
 }
 
-void ExactRule::update_one(std::size_t k, std::span<const LocalPoint> points, std::span<Spheref> spheres) noexcept {
-  spheres[walk_.nodes()[k]].center = center(k, points);
-  walk_.measure_one(k, points, spheres);
+void ExactRule::update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept {
+  const std::size_t k = place_of(node);
+  spheres[node].center = center(k, frame.points);
+  walk_.measure_one(k, frame.points, spheres);
   set_radius(k, rounding_, spheres);
 }
 
-std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
-                                      const Rounding& rounding, std::span<Spheref> spheres) noexcept {
+std::size_t ExactRule::tested_points(std::size_t node_end) const {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < place_of(node_end); ++k) count += walk_.points_of(k);
+  return count;
+}
+
+std::size_t ExactRule::update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
+                                      std::span<Spheref> spheres) noexcept {
   constexpr float hangs_on_a_block = 0, stays = -1;
-  const bool rounding_changed = rounding != rounding_;
-  rounding_ = rounding;
+  const std::span<const LocalPoint> points = frame.points;
+  const bool rounding_changed = frame.rounding != rounding_;
+  rounding_ = frame.rounding;
   std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
   std::fill(moved_.begin(), moved_.end(), stays);
   for (const std::uint32_t block : changed_blocks) {
@@ -122,7 +140,7 @@ std::size_t ExactRule::update_changed(std::span<const LocalPoint> points, std::s
   }
   const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, moved_);
   for (std::size_t k = 0; k < moved_.size(); ++k)
-    if (moved_[k] >= 0 || rounding_changed) set_radius(k, rounding, spheres);
+    if (moved_[k] >= 0 || rounding_changed) set_radius(k, rounding_, spheres);
   return tested;
 }
 
@@ -138,6 +156,18 @@ Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const
 void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept {
   Spheref& sphere = spheres[walk_.nodes()[k]];
   sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
+}
+
+std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {
+  auto engine = std::make_unique<ExactRule>(binding);
+  engine->update(binding.rest, binding.spheres.size(), binding.spheres, binding.workers);
+  binding.report.corners_owned = engine->walk().owned_points();
+  for (std::size_t k = 0; k < engine->anchors().size(); ++k) {
+    const CenterTie& tie = engine->anchors()[k];
+    binding.report.degenerate_anchors += tie.degenerate;
+    binding.report.carried_centers += tie.carries && !tie.degenerate;
+  }
+  return engine;
 }
 
 }  // namespace morula

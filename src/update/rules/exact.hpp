@@ -3,60 +3,44 @@
 // The rule `exact`: each node's radius is the largest distance from its centre to a point that it owns.
 #pragma once
 
-#include <morula/parallel/workers.hpp>
-#include <morula/query/triangle_bvh.hpp>
-#include <morula/tree/sphere_tree.hpp>
-#include <morula/update/rules.hpp>
 #include <span>
 #include <vector>
 
 #include "update/points/block_lists.hpp"
-#include "update/points/local_points.hpp"
-#include "update/points/ownership.hpp"
 #include "update/rules/anchors.hpp"
 #include "update/rules/corner_walk.hpp"
+#include "update/rules/engine.hpp"
 
 namespace morula {
 
-/// What a body is made from, while it is being made.
-struct Binding {
-  const Mesh& mesh;
-  const SphereTree& tree;
-  std::span<const Rule> rule_of_node;
-  const TriangleBvh* bvh;    ///< of the mesh; none where no node follows a link
-  const LocalPoints& local;  ///< at rest
-  const Rounding& rest_rounding;
-  std::span<const Spheref> rest_spheres;  ///< the tree's, about the rest origin
-  Workers& workers;
-};
-
-class ExactRule {
+class ExactRule final : public RuleEngine {
  public:
   /// Ties the centre of every node with this rule.
-  ExactRule(const Binding& binding, const LeafOrder& order, const Ownership& ownership);
+  explicit ExactRule(const Binding& binding);
+  std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<ExactRule>(*this); }
 
-  /// Writes the spheres of its nodes. Nodes and leaves are independent.
-  void update(std::span<const LocalPoint> points, const Rounding& rounding, std::span<Spheref> spheres,
-              Workers& workers) noexcept {
-    update_first(walk_.nodes().size(), points, rounding, spheres, workers);
-  }
-  /// Of the first `count` nodes of the walk alone: whole levels. The others can follow one by one.
-  void update_first(std::size_t count, std::span<const LocalPoint> points, const Rounding& rounding,
-                    std::span<Spheref> spheres, Workers& workers) noexcept;
-  /// One node of the walk, at the points and with the rounding of update_first.
-  void update_one(std::size_t k, std::span<const LocalPoint> points, std::span<Spheref> spheres) noexcept;
+  /// Nodes and leaves are independent.
+  void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
+              Workers& workers) noexcept override;
+  std::size_t tested_points() const override { return walk_.tested_points(); }
 
-  /// The same spheres, where every leaf follows the rule and only these blocks of vertices differ from the update
-  /// before. Returns the points tested.
-  std::size_t update_changed(std::span<const LocalPoint> points, std::span<const std::uint32_t> changed_blocks,
-                             const Rounding& rounding, std::span<Spheref> spheres) noexcept;
+  bool is_lazy() const override { return true; }
+  void update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept override;
+  std::size_t tested_points(std::size_t node_end) const override;
+
+  /// Where every leaf follows the rule.
+  bool follows_changes() const override { return true; }
+  std::size_t update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
+                             std::span<Spheref> spheres) noexcept override;
 
   const Anchors& anchors() const { return anchors_; }
   const CornerWalk& walk() const { return walk_; }
 
  private:
   void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
-  void find_dependents(const Binding& binding, const Ownership& ownership);
+  void find_dependents(const Binding& binding);
+  // How many nodes of the walk come before a node of the tree.
+  std::size_t place_of(std::size_t node) const noexcept;
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
   void set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept;
 

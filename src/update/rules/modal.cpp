@@ -30,6 +30,7 @@
 #include "update/points/ownership.hpp"
 #include "update/points/ownership_check.hpp"
 #include "update/points/rounding.hpp"
+#include "update/rules/engine_table.hpp"
 
 namespace morula {
 namespace {
@@ -73,7 +74,7 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalMotion::ModalMotion(const Mesh& mesh, const Built& built, const Modes& modes,
+ModalMotion::ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
                          std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
@@ -119,12 +120,14 @@ ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept 
   return {coordinates, origin, share * (largest + max_norm(origin))};
 }
 
-ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule> rule_of_level,
-                     const UpdateOptions& options, ModalMotion& motion, Workers& workers)
-    : mode_count_(options.modes.mode_count), slot_(built.tree.node_count(), no_node) {
+ModalRule::ModalRule(const Binding& binding)
+    : mode_count_(binding.options.modes.mode_count), slot_(binding.built.tree.node_count(), no_node) {
+  const Mesh& mesh = binding.mesh;
+  const CoveredTree& built = binding.built;
   const SphereTree& tree = built.tree;
+  const UpdateOptions& options = binding.options;
   for (std::size_t level = 0; level < tree.level_count(); ++level)
-    if (rule_of_level[level] == Rule::modal)
+    if (binding.rule_of_level[level] == Rule::modal)
       for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
         slot_[node] = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back({node});
@@ -137,7 +140,7 @@ ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule>
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
   const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
   assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
-  parallel_for(workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
+  parallel_for(binding.workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
     const std::uint32_t node = nodes_[slot].node;
     nodes_[slot].rest.center = tree.spheres[node].center;
     bind(slot, mesh, built.cover, options.modes,
@@ -148,7 +151,7 @@ ModalRule::ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule>
     double steepest = 0;
     for (const Vec3& column : row.gradient) steepest = std::max(steepest, max_norm(column));
     const double across = 3 * steepest * nodes_[i / mode_count_].rest.radius;
-    motion.add_row(i % mode_count_, std::max(max_norm(row.shift), across));
+    binding.modal_motion->add_row(i % mode_count_, std::max(max_norm(row.shift), across));
   }
 }
 
@@ -176,9 +179,13 @@ void ModalRule::bind(std::size_t slot, const Mesh& mesh, const Cover& cover, con
   }
 }
 
-void ModalRule::update(const ModalPose& pose, std::span<Spheref> spheres, Workers& workers) const noexcept {
-  parallel_for(workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t slot = begin; slot < end; ++slot) spheres[nodes_[slot].node] = sphere_of(slot, pose);
+void ModalRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
+                       Workers& workers) noexcept {
+  const auto last = std::lower_bound(nodes_.begin(), nodes_.end(), node_end,
+                                     [](const Node& n, std::size_t node) { return n.node < node; });
+  const auto count = static_cast<std::size_t>(last - nodes_.begin());
+  parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) spheres[nodes_[slot].node] = sphere_of(slot, *frame.modes);
   });
 }
 
@@ -216,6 +223,14 @@ Sphere ModalRule::by_gradients(std::size_t slot, std::span<const double> coordin
     ++row;
   }
   return {center, largest_stretch(columns) * rest.radius + stray};
+}
+
+std::unique_ptr<RuleEngine> bind_modal(const Binding& binding) {
+  auto engine = std::make_unique<ModalRule>(binding);
+  const std::vector<double> at_rest(binding.options.modes.mode_count, 0.0);
+  const ModalPose pose = binding.modal_motion->pose(at_rest);
+  engine->update({.origin = pose.origin, .modes = &pose}, binding.spheres.size(), binding.spheres, binding.workers);
+  return engine;
 }
 
 }  // namespace morula

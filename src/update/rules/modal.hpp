@@ -4,12 +4,10 @@
 #pragma once
 
 #include <algorithm>
-#include <morula/parallel/workers.hpp>
-#include <morula/tree/cover.hpp>
-#include <morula/update/rules.hpp>
 #include <span>
 #include <vector>
 
+#include "update/rules/engine.hpp"
 #include "update/rules/mode_rows.hpp"
 
 namespace morula {
@@ -27,8 +25,8 @@ struct ModalPose {
 class ModalMotion {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  ModalMotion(const Mesh& mesh, const Built& built, const Modes& modes, std::span<const std::uint32_t> used_vertices,
-              const Vec3& rest_origin, double size);
+  ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   std::size_t mode_count() const { return reach_.size(); }
   /// Whether the coordinates are finite and move nothing farther than spheres in single precision can follow. If not,
@@ -51,22 +49,27 @@ class ModalMotion {
   double weight_slack_ = 0;
 };
 
-class ModalRule {
+class ModalRule final : public RuleEngine {
  public:
   /// Binds every node on a level with this rule: reads the rows of its owned corners, for each such level again.
-  ModalRule(const Mesh& mesh, const Built& built, std::span<const Rule> rule_of_level, const UpdateOptions& options,
-            ModalMotion& motion, Workers& workers);
+  explicit ModalRule(const Binding& binding);
+  std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<ModalRule>(*this); }
 
-  bool serves(std::uint32_t node) const { return slot_[node] != no_node; }
-  /// The sphere of a node that the rule serves, about the pose's origin.
-  Spheref sphere(std::uint32_t node, const ModalPose& pose) const noexcept { return sphere_of(slot_[node], pose); }
-  /// Writes the spheres of all its nodes.
-  void update(const ModalPose& pose, std::span<Spheref> spheres, Workers& workers) const noexcept;
+  void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
+              Workers& workers) noexcept override;
+  bool is_lazy() const override { return true; }
+  void update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept override {
+    spheres[node] = sphere_of(slot_[node], *frame.modes);
+  }
+  std::optional<Spheref> sphere_alone(std::uint32_t node, const RuleFrame& frame) const noexcept override {
+    if (slot_[node] == no_node) return std::nullopt;
+    return sphere_of(slot_[node], *frame.modes);
+  }
 
  private:
   struct Node {
-    std::uint32_t node;
-    Sphere rest{};  // the tree's centre, and the radius that contains the owned corners
+    std::uint32_t node;  // ascending
+    Sphere rest{};       // the tree's centre, and the radius that contains the owned corners
   };
   void bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
             std::span<const std::uint32_t> corners);

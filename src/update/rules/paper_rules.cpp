@@ -3,10 +3,12 @@
 #include "update/rules/paper_rules.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "update/points/kernels.hpp"
+#include "update/rules/engine_table.hpp"
 #include "update/rules/link.hpp"
 
 namespace morula {
@@ -28,7 +30,9 @@ constexpr float least_divisor = 1e-9f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 bool is_paper_rule(Rule rule) {
-  return rule != Rule::exact && rule != Rule::modal;
+  const auto row = std::find_if(engine_table.begin(), engine_table.end(),
+                                [&](const EngineRow& candidate) { return candidate.rule == rule; });
+  return row->bind == bind_paper_rules;
 }
 
 // Not a number becomes the bound as well.
@@ -82,11 +86,10 @@ std::vector<double> link_weights(const Mesh& mesh, const Sphere& ball, const std
 
 }  // namespace
 
-PaperRules::PaperRules(const Binding& binding, const RuleOptions& options, std::span<Spheref> spheres,
-                       BindReport& report)
-    : boxes_of_centers_(options.approach2_inner_boxes == RuleOptions::InnerBoxes::child_centers),
-      distance_floor_(options.distance_floor) {
-  const SphereTree& tree = binding.tree;
+PaperRules::PaperRules(const Binding& binding)
+    : boxes_of_centers_(binding.options.details.approach2_inner_boxes == RuleOptions::InnerBoxes::child_centers),
+      distance_floor_(binding.options.details.distance_floor) {
+  const SphereTree& tree = binding.built.tree;
   level_begin_.push_back(0);
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
@@ -94,30 +97,32 @@ PaperRules::PaperRules(const Binding& binding, const RuleOptions& options, std::
       Node n{.node = node, .rule = binding.rule_of_node[node]};
       n.first_child = tree.first_child[node];
       n.child_count = tree.child_count[node];
-      n.rest = binding.rest_spheres[node];
+      n.rest = binding.tree_spheres[node];
       nodes_.push_back(n);
       only_wraps_ = only_wraps_ && n.rule == Rule::wrapped;
     }
     level_begin_.push_back(static_cast<std::uint32_t>(nodes_.size()));
   }
-  bind_links(binding, options, report);
+  bind_links(binding);
 
   // What a parent divides by are its children's spheres at rest, whatever rule makes them: ratios at rest are then
   // exactly 1 in every mixture. So rest spheres are settled from the leaves up.
-  rest_spheres_.assign(spheres.begin(), spheres.end());
+  rest_spheres_.assign(binding.spheres.begin(), binding.spheres.end());
   for (auto n = nodes_.rbegin(); n != nodes_.rend(); ++n) {
     n->rest_sum = weighted_sum(*n, binding.local.points());
     if (n->rule == Rule::approach1 || n->rule == Rule::approach2) continue;
-    rest_spheres_[n->node] = n->rule == Rule::wrapped ? wrapped(*n, binding.rest_rounding, rest_spheres_)
-                                                      : traditional(*n, binding.local.points(), binding.rest_rounding);
+    rest_spheres_[n->node] = n->rule == Rule::wrapped ? wrapped(*n, binding.rest.rounding, rest_spheres_)
+                                                      : traditional(*n, binding.local.points(), binding.rest.rounding);
   }
   for (Node& n : nodes_) bind_rest(binding, n);
-  std::copy(rest_spheres_.begin(), rest_spheres_.end(), spheres.begin());
+  std::copy(rest_spheres_.begin(), rest_spheres_.end(), binding.spheres.begin());
 }
 
-void PaperRules::bind_links(const Binding& binding, const RuleOptions& options, BindReport& report) {
+void PaperRules::bind_links(const Binding& binding) {
   const Mesh& mesh = binding.mesh;
-  const SphereTree& tree = binding.tree;
+  const SphereTree& tree = binding.built.tree;
+  const RuleOptions& options = binding.options.details;
+  BindReport& report = binding.report;
   const auto is_traditional = [](const Node& n) { return n.rule == Rule::traditional || n.rule == Rule::weighted; };
   std::vector<Links> found(nodes_.size());
   parallel_for(binding.workers, nodes_.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -189,16 +194,30 @@ void PaperRules::add_ratio(Node& n, float rest_distance) {
   raises_.push_back(raise);
 }
 
-void PaperRules::update_level(std::size_t level, std::span<const LocalPoint> points, const Rounding& rounding,
-                              std::span<Spheref> spheres, Workers& workers) const noexcept {
+void PaperRules::update_level(std::size_t level, const RuleFrame& frame, std::span<Spheref> spheres,
+                              Workers& workers) noexcept {
+  const std::span<const LocalPoint> points = frame.points;
   const std::size_t first = level_begin_[level];
   parallel_for(workers, level_begin_[level + 1] - first, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = first + begin; k < first + end; ++k) {
       const Node& n = nodes_[k];
-      spheres[n.node] = n.rule == Rule::approach1   ? approach1(n, points, spheres)
-                        : n.rule == Rule::approach2 ? approach2(n, points, spheres)
-                        : n.rule == Rule::wrapped   ? wrapped(n, rounding, spheres)
-                                                    : traditional(n, points, rounding);
+      switch (n.rule) {
+        case Rule::traditional:
+        case Rule::weighted:
+          spheres[n.node] = traditional(n, points, frame.rounding);
+          break;
+        case Rule::approach1:
+          spheres[n.node] = approach1(n, points, spheres);
+          break;
+        case Rule::approach2:
+          spheres[n.node] = approach2(n, points, spheres);
+          break;
+        case Rule::wrapped:
+          spheres[n.node] = wrapped(n, frame.rounding, spheres);
+          break;
+        default:
+          assert(!"a rule of another engine");
+      }
     }
   });
 }
@@ -299,6 +318,10 @@ PaperRules::Boxf PaperRules::box_of(const Node& n, std::span<const LocalPoint> p
     box.upper = max(box.upper, spheres[c].center + half);
   }
   return box;
+}
+
+std::unique_ptr<RuleEngine> bind_paper_rules(const Binding& binding) {
+  return std::make_unique<PaperRules>(binding);
 }
 
 }  // namespace morula

@@ -1,31 +1,31 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The rules of the paper and of those before it: traditional, weighted, approach 1, approach 2 [garcia2005, sec. 3].
+// The rules of the paper and of those before it: traditional, weighted, approach 1, approach 2 [garcia2005, sec. 3],
+// and wrapped, which reads children like them.
 #pragma once
 
-#include <morula/update/body.hpp>
 #include <span>
 #include <vector>
 
-#include "update/rules/exact.hpp"
+#include "update/rules/engine.hpp"
 
 namespace morula {
 
-class PaperRules {
+class PaperRules final : public RuleEngine {
  public:
-  /// spheres: about the rest origin; where a node follows a rule of this class the tree's sphere, else what its rule
-  /// makes of the rest positions. Spheres of traditional and weighted nodes are replaced by what they are at rest.
-  /// Counts void and unlinked spheres in the report.
-  PaperRules(const Binding& binding, const RuleOptions& options, std::span<Spheref> spheres, BindReport& report);
+  /// The nodes of other engines must have their spheres at rest. Spheres of traditional, weighted and wrapped nodes are
+  /// replaced by what they are at rest. Counts void and unlinked spheres in the report.
+  explicit PaperRules(const Binding& binding);
+  std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<PaperRules>(*this); }
 
-  /// Writes the spheres of one level, those of this class's rules. Deeper levels must have been written: approaches 1
-  /// and 2 read the children, whatever rule made them.
-  void update_level(std::size_t level, std::span<const LocalPoint> points, const Rounding& rounding,
-                    std::span<Spheref> spheres, Workers& workers) const noexcept;
+  /// All in update_level: approaches 1 and 2 read the children, whatever rule made them.
+  void update(const RuleFrame&, std::size_t, std::span<Spheref>, Workers&) noexcept override {}
+  void update_level(std::size_t level, const RuleFrame& frame, std::span<Spheref> spheres,
+                    Workers& workers) noexcept override;
 
-  std::size_t tested_points() const { return tested_points_; }
-  /// No node of any other rule.
-  bool only_wraps() const { return only_wraps_; }
+  std::size_t tested_points() const override { return tested_points_; }
+  /// Wrapping is done anew, whatever has changed; it looks at no points.
+  bool follows_changes() const override { return only_wraps_; }
 
  private:
   struct Node {
@@ -46,7 +46,7 @@ class PaperRules {
     Vec3f lower, upper;
     Vec3f center() const { return (lower + upper) * 0.5f; }
   };
-  void bind_links(const Binding& binding, const RuleOptions& options, BindReport& report);
+  void bind_links(const Binding& binding);
   void bind_rest(const Binding& binding, Node& n);
   void add_ratio(Node& n, float rest_distance);
 

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Skins on disk, and the transforms of their bones frame by frame: NumPy arrays or glTF.
+#pragma once
+
+#include <morula/io/motion_file.hpp>
+#include <morula/update/skin.hpp>
+#include <span>
+#include <vector>
+
+namespace morula {
+
+/// path: a .npy of float32 or float64 in C order, shape (vertices, bones), whose rows add up to 1 within 1e-3 and are
+/// then divided by their sum; or a .gltf or .glb with the mesh's vertices, of which nodes that are drawn without a skin
+/// count as bones of their own. Throws FileError that names the file and what does not fit.
+Skin read_skin(const std::filesystem::path& path, const Mesh& mesh);
+
+/// Transforms of a motion, one per frame and bone.
+struct BoneFrames {
+  std::size_t bone_count = 0;
+  std::vector<AffineTransform> transforms;  ///< frame after frame
+
+  std::size_t frame_count() const { return bone_count == 0 ? 0 : transforms.size() / bone_count; }
+  std::span<const AffineTransform> frame(std::size_t i) const {
+    return std::span(transforms).subspan(i * bone_count, bone_count);
+  }
+};
+
+/// path: a .npy, shape (frames, bones, 3, 4), one matrix [A | t] a frame and bone, x ↦ A x + t, relative to rest; or
+/// the .gltf or .glb of the skin, whose animation is sampled by the options and must move no morph targets. Throws
+/// FileError like read_skin.
+BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count,
+                            const MotionOptions& options = {});
+
+}  // namespace morula

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Skins and bones out of a glTF file.
+#pragma once
+
+#include <morula/io/motion_file.hpp>
+#include <morula/update/skin.hpp>
+#include <vector>
+
+namespace morula {
+
+/// Of all vertices of read_mesh. Throws FileError.
+Skin gltf_skin(const std::filesystem::path& path);
+/// Of its bones, per frame. Throws FileError, also where morph targets move.
+std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem::path& path,
+                                                          const MotionOptions& options);
+
+}  // namespace morula

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What stands in for the glTF reader where the build has none.
+#include "io/gltf/skin.hpp"
+#include "io/mesh/formats.hpp"
+
+namespace morula {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path) {
+  throw FileError(path.string() +
+                  ": this build reads no glTF; install tinygltf (on Debian libtinygltf-dev), configure with "
+                  "-D MORULA_GLTF=ON and build again");
+}
+
+}  // namespace
+
+Mesh read_gltf(const std::filesystem::path& path, std::string_view) {
+  fail(path);
+}
+
+std::shared_ptr<const FrameSource> open_gltf_frames(const std::filesystem::path& path, const MotionOptions&) {
+  fail(path);
+}
+
+Skin gltf_skin(const std::filesystem::path& path) {
+  fail(path);
+}
+
+std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem::path& path, const MotionOptions&) {
+  fail(path);
+}
+
+}  // namespace morula

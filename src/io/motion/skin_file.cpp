@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <morula/io/skin_file.hpp>
+
+#include "io/array/npy.hpp"
+#include "io/gltf/skin.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/motion/array_motion.hpp"
+#include "io/whole_file.hpp"
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_gltf(const fs::path& path) {
+  const MeshFormat* const format = mesh_format(lower_extension(path));
+  return format != nullptr && format->read == read_gltf;
+}
+
+}  // namespace
+
+Skin read_skin(const fs::path& path, const Mesh& mesh) {
+  const StandardFloats standard;
+  if (!is_gltf(path)) return skin_of(path, mesh);
+  Skin skin = gltf_skin(path);
+  if (skin.vertex_count() != mesh.vertex_count())
+    throw FileError(path.string() + ": has " + std::to_string(skin.vertex_count()) + " vertices, but the mesh has " +
+                    std::to_string(mesh.vertex_count()));
+  return skin;
+}
+
+BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const MotionOptions& options) {
+  const StandardFloats standard;
+  if (!is_gltf(path)) return bone_frames_of(path, bone_count);
+  BoneFrames result{bone_count, {}};
+  for (const std::vector<AffineTransform>& frame : gltf_transforms(path, options)) {
+    if (frame.size() != bone_count)
+      throw FileError(path.string() + ": has " + std::to_string(frame.size()) + " bones, but the skin has " +
+                      std::to_string(bone_count));
+    result.transforms.insert(result.transforms.end(), frame.begin(), frame.end());
+  }
+  for (std::size_t i = 0; i < result.transforms.size(); ++i)
+    if (!is_finite(result.transforms[i]))
+      throw FileError(path.string() + ": frame " + std::to_string(i / bone_count) + ": the transform of bone " +
+                      std::to_string(i % bone_count) + " is not finite");
+  return result;
+}
+
+Skin skin_of(const ByteSource& source, const Mesh& mesh) {
+  const NpyArray array = read_npy_header(source, {2, 0, "(vertices, bones)"});
+  const std::string name = source.name().string();
+  const std::uint64_t bone_count = array.shape[1];
+  if (array.shape[0] != mesh.vertex_count() || bone_count == 0 || bone_count > 0xffffff)
+    throw FileError(name + ": the array's shape is " + array.shape_text + ", but (" +
+                    std::to_string(mesh.vertex_count()) +
+                    ", bones) for the vertices of the mesh, one bone or more, is needed");
+  Skin skin{.bone_count = static_cast<std::size_t>(bone_count), .begin = {0}};
+  const std::vector<double> values = read_npy_values(source, array, 0, mesh.vertex_count() * skin.bone_count);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const std::span<const double> row = std::span(values).subspan(v * skin.bone_count, skin.bone_count);
+    double sum = 0;
+    for (const double weight : row) sum += weight;
+    constexpr double tolerance = 1e-3;
+    if (!(std::abs(sum - 1) <= tolerance))
+      throw FileError(name + ": the weights of vertex " + std::to_string(v) + " add up to " + std::to_string(sum) +
+                      ", not to 1; repair them where the array was made");
+    for (std::uint32_t bone = 0; bone < skin.bone_count; ++bone) {
+      if (row[bone] == 0) continue;
+      skin.bones.push_back(bone);
+      skin.weights.push_back(row[bone] / sum);
+    }
+    if (skin.bones.size() >= 0xffffffff)
+      throw FileError(name + ": has more weights than 32-bit indices can tell apart");
+    skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
+  }
+  return skin;
+}
+
+BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count) {
+  const NpyArray array = read_npy_header(source, {4, 4, "(frames, bones, 3, 4)"});
+  const std::string name = source.name().string();
+  if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)
+    throw FileError(name + ": the array's shape is " + array.shape_text + ", but (frames, " +
+                    std::to_string(bone_count) + ", 3, 4) for the bones of the skin, one frame or more, is needed");
+  BoneFrames result{bone_count, {}};
+  const std::vector<double> values = read_npy_values(source, array, 0, array.shape[0] * bone_count * 12);
+  for (std::size_t i = 0; i < array.shape[0] * bone_count; ++i) {
+    const std::span<const double> m = std::span(values).subspan(12 * i, 12);
+    AffineTransform t;
+    for (std::size_t k = 0; k < 3; ++k) t.columns[k] = {m[k], m[4 + k], m[8 + k]};
+    t.translation = {m[3], m[7], m[11]};
+    if (!is_finite(t))
+      throw FileError(name + ": frame " + std::to_string(i / bone_count) + ": the transform of bone " +
+                      std::to_string(i % bone_count) + " is not finite; repair it where the array was made");
+    result.transforms.push_back(t);
+  }
+  return result;
+}
+
+}  // namespace morula

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a body with a skin can be moved by, and where its origin goes.
+#pragma once
+
+#include <morula/geometry/mesh.hpp>
+#include <morula/tree/cover.hpp>
+#include <morula/update/skin.hpp>
+#include <span>
+
+namespace morula {
+
+/// Throws std::invalid_argument unless the skin has the mesh's vertices, its influences name its bones, and the weights
+/// of every vertex that facets use are finite and add up to 1 within 1e-6.
+void require_skin(const Skin& skin, const Mesh& mesh);
+
+/// (T - 1) p: how far a transform displaces a point. Exactly zero where T is the identity.
+inline Vec3 displacement(const AffineTransform& t, const Vec3& p) {
+  return (t.columns[0] - Vec3{1, 0, 0}) * p.x + (t.columns[1] - Vec3{0, 1, 0}) * p.y +
+         (t.columns[2] - Vec3{0, 0, 1}) * p.z + t.translation;
+}
+
+/// Where vertex i is: the very routine of all who move it.
+inline Vec3 skinned_vertex(const Skin& skin, std::size_t i, const Vec3& rest,
+                           std::span<const AffineTransform> transforms) {
+  Vec3 moved = rest;
+  for (std::uint32_t k = skin.begin[i]; k < skin.begin[i + 1]; ++k)
+    moved += skin.weights[k] * displacement(transforms[skin.bones[k]], rest);
+  return moved;
+}
+
+/// What is common to all nodes at some transforms.
+struct BonePose {
+  std::span<const AffineTransform> transforms;
+  Vec3 origin;  ///< of the spheres, as LocalPoints has it for the moved positions, bit for bit
+};
+
+class SkinMotion {
+ public:
+  /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
+  SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
+             const Vec3& rest_origin, double size);
+
+  /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,
+  /// first_bad is the lowest bone that is not finite or, when all are, the lowest that moves too far.
+  bool accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept;
+  /// transforms must be accepted; they are not copied.
+  BonePose pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept;
+
+ private:
+  std::uint32_t guide_;
+  Vec3 guide_rest_, rest_origin_;
+  double size_;
+  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centres
+  double largest_weights_ = 1;  // largest sum of |weights| of a vertex
+};
+
+}  // namespace morula
