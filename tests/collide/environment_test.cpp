@@ -106,8 +106,7 @@ Record everything(const Inputs& in, Workers& workers) {
 
   const Built limb = build(in.limb, {.method = Method::octree, .depth = 2}, workers);
   const Built blob = build(in.blob, {.method = Method::octree, .depth = 2}, workers);
-  for (const Rule rule : all_rules()) {
-    if (rule == Rule::modal) continue;
+  for (const Rule rule : position_rules()) {
     Body body(in.limb, limb, {.rules = {rule}, .details = {}}, workers);
     record.add("bound body, " + std::string(name(rule)), body.hash());
     record.add("update", static_cast<std::uint64_t>(static_cast<bool>(body.update(in.bent, workers))));
