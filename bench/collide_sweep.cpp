@@ -19,7 +19,7 @@ struct Small {
       : mesh(sample_body(name, resolution)),
         built(build(mesh, {.method = Method::octree, .branching = branching, .depth = depth})) {}
   Mesh mesh;
-  Built built;
+  CoveredTree built;
 };
 
 // A body on its way through frames.

@@ -32,7 +32,7 @@ namespace {
 // A body that sways, turns and swells, each in its own rhythm.
 class Swaying {
  public:
-  Swaying(const Mesh& mesh, std::shared_ptr<const Built> built, std::size_t number)
+  Swaying(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, std::size_t number)
       : mesh_(&mesh),
         body_(mesh, std::move(built)),
         collider_(mesh, body_),
@@ -101,7 +101,7 @@ struct Stage {
 };
 
 double built_by(const Mesh& mesh, const BuildOptions& options, Result& result) {
-  Built built;
+  CoveredTree built;
   const double seconds = processor_seconds_of([&] { built = build(mesh, options); });
   result.expect(certify(built.cover, mesh.positions, built.tree.spheres).covered, "surface outside the spheres");
   result.expect(built.tree.leaf_count() > 64, "hardly divided");
@@ -124,12 +124,12 @@ std::vector<Stage> stages() {
        [](const Mesh& mesh, Result& result) { return built_by(mesh, {.quality = Quality::fast}, result); }},
       {"validate",
        [=](const Mesh& mesh, Result& result) {
-         const Built built = build(mesh, octree);
+         const CoveredTree built = build(mesh, octree);
          return processor_seconds_of([&] { result.expect(validate(mesh, built).empty(), "faults"); });
        }},
       {"body",
        [=](const Mesh& mesh, Result& result) {
-         Built built = build(mesh, octree);
+         CoveredTree built = build(mesh, octree);
          std::optional<Body> body;
          const double seconds = processor_seconds_of([&] { body.emplace(mesh, std::move(built)); });
          result.expect(body->spheres().size() > 64, "hardly divided");
@@ -149,7 +149,7 @@ std::vector<Stage> stages() {
        }},
       {"measure",
        [=](const Mesh& mesh, Result& result) {
-         const Built built = build(mesh, octree);
+         const CoveredTree built = build(mesh, octree);
          std::vector<LevelMeasure> levels;
          const double seconds = processor_seconds_of([&] { levels = measure(mesh, built.tree); });
          for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is bare");
@@ -198,7 +198,7 @@ std::optional<std::pair<Outcome, double>> in_a_process(const Mesh& mesh, const S
 
 std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const Settings& settings) {
   const Mesh mesh = sample_body("limb", 7);
-  const auto built = std::make_shared<const Built>(build(mesh, {.method = Method::octree, .depth = 2}));
+  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 2}));
   std::vector<std::unique_ptr<Swaying>> bodies;
   for (std::size_t i = 0; i < body_count; ++i) bodies.push_back(std::make_unique<Swaying>(mesh, built, i));
   // Neighbours in rows touch now and then: fronts come, shrink and go.

@@ -28,7 +28,7 @@ constexpr std::array<NamedScenario, 11> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
-    {"refit", run_refit},
+    {"rebuild", run_rebuild},
     {"measure", run_measure},
     {"query", run_query},
     {"collide", run_collide},
@@ -55,7 +55,7 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option(
          "--scenario", wanted,
-         "build, update, modal, refit, measure, query, volumes, collide, crossings, distance, peers; may be repeated "
+         "build, update, modal, rebuild, measure, query, volumes, collide, crossings, distance, peers; may be repeated "
          "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,

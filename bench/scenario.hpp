@@ -69,7 +69,7 @@ std::vector<Result> run_load(std::size_t bodies, std::size_t frames, const Setti
 std::vector<Result> run_growth(std::size_t most_facets, const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_modal(const Input& input, const Settings& settings);
-std::vector<Result> run_refit(const Input& input, const Settings& settings);
+std::vector<Result> run_rebuild(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
 std::vector<Result> run_collide(const Input& input, const Settings& settings);

@@ -59,7 +59,7 @@ class SphereVolumes final : public Volumes {
   }
 
  public:
-  SphereVolumes(const Mesh& mesh, const Built& built, Rule rule)
+  SphereVolumes(const Mesh& mesh, const CoveredTree& built, Rule rule)
       : tree_(built.tree), body_(mesh, built, {.rules = {rule}}) {}
 
   UpdateStatus update(const PositionView& positions, Workers& workers) override {
@@ -105,7 +105,7 @@ class KDopVolumes final : public Volumes {
   }
 
  public:
-  KDopVolumes(const Mesh& mesh, const Built& built, int k)
+  KDopVolumes(const Mesh& mesh, const CoveredTree& built, int k)
       : tree_(built.tree), cover_(built.cover), dops_(mesh, built, k) {}
 
   UpdateStatus update(const PositionView& positions, Workers& workers) override {
@@ -143,11 +143,11 @@ class KDopVolumes final : public Volumes {
 };
 
 template <Rule rule>
-std::unique_ptr<Volumes> spheres(const Mesh& mesh, const Built& built) {
+std::unique_ptr<Volumes> spheres(const Mesh& mesh, const CoveredTree& built) {
   return std::make_unique<SphereVolumes>(mesh, built, rule);
 }
 template <int k>
-std::unique_ptr<Volumes> kdops(const Mesh& mesh, const Built& built) {
+std::unique_ptr<Volumes> kdops(const Mesh& mesh, const CoveredTree& built) {
   return std::make_unique<KDopVolumes>(mesh, built, k);
 }
 

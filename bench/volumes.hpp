@@ -41,7 +41,7 @@ class Volumes {
 
 struct VolumeKind {
   std::string name;
-  std::unique_ptr<Volumes> (*make)(const Mesh&, const Built&);  ///< keeps a reference to Built
+  std::unique_ptr<Volumes> (*make)(const Mesh&, const CoveredTree&);  ///< keeps a reference to CoveredTree
 };
 /// Spheres by `exact` and by approach 2, boxes, 14-, 18- and 26-DOPs.
 const std::vector<VolumeKind>& volume_kinds();

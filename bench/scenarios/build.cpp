@@ -32,7 +32,7 @@ std::vector<LevelLooseness> looseness_of(const Input& input, const SphereTree& t
   return levels;
 }
 
-void verify(const Input& input, const Built& built, Workers& workers, Result& result) {
+void verify(const Input& input, const CoveredTree& built, Workers& workers, Result& result) {
   for (const std::string& fault : validate(input.mesh, built)) result.faults.push_back(fault);
   const Certificate certificate = certify(built.cover, input.mesh.positions, built.tree.spheres, workers);
   result.expect(certificate.covered, "surface outside the spheres");
@@ -62,7 +62,7 @@ void add_spread(const Input& input, BuildOptions options, const std::vector<Leve
   for (const LevelLooseness& l : first) values.push_back({l.value});
   for (std::uint64_t k = 1; k < settings.seeds; ++k) {
     ++options.seed;
-    const Built built = build(input.mesh, options, *settings.workers);
+    const CoveredTree built = build(input.mesh, options, *settings.workers);
     for (const auto& [level, value] : looseness_of(input, built.tree, *settings.workers))
       if (level <= values.size()) values[level - 1].push_back(value);
   }
@@ -80,7 +80,7 @@ std::vector<Result> run_build(const Input& input, const Settings& settings) {
     Result result{.scenario = "build", .item = std::string(name(method)), .mesh = input.name};
     const BuildOptions options{.method = method, .branching = 8, .depth = 3};
 
-    Built built;
+    CoveredTree built;
     double user = std::numeric_limits<double>::infinity();
     result.seconds = timed(settings, [&] {
       const double before = user_seconds();
@@ -124,7 +124,7 @@ std::vector<Result> run_build_scaling(const Settings& settings) {
                     .item = fmt::format("{} of {}", name(method), input.mesh.facet_count()),
                     .mesh = input.name};
       const PeakMemory memory;
-      Built built;
+      CoveredTree built;
       result.seconds = {seconds_of([&] { built = build(input.mesh, {.method = method}, *settings.workers); })};
       const std::optional<std::size_t> bytes = memory.bytes();
       result.expect(certify(built.cover, input.mesh.positions, built.tree.spheres, *settings.workers).covered,

@@ -233,7 +233,7 @@ Result carried(std::string item, const Input& input, Body& body, Collider& a, co
 
 std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   std::vector<Result> results;
-  const Built built = build(input.mesh, tree_options(settings), *settings.workers);
+  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
   Body body_a(input.mesh, built), body_b(input.mesh, built);
   Collider a(input.mesh, body_a), b(input.mesh, body_b);
   const Box box = bounding_box(input.mesh);

@@ -18,7 +18,7 @@ namespace {
 
 struct Bending {
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   Collider collider;
   std::vector<Frame> frames;
@@ -27,9 +27,9 @@ struct Bending {
       : Bending(unordered, build(unordered, tree_options(settings), *settings.workers), settings) {}
 
  private:
-  Bending(const Mesh& unordered, const Built& as_built, const Settings& settings)
+  Bending(const Mesh& unordered, const CoveredTree& as_built, const Settings& settings)
       : Bending(renumbered(unordered, leaf_order(as_built)), as_built, leaf_order(as_built), settings) {}
-  Bending(Mesh ordered, const Built& as_built, const std::vector<std::uint32_t>& order, const Settings& settings)
+  Bending(Mesh ordered, const CoveredTree& as_built, const std::vector<std::uint32_t>& order, const Settings& settings)
       : mesh(std::move(ordered)),
         built(renumbered(as_built, mesh, order)),
         body(mesh, built, {}, *settings.workers),

@@ -287,7 +287,7 @@ class Scene {
 
   const Input& input_;
   const Settings& settings_;
-  Built built_;
+  CoveredTree built_;
   Body bent_, rest_;
   Frame positions_;
   Collider a_, b_;

@@ -50,7 +50,7 @@ double leaf_looseness(const Mesh& mesh, const Body& body, Workers& workers) {
       .looseness.value_or(std::nan(""));
 }
 
-Result modal_by(const std::string& item, const UpdateOptions& options, const Input& input, const Built& built,
+Result modal_by(const std::string& item, const UpdateOptions& options, const Input& input, const CoveredTree& built,
                 const Settings& settings) {
   Result result{.scenario = "modal", .item = item, .mesh = input.name};
   Body body(input.mesh, built, options, *settings.workers);
@@ -94,7 +94,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
 }  // namespace
 
 std::vector<Result> run_modal(const Input& input, const Settings& settings) {
-  const Built built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const CoveredTree built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
   std::vector<Result> results;
   for (const std::size_t modes : {std::size_t{1}, std::size_t{5}, most_modes}) {
     UpdateOptions options{.rules = {Rule::modal}, .modes = bending_and_twist(input.mesh, modes)};

@@ -41,8 +41,8 @@ Result floor_of_update(const Input& input, const std::vector<Frame>& frames, con
   return result;
 }
 
-Result update_by(Rule rule, const Input& input, const Built& built, const std::vector<Frame>& frames, double floor,
-                 const Settings& settings) {
+Result update_by(Rule rule, const Input& input, const CoveredTree& built, const std::vector<Frame>& frames,
+                 double floor, const Settings& settings) {
   Result result{.scenario = "update", .item = std::string(name(rule)), .mesh = input.name};
   Body body(input.mesh, built, {.rules = {rule}}, *settings.workers);
 
@@ -81,11 +81,11 @@ Result update_by(Rule rule, const Input& input, const Built& built, const std::v
 }
 
 /// Bodies of one model, each in another frame of the motion: a body is a chunk, so workers share bodies, not vertices.
-Result twenty_bodies(const Input& input, const Built& built, const std::vector<Frame>& frames,
+Result twenty_bodies(const Input& input, const CoveredTree& built, const std::vector<Frame>& frames,
                      const Settings& settings) {
   constexpr std::size_t count = 20;
   Result result{.scenario = "update", .item = "20 bodies, exact", .mesh = input.name};
-  const auto shared = std::make_shared<const Built>(built);
+  const auto shared = std::make_shared<const CoveredTree>(built);
   const Body first(input.mesh, shared);
   const auto before = allocated_bytes();
   std::vector<Body> bodies(count, first);
@@ -130,7 +130,7 @@ Result twenty_bodies(const Input& input, const Built& built, const std::vector<F
 }  // namespace
 
 std::vector<Result> run_update(const Input& input, const Settings& settings) {
-  const Built built = build(input.mesh, tree_options(settings), *settings.workers);
+  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   std::vector<Result> results{floor_of_update(input, frames, settings)};
   const double floor = results.front().figures.front().value;

@@ -37,7 +37,7 @@ struct Poses {
   std::vector<Frame> touching;  ///< moved apart until few leaves are near one another
 };
 
-Poses make_poses(const Frame& frame, const Input& input, const Built& built) {
+Poses make_poses(const Frame& frame, const Input& input, const CoveredTree& built) {
   constexpr std::array<Vec3, 3> turns{Vec3{1, 2, 3}, Vec3{-2, 1, 0.5}, Vec3{0.3, -1, 2}};
   Box box;
   for (const Vec3f& p : frame) box.add(Vec3(p));
@@ -76,7 +76,8 @@ struct Contender {
   Result result;
 };
 
-Contender contender(const VolumeKind& kind, const Input& input, const Built& built, const std::vector<Frame>& frames) {
+Contender contender(const VolumeKind& kind, const Input& input, const CoveredTree& built,
+                    const std::vector<Frame>& frames) {
   Contender c{.kind = &kind,
               .volumes = kind.make(input.mesh, built),
               .result = {.scenario = "volumes", .item = kind.name, .mesh = input.name}};
@@ -159,10 +160,10 @@ void count_pairs(Contender& c, const Volumes& here, Volumes& there, const std::v
 }  // namespace
 
 std::vector<Result> run_volumes(const Input& unordered, const Settings& settings) {
-  const Built as_built = build(unordered.mesh, tree_options(settings), *settings.workers);
+  const CoveredTree as_built = build(unordered.mesh, tree_options(settings), *settings.workers);
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Input input{unordered.name, renumbered(unordered.mesh, order)};
-  const Built built = renumbered(as_built, input.mesh, order);
+  const CoveredTree built = renumbered(as_built, input.mesh, order);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const Frame& bent = frames[frames.size() / 2];
   std::vector<Contender> contenders;

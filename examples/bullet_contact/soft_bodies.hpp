@@ -52,11 +52,11 @@ struct World {
 // What all runs share.
 struct Model {
   morula::Mesh mesh;
-  std::shared_ptr<const morula::Built> built;
+  std::shared_ptr<const morula::CoveredTree> built;
 
   Model(const char* name, int resolution, double z) : mesh(morula::sample_body(name, resolution)) {
     for (Vec3& p : mesh.positions) p.z += z;
-    built = std::make_shared<const morula::Built>(morula::build(mesh, {.method = morula::Method::grid}));
+    built = std::make_shared<const morula::CoveredTree>(morula::build(mesh, {.method = morula::Method::grid}));
   }
 };
 

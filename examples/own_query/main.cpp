@@ -55,7 +55,7 @@ std::size_t count_slowly(const Collider& a, const Collider& b, double d, const F
 
 int main() {
   const Mesh limb = sample_body("limb", 12), torus = sample_body("torus", 12);
-  const Built built_limb = build(limb, {.depth = 2}), built_torus = build(torus, {.depth = 2});
+  const CoveredTree built_limb = build(limb, {.depth = 2}), built_torus = build(torus, {.depth = 2});
   const Body body_limb(limb, built_limb), body_torus(torus, built_torus);
   const Collider a(limb, body_limb);
   Collider b(torus, body_torus);

@@ -40,5 +40,5 @@
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/update/looseness_estimate.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <morula/version.hpp>

@@ -16,7 +16,7 @@ namespace {
 struct Entry {
   Method method;
   std::string_view name;
-  Built (*build)(const Mesh&, const BuildRun&, Workers&);
+  CoveredTree (*build)(const Mesh&, const BuildRun&, Workers&);
 };
 constexpr std::array<Entry, 7> entries{{
     {Method::octree, "octree", build_octree},
@@ -146,7 +146,7 @@ std::span<const Quality> all_qualities() {
   return quality_names.values;
 }
 
-Built build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   const StandardFloats standard;
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)

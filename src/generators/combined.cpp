@@ -35,8 +35,8 @@ constexpr ReduceSettings thorough{
     .all_on_root = true,
     .balance = {2.5F, 2.0F}};
 
-Built build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
-                    const ReduceSettings& settings) {
+CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
+                          const ReduceSettings& settings) {
   const SignedDistance shape(mesh, workers);
   const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
   const FitInput input = fit_input(mesh, shape, lines);
@@ -96,19 +96,19 @@ Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& 
   };
 }
 
-Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::grid}, quick);
 }
-Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::hubbard}, quick);
 }
-Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::spawn}, quick);
 }
-Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}), thorough);
 }
-Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers,
                        chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}),
                        thorough);

@@ -221,7 +221,7 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const SignedDistance& shape, st
 
 }  // namespace
 
-Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
+CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
   const std::vector<Sphere> none;
   BuildRun deep = run;
   deep.spheres = 0;
@@ -229,7 +229,7 @@ Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
   return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
 }
 
-Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const SignedDistance shape(mesh, workers);
   const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
   const FitInput input = fit_input(mesh, shape, lines);
@@ -246,7 +246,7 @@ Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
     return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
-  Built first = fast_tree(input, run.pass(0, first_share), workers);
+  CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);

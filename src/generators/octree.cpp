@@ -124,7 +124,7 @@ class OctreeDivider {
 
 }  // namespace
 
-Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const Box& box = run.box();
   const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};

@@ -13,10 +13,10 @@ std::string message(const Status& status) {
     case Code::ok:
       return {};
     case Code::wrong_vertex_count:
-      return "the positions are not one per vertex of the mesh";
+      return "its vertex count is not the mesh's";
     case Code::non_finite_position:
       return "vertex " + index +
-             " is not finite or too far away: coordinates about the centre stay below 1e17, others below 1e30";
+             " is not finite, or too far away for single precision: coordinates about the centre stay below 1e17";
     case Code::bad_range:
       return "a range of changed vertices ends before it begins, or behind the last vertex";
     case Code::needs_coordinates:
@@ -26,7 +26,15 @@ std::string message(const Status& status) {
     case Code::wrong_coordinate_count:
       return "the coordinates are not one per mode";
     case Code::bad_coordinate:
-      return "coordinate " + index + " is not finite, or moves the body out of range";
+      return "coordinate " + index + " is not finite, or moves the body too far for single precision";
+    case Code::needs_transforms:
+      return "the body has levels of the rule skinned, which follow the transforms of bones: call update_skinned";
+    case Code::no_skin:
+      return "the body has no skin: give it in UpdateOptions::skin when it is made";
+    case Code::wrong_transform_count:
+      return "the transforms are not one per bone";
+    case Code::bad_transform:
+      return "the transform of bone " + index + " is not finite, or moves the body too far for single precision";
     case Code::body_not_current:
       return body + "'s last update was refused, so its spheres are those of an older frame: update it first";
     case Code::body_not_complete:

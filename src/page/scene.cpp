@@ -35,7 +35,7 @@ MeasureOptions measure_options(const Mesh& rest) {
 
 }  // namespace
 
-PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const Built& built, const std::string& tree,
+PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
                         const std::vector<Rule>& rules, bool measured, Workers& workers,
                         const std::function<void(double)>& progress) {
   Body body(rest, built, {.rules = rules, .details = {}, .modes = {}}, workers);

@@ -143,7 +143,7 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
          positions[c.vertex[2]] * c.weight[2];
 }
 
-Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);
@@ -169,7 +169,7 @@ Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
     chunks[begin / facets_per_chunk] = share_out(mesh, diagram, leaves, begin, end);
   });
 
-  Built built;
+  CoveredTree built;
   std::vector<Region> regions(tree.node_count());
   for (const Pieces& chunk : chunks)
     for (std::size_t k = 0; k < chunk.pieces.size(); ++k) {

@@ -27,7 +27,7 @@ std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order, std::si
 
 }  // namespace
 
-std::vector<std::uint32_t> leaf_order(const Built& built) {
+std::vector<std::uint32_t> leaf_order(const CoveredTree& built) {
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
     if (built.tree.is_leaf(node)) leaves.push_back(node);
@@ -58,9 +58,9 @@ Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order) {
   return result;
 }
 
-Built renumbered(const Built& built, const Mesh& mesh, std::span<const std::uint32_t> order) {
+CoveredTree renumbered(const CoveredTree& built, const Mesh& mesh, std::span<const std::uint32_t> order) {
   const std::vector<std::uint32_t> number = inverse(order, built.cover.vertex_count);
-  Built result = built;
+  CoveredTree result = built;
   for (std::uint32_t& c : result.cover.corners)
     if (c < built.cover.vertex_count) c = number[c];
   for (CutPoint& cut : result.cover.cut_points)

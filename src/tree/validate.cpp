@@ -144,7 +144,7 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover) {
   return faults;
 }
 
-std::vector<std::string> validate(const MeshView& mesh, const Built& built) {
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built) {
   const StandardFloats standard;
   std::vector<std::string> faults = validate(built.tree);
   if (!faults.empty()) return faults;

@@ -100,7 +100,7 @@ void bind_engines(const Binding& binding, EngineList& engines) {
 
 // Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
 // mesh.
-std::uint64_t ownership_stamp(const Built& built) {
+std::uint64_t ownership_stamp(const CoveredTree& built) {
   Hasher hash;
   hash.add(tree_hash(built.tree));
   hash.add(built.cover.vertex_count);
@@ -111,16 +111,16 @@ std::uint64_t ownership_stamp(const Built& built) {
 
 }  // namespace
 
-Body::Body(const Mesh& mesh, const Built& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const Built>(built), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(built), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, Built&& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const Built>(std::move(built)), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(std::move(built)), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, std::shared_ptr<const Built> shared, UpdateOptions options, Workers& workers) {
+Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
-  const Built& built = *shared;
+  const CoveredTree& built = *shared;
   require_belonging(mesh, built);
   const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
   const LeafOrder order = depth_first_leaves(built.tree);

@@ -60,9 +60,9 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
 static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
   switch (asked_for) {
     case RuleTraits::Follows::modes:
-      return {.code = UpdateStatus::Code::needs_coordinates};
+      return refused(Status::Code::needs_coordinates);
     case RuleTraits::Follows::bones:
-      return {.code = UpdateStatus::Code::needs_transforms};
+      return refused(Status::Code::needs_transforms);
     case RuleTraits::Follows::positions:
       break;
   }
@@ -71,50 +71,48 @@ static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
 
 // Good input gives a good status, here and below.
 UpdateStatus Body::State::refused_positions(const PositionView& positions) const noexcept {
-  if (const UpdateStatus refused = refusal(follows); !refused) return refused;
-  if (positions.size() != built->cover.vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (const UpdateStatus fault = refusal(follows); !fault) return fault;
+  if (positions.size() != built->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
   return {};
 }
 
 UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
-  if (!motion) return {.code = UpdateStatus::Code::no_modes};
+  if (!motion) return refused(Status::Code::no_modes);
   if (follows == RuleTraits::Follows::bones) return refusal(follows);
-  if (coordinates.size() != motion->mode_count()) return {.code = UpdateStatus::Code::wrong_coordinate_count};
-  if (std::size_t bad = 0; !motion->accepts(coordinates, bad))
-    return {.code = UpdateStatus::Code::bad_coordinate, .first_bad_coordinate = bad};
+  if (coordinates.size() != motion->mode_count()) return refused(Status::Code::wrong_coordinate_count);
+  if (std::size_t bad = 0; !motion->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
   return {};
 }
 
 UpdateStatus Body::State::refused_transforms(std::span<const AffineTransform> transforms) const noexcept {
-  if (!skin) return {.code = UpdateStatus::Code::no_skin};
+  if (!skin) return refused(Status::Code::no_skin);
   if (follows == RuleTraits::Follows::modes) return refusal(follows);
-  if (transforms.size() != options.skin.bone_count) return {.code = UpdateStatus::Code::wrong_transform_count};
-  if (std::size_t bad = 0; !skin->accepts(transforms, bad))
-    return {.code = UpdateStatus::Code::bad_transform, .first_bad_transform = bad};
+  if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
+  if (std::size_t bad = 0; !skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
   return {};
 }
 
 UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_positions(positions); !refused) return refused;
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
   write_spheres({.origin = at.origin, .points = local.points(), .rounding = at.rounding}, workers);
   return work;
 }
 
 UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
                                  Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_positions(positions); !refused) return refused;
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   for (const VertexRange& range : changed)
-    if (range.begin > range.end || range.end > positions.size()) return {.code = UpdateStatus::Code::bad_range};
+    if (range.begin > range.end || range.end > positions.size()) return refused(Status::Code::bad_range);
   const bool all_local = !raised && std::all_of(engines.begin(), engines.end(),
                                                 [](const auto& engine) { return engine->follows_changes(); });
   if (!all_local || !followed || !local.keeps_origin(positions)) return follow(positions, workers);
 
   const LocalPoints::Frame at = local.move_changed(positions, changed);
   followed = at.finite;
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
   const RuleFrame frame{.origin = at.origin, .points = local.points(), .rounding = at.rounding};
   UpdateStatus status = work;
   status.vertices_read = local.changed_vertices();
@@ -133,7 +131,7 @@ UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& mov
     move_positions();
     const LocalPoints::Frame at = local.move(moved_positions, workers);
     followed = at.finite;
-    if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+    if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
     frame.origin = at.origin;
     frame.points = local.points();
     frame.rounding = at.rounding;
@@ -143,14 +141,14 @@ UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& mov
 }
 
 UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_coordinates(coordinates); !refused) return refused;
+  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
   const ModalPose pose = motion->pose(coordinates);
   const auto move = [&] { move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers); };
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
 }
 
 UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_transforms(transforms); !refused) return refused;
+  if (const UpdateStatus fault = refused_transforms(transforms); !fault) return fault;
   const BonePose pose = skin->pose(options.skin, transforms);
   const auto move = [&] { move_by_skin(options.skin, rest_positions, transforms, moved_positions, workers); };
   return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
@@ -166,17 +164,17 @@ bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
 }
 
 UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept {
-  if (const UpdateStatus refused = refused_positions(positions); !refused) return refused;
+  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = false;  // a partial update cannot start from spheres that are not there
-  if (!at.finite) return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = at.first_bad_vertex};
+  if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
   engines[0].update({.origin = at.origin, .points = local.points(), .rounding = at.rounding}, nodes, spheres, workers);
   origin = at.origin;
   return work;
 }
 
 UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept {
-  if (const UpdateStatus refused = refused_coordinates(coordinates); !refused) return refused;
+  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
   std::copy(coordinates.begin(), coordinates.end(), coordinates_reached.begin());
   const ModalPose pose = motion->pose(coordinates_reached);
   engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());

@@ -15,7 +15,7 @@
 namespace morula {
 
 struct Body::State {
-  std::shared_ptr<const Built> built;
+  std::shared_ptr<const CoveredTree> built;
   UpdateOptions options;
   LocalPoints local;
   std::vector<Spheref> spheres{};

@@ -82,7 +82,8 @@ Modes waves(const Mesh& mesh, std::size_t mode_count) {
   return modes;
 }
 
-std::uint64_t hash_of_modal(const Mesh& mesh, const Built& built, RuleOptions::ModalBound bound, Workers& workers) {
+std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& built, RuleOptions::ModalBound bound,
+                            Workers& workers) {
   UpdateOptions options{.rules = {Rule::modal}};
   options.details.modal_bound = bound;
   options.modes = waves(mesh, 5);
@@ -100,7 +101,8 @@ std::uint64_t hash_of_modal(const Mesh& mesh, const Built& built, RuleOptions::M
 
 void add_updates(Claims& claims, std::string_view name, Method method, Workers& workers) {
   const Mesh mesh = sample(name, 14);
-  const Built built = build(mesh, {.method = method, .branching = 8, .depth = method == Method::grid ? 2 : 3}, workers);
+  const CoveredTree built =
+      build(mesh, {.method = method, .branching = 8, .depth = method == Method::grid ? 2 : 3}, workers);
   const Poses poses = poses_of(mesh);
   const std::string of = " of " + std::string(name) + ", " + std::string(morula::name(method));
   const auto add = [&](const std::string& what, std::uint64_t hash) { claims.push_back({what + of, hash}); };

@@ -26,7 +26,7 @@ Mesh sample(std::string_view name, int resolution) {
   return mesh;
 }
 
-std::uint64_t hash_of(const Built& built) {
+std::uint64_t hash_of(const CoveredTree& built) {
   Sum sum;
   const Cover& cover = built.cover;
   sum.add(tree_hash(built.tree)).add(cover.patch_facet).add(cover.corner_begin).add(cover.corners);
@@ -114,7 +114,8 @@ Claims shapes(Workers& workers) {
       if (is_slow && name == "bar") continue;
       const bool is_quick = method == Method::morula && name != "limb";
       const Quality quality = is_quick ? Quality::fast : Quality::standard;
-      const Built built = build(mesh, {.method = method, .branching = 6, .depth = 2, .quality = quality}, workers);
+      const CoveredTree built =
+          build(mesh, {.method = method, .branching = 6, .depth = 2, .quality = quality}, workers);
       const std::string of = " of " + std::string(name) + " by " + std::string(morula::name(method));
       claims.push_back({"tree" + of, hash_of(built)});
       claims.push_back({"covered" + of, hash_of(cover(mesh, shrunk(built.tree), workers))});

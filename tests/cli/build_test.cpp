@@ -19,8 +19,8 @@ TEST(BuildCommand, writes_the_tree_that_the_library_builds) {
     const auto json =
         bench.require("build limb.obj -o t.morula --method " + method_name + " --branching 6 --depth 2 --seed 7 --json")
             .json();
-    const Built built = build(mesh, {.method = method, .branching = 6, .depth = 2, .seed = 7, .progress = {}});
-    const Built read = read_built(bench / "t.morula", mesh);
+    const CoveredTree built = build(mesh, {.method = method, .branching = 6, .depth = 2, .seed = 7, .progress = {}});
+    const CoveredTree read = read_covered_tree(bench / "t.morula", mesh);
     EXPECT_EQ(tree_hash(read.tree), tree_hash(built.tree)) << method_name;
     EXPECT_TRUE(json["covered"].get<bool>());
     EXPECT_LE(json["worst_excess"].get<double>(), 0);
@@ -75,7 +75,7 @@ TEST(BuildCommand, makes_flat_sets_and_writes_them_as_balls) {
   EXPECT_EQ(json["spheres"], 30);
   EXPECT_EQ(json["spheres_asked"], 30);
   EXPECT_TRUE(json["complete"].get<bool>());
-  const Built read = read_built(bench / "t.morula", mesh);
+  const CoveredTree read = read_covered_tree(bench / "t.morula", mesh);
   EXPECT_EQ(tree_hash(read.tree), tree_hash(build(mesh, {.method = Method::octree, .spheres = 30}).tree));
   bench.require("build limb.obj -o balls.ply --method octree --spheres 30");
   EXPECT_NE(bench.read("balls.ply").find("element vertex 30\n"), std::string::npos);

@@ -37,7 +37,7 @@ TEST(CollideCommand, finds_the_contacts_and_facet_pairs_of_the_library) {
   const CollideBench bench;
   const auto json = bench.require("collide " + pair + beside + "--motion-a motion --exact --json").json();
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const Built built = read_built(bench / "limb.morula", mesh);
+  const CoveredTree built = read_covered_tree(bench / "limb.morula", mesh);
   Body body_a(mesh, built), body_b(mesh, built);
   Collider a(mesh, body_a), b(mesh, body_b);
   b.place(RigidTransform::from_axis({0, 0, 1}, 80 * std::numbers::pi / 180, {0.2, 0.9, 0.1}));

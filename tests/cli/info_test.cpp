@@ -55,7 +55,7 @@ TEST(InfoCommand, finds_patches_that_do_not_tile_the_mesh) {
   bench.require("sample bar -o bar.obj --resolution 6");
   bench.require("build bar.obj -o bar.morula --method octree --depth 2");
   const Mesh mesh = read_mesh(bench / "bar.obj");
-  Built built = read_built(bench / "bar.morula", mesh);
+  CoveredTree built = read_covered_tree(bench / "bar.morula", mesh);
   // The first patch loses its area: every sphere still wraps its region, but part of the surface belongs to nobody.
   const std::span<const std::uint32_t> patch = built.cover.patch(0);
   std::fill_n(built.cover.corners.begin(), patch.size(), patch[0]);

@@ -158,10 +158,10 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
       {"approach1-bare", judge.bare_free("approach1", true)},
       {"approach2-bare", judge.bare_free("approach2", true)},
       {"exact-covers", judge.bare_free("exact", false)},
-      {"refitted-covers", judge.bare_free("refitted", false)},
+      {"rebuilt-covers", judge.bare_free("rebuilt", false)},
       {"exact-cost", judge.ratio("exact", "approach2", 2, false)},
       {"exact-below-approach1", judge.ratio("exact", "approach1", 1, false)},
-      {"refitted-near-floor", judge.ratio("refitted", "fresh", 2, true)}};
+      {"rebuilt-near-floor", judge.ratio("rebuilt", "fresh", 2, true)}};
   std::size_t compared = 0;
   const json data = study();
   for (const json& claim : data["claims"]) {
@@ -172,7 +172,7 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
   }
   EXPECT_EQ(compared, expected.size());
   EXPECT_EQ(expected["exact-covers"], "holds");
-  EXPECT_EQ(expected["refitted-covers"], "holds");
+  EXPECT_EQ(expected["rebuilt-covers"], "holds");
   EXPECT_EQ(expected["returns-to-rest"], "holds");
 }
 

@@ -52,7 +52,7 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   bench.require("build limb.obj -o limb.morula --depth 2");
   bench.require("deform limb.obj -o motion --stretch 2 --frames 3");
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const Built built = read_built(bench / "limb.morula", mesh);
+  const CoveredTree built = read_covered_tree(bench / "limb.morula", mesh);
   const Motion motion(bench / "motion", mesh);
   for (const Rule rule : position_rules()) {
     const std::string rule_name(name(rule));
@@ -164,7 +164,7 @@ TEST(UpdateCommand, follows_a_modal_model) {
     EXPECT_EQ(bench.read("s/0000.sph"), bench.read("s/0002.sph")) << option;
   }
   bench.require("update limb.obj limb.morula " + modal_model + "-o s");
-  Body body(bench.mesh, read_built(bench / "limb.morula", bench.mesh), {.rules = {Rule::modal}, .modes = modes});
+  Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh), {.rules = {Rule::modal}, .modes = modes});
   ASSERT_TRUE(body.update_modal(q));
   EXPECT_EQ(tree_hash(read_tree(bench / "s/0001.sph").tree), tree_hash(body.current_tree()));
 }
@@ -232,7 +232,7 @@ TEST(UpdateCommand, follows_a_skin_by_any_rule_and_certifies_those_that_cover) {
   EXPECT_EQ(skinned["rule"], "skinned");
   EXPECT_TRUE(skinned["certificate"].is_null());
   for (const auto& [rule, folder] : {std::pair{Rule::exact, "e"}, std::pair{Rule::skinned, "s"}}) {
-    Body body(bench.mesh, read_built(bench / "limb.morula", bench.mesh), {.rules = {rule}, .skin = bench.skin});
+    Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh), {.rules = {rule}, .skin = bench.skin});
     ASSERT_TRUE(body.update_skinned(std::vector{AffineTransform{}, bench.turned}));
     EXPECT_EQ(tree_hash(read_tree(bench / (std::string(folder) + "/0001.sph")).tree), tree_hash(body.current_tree()));
   }

@@ -124,8 +124,8 @@ struct OneFacet {
       : mesh{{corners.begin(), corners.end()}, {{0, 1, 2}}},
         body(mesh, make(mesh), std::move(options)),
         collider(mesh, body) {}
-  static Built make(const Mesh& mesh) {
-    Built built;
+  static CoveredTree make(const Mesh& mesh) {
+    CoveredTree built;
     built.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
     built.cover.vertex_count = 3;
     built.cover.facet_count = 1;

@@ -45,7 +45,7 @@ TEST(RigidTransform, tells_what_is_not_rigid) {
 
 struct Limb : ::testing::Test {
   Mesh mesh = sample_body("limb");
-  Built built = build(mesh, {.method = Method::octree});
+  CoveredTree built = build(mesh, {.method = Method::octree});
   Body body{mesh, built};
 };
 

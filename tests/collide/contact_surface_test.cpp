@@ -27,7 +27,7 @@ RigidTransform random_placement(Random& random, double reach) {
 /// A mesh that was bent out of shape, with its collider somewhere in the world.
 struct Subject {
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   std::vector<Vec3> positions;
   Collider collider;

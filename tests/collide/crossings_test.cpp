@@ -24,7 +24,7 @@ namespace {
 struct Specimen {
   std::string name;
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   std::vector<Vec3> positions;
   std::vector<Vec3f> narrow;

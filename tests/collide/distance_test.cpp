@@ -258,7 +258,7 @@ TEST(Distance, refuses_what_it_cannot_answer) {
 
 TEST(Distance, says_when_spheres_are_no_proof) {
   const Mesh mesh = test::icosphere(1);
-  const Built built = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
   const Body loose(mesh, built, {.rules = {Rule::approach1}}), tight(mesh, built);
   const Body raised(mesh, built, {.rules = {Rule::approach1}, .conservative = true});
   const Collider a(mesh, loose), b(mesh, tight), c(mesh, raised);

@@ -17,7 +17,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/signed_distance.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <stdexcept>
 #include <support/meshes.hpp>
 #include <thread>
@@ -83,7 +83,7 @@ Record everything(const Inputs& in, Workers& workers) {
   for (const Method method : {Method::octree, Method::grid, Method::medial, Method::morula}) {
     BuildOptions options{.method = method, .branching = method == Method::octree ? 8 : 4, .depth = 2};
     if (method == Method::morula) options.quality = Quality::draft;
-    const Built built = build(in.limb, options, workers);
+    const CoveredTree built = build(in.limb, options, workers);
     record.add("tree by " + std::string(name(method)), tree_hash(built.tree));
     record.add("certificate", certify(built.cover, in.limb.positions, built.tree.spheres, workers).worst_excess);
     record.add("faults", validate(in.limb, built).size());
@@ -95,7 +95,7 @@ Record everything(const Inputs& in, Workers& workers) {
     }
   }
   try {
-    const Built small = build(in.tiny, {.method = Method::octree, .depth = 2}, workers);
+    const CoveredTree small = build(in.tiny, {.method = Method::octree, .depth = 2}, workers);
     Body body(in.tiny, small, {}, workers);
     record.add("tree of a tiny body", tree_hash(small.tree));
     record.add("a tiny body", body.hash());
@@ -104,10 +104,9 @@ Record everything(const Inputs& in, Workers& workers) {
   }
   record.add("deformed", mesh_hash({deform(in.limb, {Twist{90}, Stretch{1.5}}, 0.7), in.limb.facets}));
 
-  const Built limb = build(in.limb, {.method = Method::octree, .depth = 2}, workers);
-  const Built blob = build(in.blob, {.method = Method::octree, .depth = 2}, workers);
-  for (const Rule rule : all_rules()) {
-    if (rule == Rule::modal) continue;
+  const CoveredTree limb = build(in.limb, {.method = Method::octree, .depth = 2}, workers);
+  const CoveredTree blob = build(in.blob, {.method = Method::octree, .depth = 2}, workers);
+  for (const Rule rule : position_rules()) {
     Body body(in.limb, limb, {.rules = {rule}, .details = {}}, workers);
     record.add("bound body, " + std::string(name(rule)), body.hash());
     record.add("update", static_cast<std::uint64_t>(static_cast<bool>(body.update(in.bent, workers))));
@@ -116,10 +115,10 @@ Record everything(const Inputs& in, Workers& workers) {
     record.add("updated body, " + std::string(name(rule)), body.hash());
     for (const Sphere& s : body.current_tree().spheres) record.add("sphere in the mesh's coordinates", s.center);
   }
-  RefittedBody refitted(in.limb, limb, {.rebuild_every = 1, .gain = -1e9, .thread = RefitThread::caller}, workers);
+  RebuiltBody rebuilt(in.limb, limb, {.rebuild_every = 1, .gain = -1e9, .thread = RebuildThread::caller}, workers);
   for (int frame = 0; frame < 4; ++frame) {
-    refitted.update(in.bent, workers);
-    record.add("refitted", refitted.body().hash());
+    rebuilt.update(in.bent, workers);
+    record.add("rebuilt", rebuilt.body().hash());
   }
 
   Body body_a(in.limb, limb, {}, workers), body_b(in.blob, blob, {}, workers);
@@ -273,7 +272,7 @@ TEST(ThrowingCallbacks, end_a_build_and_leave_everything_usable) {
 
 TEST(ThrowingCallbacks, end_a_query_which_then_answers_as_ever) {
   const Mesh mesh = sample_body("limb", 8);
-  const Built built = build(mesh, {.method = Method::octree, .depth = 3});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
   Body body_a(mesh, built), body_b(mesh, built);
   Collider a(mesh, body_a), b(mesh, body_b);
   b.place(RigidTransform::from_axis({0, 0, 1}, 1.0, {0, 0, 0.3}));

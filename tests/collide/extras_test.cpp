@@ -8,7 +8,7 @@
 #include <morula/collide/overlap.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <set>
 
@@ -169,9 +169,9 @@ TEST_F(LazyBodies, carry_fronts_between_lazy_and_full_frames) {
   }
 }
 
-TEST(RefittedContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_epoch) {
+TEST(RebuiltContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_epoch) {
   const Mesh mesh = sample_body("limb", 12);
-  RefittedBody limb(mesh, build(mesh, quick), {.rebuild_every = 2, .gain = -1e9, .thread = RefitThread::caller});
+  RebuiltBody limb(mesh, build(mesh, quick), {.rebuild_every = 2, .gain = -1e9, .thread = RebuildThread::caller});
   Specimen torus("torus", 8, quick);
   torus.place(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
   std::optional<Collider> collider;

@@ -20,7 +20,7 @@ struct PlacedBody {
 
   std::string name;
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   std::vector<Vec3> positions;
   Collider collider;

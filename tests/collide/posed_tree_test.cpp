@@ -190,7 +190,7 @@ TEST(PosedTree, two_poses_of_one_body_are_asked_against_each_other) {
 TEST(Collider, stays_good_when_its_owner_moves) {
   struct Thing {
     Mesh mesh;
-    Built built;
+    CoveredTree built;
     Body body;
     Collider collider;
     explicit Thing(Mesh m) : mesh(std::move(m)), built(build(mesh, quick)), body(mesh, built), collider(mesh, body) {}

@@ -176,8 +176,8 @@ struct OneFacet {
     return {.rules = {Rule::modal},
             .modes = {.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)}};
   }
-  static Built make() {
-    Built built;
+  static CoveredTree make() {
+    CoveredTree built;
     built.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
     built.cover.vertex_count = 3;
     built.cover.facet_count = 1;
@@ -228,8 +228,8 @@ TEST(PlacedSphereAllowance, pays_for_vertices_that_are_rounded_far_from_the_orig
 // hits the facets, which a body without a tree tells.
 TEST(RayAllowance, finds_from_far_away_what_a_body_of_one_sphere_finds) {
   const Mesh mesh = sample_body("torus", 12);
-  const Built built = build(mesh, {.method = Method::octree, .depth = 3});
-  Built whole = built;
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
+  CoveredTree whole = built;
   whole.tree = {};
   whole.tree.append_level({}, std::vector<Sphere>{{built.tree.spheres[0].center, 1e15}});
   whole.cover.region_begin = {0};

@@ -21,7 +21,7 @@ struct Specimen {
   void place(const RigidTransform& placement) { collider->place(placement); }
 
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   std::unique_ptr<Body> body;
   std::unique_ptr<Collider> collider;
   std::vector<Vec3> positions;

@@ -65,7 +65,7 @@ long double upper_bound(const Triangle& a, const Triangle& b) {
 
 struct Side {
   Mesh mesh;
-  std::shared_ptr<const Built> built;
+  std::shared_ptr<const CoveredTree> built;
   std::unique_ptr<Body> body, twin;  // the twin is always updated in full
   std::unique_ptr<Collider> collider;
   std::vector<Vec3> positions;
@@ -77,6 +77,18 @@ Modes modes_of(const Mesh& mesh) {
   for (const Vec3& p : mesh.positions) modes.displacements.push_back({p.y, 0.25 * p.x, 0});
   for (const Vec3& p : mesh.positions) modes.displacements.push_back({0.5 * p.z * p.z, 1, -p.x});
   return modes;
+}
+
+// Two bones; the weights run along x.
+Skin skin_of(const Mesh& mesh) {
+  Skin skin{.bone_count = 2, .begin = {0}};
+  for (const Vec3& p : mesh.positions) {
+    const double share = std::clamp(0.5 + p.x, 0.0, 1.0);
+    skin.bones.insert(skin.bones.end(), {0, 1});
+    skin.weights.insert(skin.weights.end(), {1 - share, share});
+    skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
+  }
+  return skin;
 }
 
 bool is_covering(const UpdateOptions& options) {
@@ -102,9 +114,11 @@ std::unique_ptr<Side> side_of(Bytes& in, bool only_exact) {
   side->mesh = mesh_of(in);
   if (is_extreme(side->mesh.positions)) return nullptr;
   const bool is_modal = std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0;
+  const bool is_skinned = std::count(options.rules.begin(), options.rules.end(), Rule::skinned) > 0;
   try {
-    side->built = std::make_shared<Built>(build(side->mesh, build_options));
+    side->built = std::make_shared<CoveredTree>(build(side->mesh, build_options));
     if (is_modal) options.modes = modes_of(side->mesh);
+    if (is_skinned) options.skin = skin_of(side->mesh);
     side->body = std::make_unique<Body>(side->mesh, side->built, options);
   } catch (const std::invalid_argument&) {
     return nullptr;
@@ -191,6 +205,14 @@ void update(Bytes& in, Side& side) {
     status = way == 2 ? body.update_modal_lazily(coordinates, in.below(3)) : body.update_modal(coordinates);
     if (status && way == 2) reach_all(body);
     require(side.twin->update_modal(coordinates).code == status.code, "two ways to update end differently");
+  } else if (!body.options().skin.empty()) {
+    std::array<AffineTransform, 2> transforms;
+    for (AffineTransform& t : transforms)
+      for (Vec3* v : {&t.columns[0], &t.columns[1], &t.translation})
+        *v = {in.byte() / 64.0 - 2, in.byte() / 64.0 - 2, way == 3 ? in.float64() : 0.5};
+    move_by_skin(body.options().skin, side.mesh.positions, transforms, positions);
+    status = body.update_skinned(transforms);
+    require(side.twin->update_skinned(transforms).code == status.code, "two ways to update end differently");
   } else {
     const VertexRange range = move(in, positions, side.mesh.positions);
     if (way == 1) {

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const BuildOptions options = options_of(in);
   const Mesh mesh = mesh_of(in);
   if (is_extreme(mesh.positions)) return 0;
-  Built built;
+  CoveredTree built;
   try {
     built = build(mesh, options);
   } catch (const std::invalid_argument&) {

@@ -93,7 +93,7 @@ void add_meshes(Seeds seeds) {
 
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
-    const Built built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
+    const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
     const std::string native = native_bytes(built), text = sph_text("a.sph", built.tree),
                       json = json_tree_text(built.tree);
     for (const char* const bases : {"0123", "4567"}) {

@@ -48,7 +48,7 @@ void require_round_trip(const TreeFile& file) {
 }
 
 // A foreign cover may be anything that passed the reader: bodies refuse it or keep their promise.
-void try_body(const Mesh& mesh, const Built& built) {
+void try_body(const Mesh& mesh, const CoveredTree& built) {
   try {
     Body body(mesh, built);
     std::vector<Vec3> positions = mesh.positions;
@@ -77,7 +77,7 @@ void try_tree(const char* name, const std::string& bytes, bool with_mesh) {
     if (!with_mesh || file.tree.node_count() > 2000) return;
     const Mesh& mesh = specimen_mesh();
     const bool was_covered = file.cover.has_value();
-    const Built built = built_of_file(name, std::move(file), mesh, serial_workers());
+    const CoveredTree built = built_of_file(name, std::move(file), mesh, serial_workers());
     require(certify(built.cover, mesh.positions, built.tree.spheres).covered, "a tree was read that does not cover");
     if (!was_covered)
       if (const auto faults = validate(mesh, built); !faults.empty())

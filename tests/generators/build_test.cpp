@@ -27,7 +27,7 @@ std::string described(Method method, const std::string& mesh, int branching, int
 }
 
 void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
-  const Built built = build(mesh, options);
+  const CoveredTree built = build(mesh, options);
   const auto faults = validate(mesh, built);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
   EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(options.depth) + 1) << what;
@@ -166,7 +166,7 @@ TEST(Build, ends_early_where_there_is_nothing_to_divide) {
   point.positions.assign(3, Vec3{1, 2, 3});
   point.facets = {{0, 1, 2}};
   for (const Method method : all_methods()) {
-    const Built built = build(point, {.method = method});
+    const CoveredTree built = build(point, {.method = method});
     EXPECT_EQ(built.tree.node_count(), 1u);
     EXPECT_FALSE(built.report.notes.empty());
     EXPECT_TRUE(validate(point, built).empty());

@@ -34,7 +34,7 @@ TEST_P(Corpus, gets_a_proof_of_cover_for_every_mesh_that_loads) {
     } catch (const FileError&) {
       continue;  // what can be read is the next test's
     }
-    const Built built = build(mesh, options, workers);
+    const CoveredTree built = build(mesh, options, workers);
     const auto faults = validate(mesh, built);
     EXPECT_TRUE(faults.empty()) << paths[i].filename() << ": " << faults.front();
   }

@@ -16,7 +16,7 @@ namespace morula {
 namespace {
 
 struct Made {
-  Built built;
+  CoveredTree built;
   std::vector<BuildNode> before, after;  // of level 2
 };
 Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
@@ -87,7 +87,7 @@ TEST(Demand, is_positive_and_larger_where_the_surface_is_finely_structured) {
   const BuildRun run({.method = Method::morula, .depth = 2, .quality = Quality::fast}, mesh);
   const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
-  const Built first = fast_tree(input, run, serial_workers());
+  const CoveredTree first = fast_tree(input, run, serial_workers());
   const Demand demand = demand_from(input, first, serial_workers());
   double large = 0, small = 0;
   int large_count = 0, small_count = 0;

@@ -19,15 +19,15 @@ namespace {
 
 constexpr std::array cheap{Method::octree, Method::grid, Method::hubbard, Method::spawn};
 
-std::vector<Sphere> leaves(const Built& built) {
+std::vector<Sphere> leaves(const CoveredTree& built) {
   return level_set_spheres(built.tree, built.tree.level_count() - 1);
 }
 
-double loose(const Mesh& mesh, const Built& built) {
+double loose(const Mesh& mesh, const CoveredTree& built) {
   return looseness(mesh, leaves(built), {.resolution = 64}).looseness.value();
 }
 
-void expect_sound(const Mesh& mesh, const Built& built, const std::string& what) {
+void expect_sound(const Mesh& mesh, const CoveredTree& built, const std::string& what) {
   const auto faults = validate(mesh, built);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
   EXPECT_EQ(leaves(built).size(), built.tree.leaf_count()) << what;
@@ -43,7 +43,7 @@ TEST_P(FlatSetBy, has_the_number_of_spheres_asked_for_and_covers) {
     for (const std::size_t spheres : {1, 2, 5, 8, 9, 20, 64, 100, 500}) {
       if (method == Method::hubbard && spheres > 20) continue;  // slow
       const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(spheres);
-      const Built built = build(mesh, {.method = method, .spheres = spheres});
+      const CoveredTree built = build(mesh, {.method = method, .spheres = spheres});
       EXPECT_LE(built.tree.leaf_count(), spheres) << what;
       EXPECT_GE(static_cast<double>(built.tree.leaf_count()), 0.8 * static_cast<double>(spheres)) << what;
       EXPECT_TRUE(built.report.complete) << what;
@@ -61,7 +61,7 @@ TEST(FlatSet, keeps_within_every_branching) {
   const Mesh mesh = sample_body("limb", 12);
   for (const int branching : {2, 3, 17, 64})
     for (const std::size_t spheres : {3, 30, 200}) {
-      const Built built = build(mesh, {.method = Method::octree, .branching = branching, .spheres = spheres});
+      const CoveredTree built = build(mesh, {.method = Method::octree, .branching = branching, .spheres = spheres});
       const std::string what = std::to_string(branching) + ", " + std::to_string(spheres);
       EXPECT_LE(built.tree.leaf_count(), spheres) << what;
       for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, static_cast<std::uint32_t>(branching));
@@ -75,7 +75,7 @@ class FlatSetOfAll : public test::ByMethod {};
 TEST_P(FlatSetOfAll, every_kind_of_mesh_is_sound) {
   for (const test::NamedMesh& named : test::all_meshes())
     for (const std::size_t spheres : {2, 30}) {
-      const Built built = build(named.mesh, {.method = GetParam(), .spheres = spheres});
+      const CoveredTree built = build(named.mesh, {.method = GetParam(), .spheres = spheres});
       EXPECT_LE(built.tree.leaf_count(), spheres) << named.name;
       const auto faults = validate(named.mesh, built);
       EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Quick, FlatSetOfAll, testing::Values(Method::octree, Me
 TEST(FlatSet, works_with_every_method) {
   const Mesh mesh = sample_body("bar", 6);
   for (const Method method : all_methods()) {
-    const Built few = build(mesh, {.method = method, .spheres = 5});
+    const CoveredTree few = build(mesh, {.method = method, .spheres = 5});
     EXPECT_EQ(few.tree.leaf_count(), 5u) << name(method);
     expect_sound(mesh, few, std::string(name(method)));
   }
@@ -121,8 +121,8 @@ TEST(FlatSet, is_tighter_than_a_level_of_as_many_spheres) {
   for (const char* body : {"limb", "blob", "torus"})
     for (const Method method : {Method::octree, Method::grid}) {
       const Mesh mesh = sample_body(body, 24);
-      const Built levels = build(mesh, {.method = method, .depth = 2});
-      const Built flat = build(mesh, {.method = method, .spheres = levels.tree.leaf_count()});
+      const CoveredTree levels = build(mesh, {.method = method, .depth = 2});
+      const CoveredTree flat = build(mesh, {.method = method, .spheres = levels.tree.leaf_count()});
       EXPECT_LT(loose(mesh, flat), loose(mesh, levels)) << body << ' ' << name(method);
     }
 }
@@ -136,7 +136,7 @@ TEST(MaxProtrusion, holds_for_every_leaf_and_needs_fewer_spheres_the_larger_it_i
       std::size_t before = std::numeric_limits<std::size_t>::max();
       for (const double share : {0.02, 0.05, 0.2}) {
         const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(share);
-        const Built built = build(mesh, {.method = method, .max_protrusion = share * diagonal});
+        const CoveredTree built = build(mesh, {.method = method, .max_protrusion = share * diagonal});
         EXPECT_TRUE(built.report.complete) << what;
         EXPECT_LT(built.tree.leaf_count(), before) << what;
         before = built.tree.leaf_count();
@@ -153,7 +153,7 @@ TEST(MaxProtrusion, holds_for_every_leaf_and_needs_fewer_spheres_the_larger_it_i
 
 TEST(MaxProtrusion, of_the_whole_object_needs_one_sphere) {
   const Mesh mesh = sample_body("blob", 12);
-  const Built built = build(mesh, {.max_protrusion = 100});
+  const CoveredTree built = build(mesh, {.max_protrusion = 100});
   EXPECT_EQ(built.tree.node_count(), 1u);
   EXPECT_TRUE(built.report.complete);
 }
@@ -161,7 +161,7 @@ TEST(MaxProtrusion, of_the_whole_object_needs_one_sphere) {
 TEST(MaxProtrusion, that_cannot_be_had_is_reported) {
   // Spheres of a flat plate's surface stick out whatever their size, until branching 2 runs out of levels.
   const Mesh mesh = sample_body("plate", 6);
-  const Built built = build(mesh, {.method = Method::octree, .branching = 2, .max_protrusion = 1e-6});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .branching = 2, .max_protrusion = 1e-6});
   EXPECT_FALSE(built.report.complete);
   ASSERT_FALSE(built.report.notes.empty());
   EXPECT_NE(built.report.notes[0].find("stick out by more than 1e-06"), std::string::npos) << built.report.notes[0];
@@ -174,10 +174,10 @@ TEST(MaxProtrusion, with_a_number_of_spheres_ends_with_the_one_or_the_other) {
   const double length = 0.05 * bounding_box(mesh).diagonal();
   const std::size_t needed = build(mesh, {.max_protrusion = length}).tree.leaf_count();
   ASSERT_GT(needed, 4u);
-  const Built enough = build(mesh, {.spheres = 10 * needed, .max_protrusion = length});
+  const CoveredTree enough = build(mesh, {.spheres = 10 * needed, .max_protrusion = length});
   EXPECT_EQ(enough.tree.leaf_count(), needed);
   EXPECT_TRUE(enough.report.complete);
-  const Built few = build(mesh, {.spheres = needed / 2, .max_protrusion = length});
+  const CoveredTree few = build(mesh, {.spheres = needed / 2, .max_protrusion = length});
   EXPECT_LE(few.tree.leaf_count(), needed / 2);
   EXPECT_FALSE(few.report.complete);
   EXPECT_GT(few.report.protrusion_bound, length);
@@ -188,7 +188,7 @@ TEST(FlatSet, that_cannot_be_divided_further_says_so) {
   Mesh point;
   point.positions.assign(3, Vec3{1, 2, 3});
   point.facets = {{0, 1, 2}};
-  const Built built = build(point, {.spheres = 10});
+  const CoveredTree built = build(point, {.spheres = 10});
   EXPECT_EQ(built.tree.node_count(), 1u);
   EXPECT_TRUE(validate(point, built).empty());
   ASSERT_FALSE(built.report.notes.empty());

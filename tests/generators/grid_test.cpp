@@ -22,7 +22,7 @@ TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
     const auto [s, c] = sin_cos(degrees * 0.017453292519943295);
     Mesh turned = mesh;
     for (Vec3& p : turned.positions) p = {p.x * c - p.y * s, p.x * s + p.y * c, p.z};
-    const Built built = build(turned, {.method = Method::grid, .depth = 1});
+    const CoveredTree built = build(turned, {.method = Method::grid, .depth = 1});
     ASSERT_EQ(built.tree.child_count[0], 8u);
     std::vector<Sphere> around_cubes;
     for (int i = 0; i < 8; ++i) {
@@ -38,7 +38,7 @@ TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
 TEST(Grid, spheres_of_a_ball_hardly_stick_out_of_it) {
   const Mesh mesh = test::icosphere(4);
   const SignedDistance shape(mesh);
-  const Built built = build(mesh, {.method = Method::grid, .depth = 1});
+  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 1});
   EXPECT_GE(built.tree.child_count[0], 6u);
   for (const Sphere& s : built.tree.spheres) EXPECT_LT(shape.protrusion_bound(s), 0.15);
 }

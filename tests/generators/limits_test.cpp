@@ -75,7 +75,7 @@ TEST_P(Unhindered, by_a_stop_that_is_never_requested) {
 
 TEST_P(Unhindered, by_a_time_limit_that_is_not_reached) {
   const Mesh mesh = sample_body("blob", 16);
-  const Built built = build(mesh, {.depth = GetParam(), .time_limit_seconds = 1e6});
+  const CoveredTree built = build(mesh, {.depth = GetParam(), .time_limit_seconds = 1e6});
   EXPECT_TRUE(built.report.complete);
   EXPECT_EQ(tree_hash(built.tree), tree_hash(build(mesh, {.depth = GetParam()}).tree));
 }
@@ -88,7 +88,8 @@ TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
   for (const Method method : {Method::grid, Method::medial})
     for (const std::size_t spheres : {std::size_t{0}, std::size_t{2000}}) {
       const auto start = std::chrono::steady_clock::now();
-      const Built built = build(mesh, {.method = method, .depth = 6, .spheres = spheres, .time_limit_seconds = 0.1});
+      const CoveredTree built =
+          build(mesh, {.method = method, .depth = 6, .spheres = spheres, .time_limit_seconds = 0.1});
       EXPECT_LT(seconds_since(start), 3.0) << name(method);
       EXPECT_TRUE(validate(mesh, built).empty()) << name(method);
       EXPECT_FALSE(built.report.complete) << name(method);
@@ -102,7 +103,7 @@ TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
 TEST(BuildTimeLimit, of_next_to_nothing_gives_the_root) {
   const Mesh mesh = sample_body("bar", 8);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{20}}) {
-    const Built built = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
+    const CoveredTree built = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
     EXPECT_EQ(built.tree.node_count(), 1u);
     EXPECT_TRUE(validate(mesh, built).empty());
     EXPECT_FALSE(built.report.complete);
@@ -115,7 +116,7 @@ TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) 
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     std::vector<BuildProgress> seen;
-    const Built built = build(
+    const CoveredTree built = build(
         mesh,
         {.spheres = spheres, .quality = GetParam(), .progress = [&](const BuildProgress& p) { seen.push_back(p); }});
     ASSERT_GE(seen.size(), 3u);
@@ -137,7 +138,7 @@ TEST_P(BuildReported, seconds_add_up_to_no_more_than_the_whole) {
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     const auto start = std::chrono::steady_clock::now();
-    const Built built = build(mesh, {.spheres = spheres, .quality = GetParam()});
+    const CoveredTree built = build(mesh, {.spheres = spheres, .quality = GetParam()});
     const double whole = seconds_since(start);
     ASSERT_EQ(built.report.level_seconds.size(), built.tree.level_count());
     for (const double s : built.report.level_seconds) EXPECT_GE(s, 0);

@@ -25,7 +25,7 @@ class OwnAt : public testing::TestWithParam<Quality> {};
 
 TEST_P(OwnAt, keeps_its_promises) {
   for (const Mesh& mesh : {sample_body("two", 6), test::mesh_named("moebius_strip").mesh}) {
-    const Built built = build(mesh, {.method = Method::morula, .depth = 2, .quality = GetParam()});
+    const CoveredTree built = build(mesh, {.method = Method::morula, .depth = 2, .quality = GetParam()});
     const auto faults = validate(mesh, built);
     EXPECT_TRUE(faults.empty()) << (faults.empty() ? "" : faults.front());
     EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);

@@ -182,7 +182,7 @@ TEST(BuildOptions, reducers_and_optimisers_have_names) {
 
 TEST(Combined, says_which_reducers_won) {
   const Mesh mesh = sample_body("blob", 16);
-  const Built built = build(mesh, {.method = Method::combined, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::combined, .depth = 2});
   ASSERT_FALSE(built.report.notes.empty());
   EXPECT_NE(built.report.notes.back().find("proposals taken: "), std::string::npos);
 }
@@ -192,7 +192,7 @@ using OptimisedBy = test::ByMethod;
 TEST_P(OptimisedBy, trees_keep_their_proof) {
   const Mesh mesh = sample_body("limb", 12);
   for (const Optimiser optimiser : all_optimisers()) {
-    const Built built = build(mesh, {.method = GetParam(), .depth = 2, .optimiser = optimiser});
+    const CoveredTree built = build(mesh, {.method = GetParam(), .depth = 2, .optimiser = optimiser});
     EXPECT_TRUE(validate(mesh, built).empty()) << name(optimiser);
   }
 }

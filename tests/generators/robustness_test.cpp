@@ -75,7 +75,7 @@ std::vector<Named> hard_meshes() {
 }
 
 void expect_sound(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
-  const Built built = build(mesh, options);
+  const CoveredTree built = build(mesh, options);
   const auto faults = validate(mesh, built);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
   EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered) << what;

@@ -57,7 +57,7 @@ TEST(MeshView, says_what_the_mesh_says) {
 
 TEST(MeshView, gives_everything_that_reads_a_mesh_the_same_bits) {
   const Views views;
-  const Built built = build(views.mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree built = build(views.mesh, {.method = Method::octree, .depth = 2});
   const SignedDistance object(views.mesh);
   const MeshReport report = inspect(views.mesh);
   const std::vector<SurfacePoint> samples = sample_surface(views.mesh, 50);

@@ -129,7 +129,7 @@ Mesh small_mesh() {
   return box_mesh({-1, -1, -1}, {1, 1, 1}, 3);
 }
 
-Built small_built(const Mesh& mesh) {
+CoveredTree small_built(const Mesh& mesh) {
   SphereTree tree;
   tree.append_level({}, std::vector<Sphere>{{{-0.0, 0, 0}, 1.75}});
   std::vector<Sphere> octants;

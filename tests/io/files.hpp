@@ -58,7 +58,7 @@ bool same_bits(const Cover& a, const Cover& b);
 bool same_bits(const BuildReport& a, const BuildReport& b);
 
 /// A cube under a root with eight children, one of which has two of its own; many of its facets are cut.
-Built small_built(const Mesh& mesh);
+CoveredTree small_built(const Mesh& mesh);
 Mesh small_mesh();
 
 /// While it lives, streams write 1.234,5 for 1234.5.

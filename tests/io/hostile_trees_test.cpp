@@ -149,7 +149,7 @@ class NativeForge {
 
 TEST(HostileTrees, native) {
   const ScratchFolder folder;
-  const Built built = small_built(small_mesh());
+  const CoveredTree built = small_built(small_mesh());
   write_tree(folder.path() / "good.morula", built);
   const std::string good = bytes_of(folder.path() / "good.morula");
   const NativeForge forge(good);
@@ -241,48 +241,48 @@ TEST(HostileTrees, native_file_of_another_mesh) {
   Mesh moved = mesh;
   moved.positions[3].x = std::nextafter(moved.positions[3].x, 9.0);
   for (const Mesh& other : {moved, box_mesh({-1, -1, -1}, {1, 1, 1}, 2)})
-    expect_file_error(path, 0, "was built for another mesh", [&] { read_built(path, other); });
-  EXPECT_THROW(read_built(path, Mesh{}), std::invalid_argument);
-  EXPECT_NO_THROW(read_built(path, mesh));
+    expect_file_error(path, 0, "was built for another mesh", [&] { read_covered_tree(path, other); });
+  EXPECT_THROW(read_covered_tree(path, Mesh{}), std::invalid_argument);
+  EXPECT_NO_THROW(read_covered_tree(path, mesh));
 }
 
 TEST(HostileTrees, native_file_whose_spheres_do_not_cover) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  const Built built = small_built(mesh);
+  const CoveredTree built = small_built(mesh);
   write_tree(folder.path() / "a.morula", built);
   const double smaller = built.tree.spheres[5].radius / 2;
   const fs::path path =
       folder.file("b.morula", NativeForge(bytes_of(folder.path() / "a.morula")).with("spheres", 4 * 5 + 3, smaller));
   EXPECT_NO_THROW(read_tree(path));
-  expect_file_error(path, 0, "node 5 does not wrap its region", [&] { read_built(path, mesh); });
+  expect_file_error(path, 0, "node 5 does not wrap its region", [&] { read_covered_tree(path, mesh); });
 }
 
 TEST(HostileTrees, spheres_beyond_all_range_are_refused_by_name) {
   const ScratchFolder folder;
   const fs::path path = folder.file("a.sph", "1 8\n0 0 0 1e300 1\n");
   EXPECT_NO_THROW(read_tree(path));
-  expect_file_error(path, 0, "beyond 1e30", [&] { read_built(path, small_mesh()); });
+  expect_file_error(path, 0, "beyond 1e30", [&] { read_covered_tree(path, small_mesh()); });
 }
 
 // A patch that shows one corner twice leaves a part of its facet to nobody, and every corner is still covered.
 TEST(HostileTrees, native_file_whose_patches_leave_surface_to_nobody) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  Built built = small_built(mesh);
+  CoveredTree built = small_built(mesh);
   const std::uint32_t first = built.cover.corner_begin[3];
   built.cover.corners[first] = built.cover.corners[first + 1];
   ASSERT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
   const fs::path path = folder.path() / "a.morula";
   write_tree(path, built);
-  expect_file_error(path, 0, "instead of the whole", [&] { read_built(path, mesh); });
+  expect_file_error(path, 0, "instead of the whole", [&] { read_covered_tree(path, mesh); });
 }
 
 TEST(HostileTrees, names_that_are_not_tree_files) {
   const ScratchFolder folder;
   const auto refused = [&](const fs::path& path, const std::string& fragment) {
     expect_file_error(path, 0, fragment, [&] { read_tree(path); });
-    expect_file_error(path, 0, fragment, [&] { read_built(path, small_mesh()); });
+    expect_file_error(path, 0, fragment, [&] { read_covered_tree(path, small_mesh()); });
   };
   refused(folder.path() / "missing.sph", "there is no such file");
   refused(folder.path() / "missing.morula", "there is no such file");

@@ -170,7 +170,7 @@ TEST_F(Mutations, modes_are_refused_or_usable) {
 
 TEST_F(Mutations, trees_are_refused_or_usable) {
   const Mesh mesh = small_mesh();
-  const Built built = small_built(mesh);
+  const CoveredTree built = small_built(mesh);
   const auto use = [&](const fs::path& path) {
     const TreeFile file = read_tree(path);
     EXPECT_TRUE(validate(file.tree).empty());
@@ -194,7 +194,7 @@ TEST_F(Mutations, trees_are_refused_or_usable) {
   survive(
       "built.morula", native,
       [&](const fs::path& path) {
-        const Built read = read_built(path, mesh);
+        const CoveredTree read = read_covered_tree(path, mesh);
         EXPECT_TRUE(certify(read.cover, mesh.positions, read.tree.spheres).covered);
       },
       true);

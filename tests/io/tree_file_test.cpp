@@ -54,7 +54,7 @@ TEST(TreeFile, bare_trees_read_back_bit_for_bit) {
 TEST(TreeFile, native_files_read_back_bit_for_bit) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  Built built = small_built(mesh);
+  CoveredTree built = small_built(mesh);
   ASSERT_FALSE(built.cover.cut_points.empty());
   built.report.method = "grid";
   built.report.seed = 0xffffffffffffffffu;
@@ -68,12 +68,12 @@ TEST(TreeFile, native_files_read_back_bit_for_bit) {
   ASSERT_TRUE(read.cover.has_value());
   EXPECT_TRUE(same_bits(*read.cover, built.cover));
   EXPECT_TRUE(same_bits(read.report, built.report));
-  EXPECT_TRUE(validate(mesh, read_built(path, mesh)).empty());
+  EXPECT_TRUE(validate(mesh, read_covered_tree(path, mesh)).empty());
 }
 
 TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {
   const ScratchFolder folder;
-  const Built built = small_built(small_mesh());
+  const CoveredTree built = small_built(small_mesh());
   for (const std::string name : {"a.sph", "a.json"}) {
     write_tree(folder.path() / name, built);
     EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, built.tree)) << name;
@@ -82,7 +82,7 @@ TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {
 
 TEST(TreeFile, same_tree_gives_same_bytes_in_every_locale) {
   const ScratchFolder folder;
-  const Built built = small_built(small_mesh());
+  const CoveredTree built = small_built(small_mesh());
   for (const std::string name : {"a.morula", "a.sph", "a.json"}) {
     write_tree(folder.path() / name, built);
     const CommaLocale commas;
@@ -95,7 +95,7 @@ TEST(TreeFile, same_tree_gives_same_bytes_in_every_locale) {
 // The layout that docs/formats.md promises: other programs rely on it.
 TEST(TreeFile, native_bytes_are_laid_out_as_documented) {
   const ScratchFolder folder;
-  const Built built = small_built(small_mesh());
+  const CoveredTree built = small_built(small_mesh());
   write_tree(folder.path() / "a.morula", built);
   const std::string bytes = bytes_of(folder.path() / "a.morula");
   EXPECT_EQ(bytes.substr(0, 8), "MORULA\r\n");
@@ -167,7 +167,7 @@ TEST(TreeFile, a_bare_tree_gets_a_cover_for_the_mesh) {
   for (Sphere& s : tree.spheres) s.radius *= 0.75;  // no longer covers
   for (const std::string name : {"a.sph", "a.json"}) {
     write_tree(folder.path() / name, tree);
-    const Built built = read_built(folder.path() / name, mesh);
+    const CoveredTree built = read_covered_tree(folder.path() / name, mesh);
     EXPECT_TRUE(validate(mesh, built).empty());
     EXPECT_EQ(built.report.method, "imported");
     ASSERT_EQ(built.report.growth.size(), built.tree.level_count());
@@ -210,7 +210,7 @@ TEST(TreeFile, what_a_format_cannot_hold_is_refused_and_nothing_is_written) {
   refused("tree.txt", chain, "use one of .morula .sph .json");
   refused("tree", chain, "no extension");
 
-  Built built = small_built(small_mesh());
+  CoveredTree built = small_built(small_mesh());
   EXPECT_THROW(write_tree(folder.path() / "empty.json", SphereTree{}), std::invalid_argument);
   chain.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{0, 0, 0}, 1}});
   EXPECT_THROW(write_tree(folder.path() / "deep.json", chain), std::invalid_argument);

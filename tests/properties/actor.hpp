@@ -27,7 +27,7 @@ class Actor {
   /// Follows the rules on every level?
   bool covers() const { return covers_; }
   const Mesh& mesh() const { return mesh_; }
-  const Built& built() const { return *built_; }
+  const CoveredTree& built() const { return *built_; }
   Body& body() { return *body_; }
   const Positions& positions() const { return positions_; }
   PositionView view() const { return positions_; }
@@ -39,7 +39,7 @@ class Actor {
   void reach_all(Dice& dice, Record& record);
 
   Mesh mesh_;
-  std::shared_ptr<const Built> built_;
+  std::shared_ptr<const CoveredTree> built_;
   std::unique_ptr<Body> body_;
   std::vector<std::uint8_t> promised_;
   bool covers_ = false;

@@ -3,7 +3,7 @@
 #include "cases.hpp"
 
 #include <morula/collide/contact_query.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <set>
 #include <tuple>
 
@@ -33,7 +33,7 @@ Specimen probe(const Mesh& mesh, Dice& dice, Record& record) {
   if (dice.chance(0.5)) s.mesh = {{{-1, -1, -1}, {1, 1, -1}, {0, 0, 2}}, {{0, 1, 2}}};
   scale(s.mesh.positions, small);
   record.place.description += s.name;
-  s.built = std::make_shared<const Built>(build(s.mesh, {.method = Method::octree, .branching = 8, .depth = 1}));
+  s.built = std::make_shared<const CoveredTree>(build(s.mesh, {.method = Method::octree, .branching = 8, .depth = 1}));
   return s;
 }
 
@@ -52,7 +52,7 @@ void modal_body(const Source& source, Dice& dice, Record& record) {
 }
 
 // A body that is built anew again and again, judged in each frame; beside it, now and then, another one.
-void refitted_body(const Source& source, Dice& dice, Record& record) {
+void rebuilt_body(const Source& source, Dice& dice, Record& record) {
   Specimen specimen = source(40, dice, record);
   // Looseness is estimated at points spread by area: without any there is nothing to tell when to re-fit.
   while (!(surface_area(specimen.mesh) > 0)) {
@@ -60,22 +60,22 @@ void refitted_body(const Source& source, Dice& dice, Record& record) {
     specimen = source(40, dice, record);
   }
   const Mesh& mesh = specimen.mesh;
-  const Built& home = *specimen.built;
+  const CoveredTree& home = *specimen.built;
   record.place.mesh = mesh;
-  RefitOptions options{.method = home.tree.node_count() > 10 || dice.chance(0.9)
-                                     ? Method::octree
-                                     : dice.pick({Method::grid, Method::morula}),
-                       .quality = Quality::draft,
-                       .still_quality = Quality::fast,
-                       .check_every = 1,
-                       .rebuild_every = dice.pick({0, 1, 1, 2}),
-                       .gain = dice.pick({-1e9, -1e9, 0.05}),
-                       .look_ahead_frames = dice.pick({0, 1}),
-                       .thread = RefitThread::caller,
-                       .sample_count = 64};
-  record.place.description += std::string(" | re-fitted by ") + std::string(name(options.method)) + " every " +
+  RebuildOptions options{.method = home.tree.node_count() > 10 || dice.chance(0.9)
+                                       ? Method::octree
+                                       : dice.pick({Method::grid, Method::morula}),
+                         .quality = Quality::draft,
+                         .still_quality = Quality::fast,
+                         .check_every = 1,
+                         .rebuild_every = dice.pick({0, 1, 1, 2}),
+                         .gain = dice.pick({-1e9, -1e9, 0.05}),
+                         .look_ahead_frames = dice.pick({0, 1}),
+                         .thread = RebuildThread::caller,
+                         .sample_count = 64};
+  record.place.description += std::string(" | rebuilt by ") + std::string(name(options.method)) + " every " +
                               std::to_string(options.rebuild_every);
-  RefittedBody body(mesh, home, options);
+  RebuiltBody body(mesh, home, options);
   const std::uint64_t rest_hash = body.body().hash();
   const Body other(mesh, home);
   const bool beside = dice.chance(0.5);
@@ -88,7 +88,7 @@ void refitted_body(const Source& source, Dice& dice, Record& record) {
     if (dice.chance(0.7)) pose = random_pose(mesh, dice);
     record.place.frame = pose.name;
     record.place.pose = pose.positions;
-    const RefitStatus status = body.update(pose.positions);
+    const RebuildStatus status = body.update(pose.positions);
     record.expect(static_cast<bool>(status), "refused", "a frame of finite positions");
     if (!status) continue;
     swaps += status.swapped;
@@ -97,7 +97,7 @@ void refitted_body(const Source& source, Dice& dice, Record& record) {
     now.copy_spheres(spheres);
     const std::vector<std::uint8_t> all(spheres.size(), 1);
     judge({mesh, now.rest_tree(), now.cover(), points_of(pose.positions), balls_of(spheres), all}, dice, record,
-          {.cuts = 80}, "-refit");
+          {.cuts = 80}, "-rebuild");
     if (!beside) continue;
     if (!side || body.epoch() != seen) side.emplace(mesh, now);
     seen = body.epoch();
@@ -105,13 +105,12 @@ void refitted_body(const Source& source, Dice& dice, Record& record) {
     still.place(touching_placement(*side, still, dice));
     const PairJudge judge_of(*side, still, dice);
     judge_of.judge_facets(record);
-    judge_of.judge_contacts(collide(*side, still, {.budget = dice.below(100)}), 0, 0, record,
-                            "beside a re-fitted body");
+    judge_of.judge_contacts(collide(*side, still, {.budget = dice.below(100)}), 0, 0, record, "beside a rebuilt body");
   }
   record.place.frame = "back at rest";
   body.update(mesh.positions);
-  record.expect(body.body().hash() == rest_hash, "rest-bits", "back at rest, a re-fitted body has other spheres");
-  record.expect(body.report().failed == 0, "refit", body.report().failure);
+  record.expect(body.body().hash() == rest_hash, "rest-bits", "back at rest, a rebuilt body has other spheres");
+  record.expect(body.report().failed == 0, "rebuild", body.report().failure);
   record.counts.swaps += swaps;
 }
 
@@ -288,7 +287,7 @@ void run_case(std::uint64_t seed, std::uint64_t number, Specimens& specimens, Re
     else if (kind < 0.95)
       modal_body(source, dice, record);
     else
-      refitted_body(source, dice, record);
+      rebuilt_body(source, dice, record);
   } catch (const std::exception& error) {
     record.fail("exception", error.what());
   }

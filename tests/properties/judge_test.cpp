@@ -73,7 +73,7 @@ TEST(Judge, looks_at_segments_and_points) {
 // Something to be judged: a body at rest, its numbers open to be changed.
 struct Judged {
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   std::vector<Sphere> spheres;
   explicit Judged(Mesh m, Method method = Method::octree)

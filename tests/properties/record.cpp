@@ -68,7 +68,7 @@ std::string Record::summary(double seconds) const {
       line("cases", counts.cases) + line("frames judged", counts.frames) + line("level sets judged", counts.levels) +
       line("facets held against a level", counts.cover.facets) + line("  of these proved", counts.cover.proved) +
       line("points sampled", counts.cover.samples) + line("corners in their own sphere", counts.corners) +
-      line("modal frames", counts.modal_frames) + line("swaps of re-fitted bodies", counts.swaps) +
+      line("modal frames", counts.modal_frames) + line("swaps of rebuilt bodies", counts.swaps) +
       line("round trips of files", counts.round_trips) + line("poses of pairs", counts.poses_of_pairs) +
       line("  of these decided exactly", counts.exact_poses) + line("crossings by brute force", counts.crossings) +
       line("points within a margin", counts.near_pairs) + line("interruptions of queries", counts.interruptions);

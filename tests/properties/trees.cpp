@@ -78,7 +78,7 @@ std::vector<oracle::Ball> with_rounding_of_double(std::vector<oracle::Ball> ball
   return balls;
 }
 
-void judge_tree(const Mesh& mesh, const Built& built, Dice& dice, Record& record) {
+void judge_tree(const Mesh& mesh, const CoveredTree& built, Dice& dice, Record& record) {
   if (record.place.mesh.facets.empty()) record.place.mesh = mesh;
   for (const std::string& fault : validate(mesh, built)) {
     record.fail("validate", fault);
@@ -102,7 +102,7 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
       static_cast<std::size_t>(dice.logarithmic(2, static_cast<double>(std::min<std::size_t>(most_facets, 300)) + 1));
   Shape shape = random_shape(dice, facets);
   Specimen s{shape.name, std::move(shape.mesh), nullptr};
-  Built built;
+  CoveredTree built;
   if (dice.chance(0.4)) {
     s.name += " | strewn" + sizes(options.branching, options.depth);
     record.place.description += s.name;
@@ -121,7 +121,7 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
     }
   }
   judge_tree(s.mesh, built, dice, record);
-  s.built = std::make_shared<const Built>(std::move(built));
+  s.built = std::make_shared<const CoveredTree>(std::move(built));
   return s;
 }
 
@@ -155,7 +155,7 @@ Specimen costly_tree(Dice& dice, Record& record) {
   s.name += sizes(options.branching, options.depth);
   if (options.optimiser != Optimiser::none) s.name += " " + std::string(name(options.optimiser));
   record.place.description += s.name;
-  s.built = std::make_shared<const Built>(build(s.mesh, options));
+  s.built = std::make_shared<const CoveredTree>(build(s.mesh, options));
   judge_tree(s.mesh, *s.built, dice, record);
   return s;
 }
@@ -233,19 +233,19 @@ std::vector<std::uint8_t> promised(const SphereTree& tree, const UpdateOptions& 
   return nodes;
 }
 
-void round_trip(const Mesh& mesh, const Built& built, Record& record) {
+void round_trip(const Mesh& mesh, const CoveredTree& built, Record& record) {
   ++record.counts.round_trips;
   // By another numbering of vertices and back.
   const auto order = leaf_order(built);
   const Mesh other_mesh = renumbered(mesh, order);
-  const Built other = renumbered(built, other_mesh, order);
+  const CoveredTree other = renumbered(built, other_mesh, order);
   for (const std::string& fault : validate(other_mesh, other)) {
     record.fail("renumbered", fault);
     break;
   }
   std::vector<std::uint32_t> back(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) back[order[i]] = i;
-  const Built again = renumbered(other, mesh, back);
+  const CoveredTree again = renumbered(other, mesh, back);
   record.expect(same(again.tree, built.tree) && same(again.cover, built.cover), "round-trip",
                 "renumbered there and back, the tree is another");
 #ifdef MORULA_PROPERTIES_IO
@@ -256,7 +256,7 @@ void round_trip(const Mesh& mesh, const Built& built, Record& record) {
     const TreeFile file = read_tree(path);
     record.expect(same(file.tree, built.tree) && file.cover && same(*file.cover, built.cover), "round-trip",
                   "written and read, the tree is another");
-    const Built read = read_built(path, mesh);
+    const CoveredTree read = read_covered_tree(path, mesh);
     record.expect(same(read.tree, built.tree) && same(read.cover, built.cover), "round-trip",
                   "read with its mesh, the tree is another");
   } catch (const std::exception& error) {

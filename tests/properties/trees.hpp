@@ -18,7 +18,7 @@ namespace morula::properties {
 struct Specimen {
   std::string name;  ///< mesh and tree, in words
   Mesh mesh;
-  std::shared_ptr<const Built> built;
+  std::shared_ptr<const CoveredTree> built;
 };
 
 /// Cases in a row share one tree by a generator that takes its time, and have another of their own, by the octree or
@@ -44,6 +44,6 @@ std::string name(const UpdateOptions& options);
 std::vector<std::uint8_t> promised(const SphereTree& tree, const UpdateOptions& options);
 
 /// Written as a file, read again, compared; nothing where the library is built without files.
-void round_trip(const Mesh& mesh, const Built& built, Record& record);
+void round_trip(const Mesh& mesh, const CoveredTree& built, Record& record);
 
 }  // namespace morula::properties

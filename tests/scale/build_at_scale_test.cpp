@@ -18,7 +18,7 @@ BuildOptions small_tree(Method method) {
   return options;
 }
 
-void expect_right(const Mesh& mesh, const Built& built, const std::string& what) {
+void expect_right(const Mesh& mesh, const CoveredTree& built, const std::string& what) {
   EXPECT_TRUE(test::covers(built.cover, mesh.positions, built.tree.spheres)) << what;
   EXPECT_EQ(validate(mesh, built), std::vector<std::string>{}) << what;
   std::vector<Sphere> smaller = built.tree.spheres;
@@ -54,11 +54,11 @@ TEST(BuildAtScale, gives_the_same_bits_at_every_power_of_two) {
     for (const Method method : all_methods()) {
       const bool is_quick = method == Method::octree || method == Method::grid || method == Method::hubbard;
       if (!is_quick && body.name != "octahedron" && body.name != "capsule") continue;
-      const Built unit = build(body.mesh, small_tree(method));
+      const CoveredTree unit = build(body.mesh, small_tree(method));
       for (const int power : {-98, 95}) {
         const double size = std::ldexp(1.0, power);
         const Mesh mesh = test::placed(body.mesh, size, 0);
-        const Built built = build(mesh, small_tree(method));
+        const CoveredTree built = build(mesh, small_tree(method));
         ASSERT_EQ(built.tree.node_count(), unit.tree.node_count()) << body.name << ' ' << name(method) << ' ' << power;
         std::size_t different = 0;
         for (std::uint32_t node = 0; node < unit.tree.node_count(); ++node) {
@@ -84,7 +84,7 @@ TEST(BuildAtScale, flat_sets_too) {
         EXPECT_TRUE(test::is_refused([&] { build(mesh, o); })) << size;
         continue;
       }
-      const Built built = build(mesh, o);
+      const CoveredTree built = build(mesh, o);
       expect_right(mesh, built, test::told("ball", size, 0));
       ASSERT_TRUE(built.report.protrusion_bound.has_value());
       EXPECT_GE(*built.report.protrusion_bound, 0);
@@ -106,7 +106,7 @@ TEST(BuildAtScale, trees_made_elsewhere_are_covered_or_refused) {
           EXPECT_TRUE(test::is_refused([&] { cover(mesh, tree); })) << what;
           continue;
         }
-        const Built built = cover(mesh, tree);
+        const CoveredTree built = cover(mesh, tree);
         expect_right(mesh, built, what);
         tree.spheres[0].radius = 1e200;
         EXPECT_TRUE(test::is_refused([&] { cover(mesh, tree); })) << what;

@@ -15,7 +15,7 @@ namespace {
 // A tree that was built at a size of 1, its spheres made anew at another from what the judge says they need.
 struct Fixture {
   Mesh mesh;
-  Built built;
+  CoveredTree built;
 };
 Fixture fixture(const test::BodyAtScale& body, double size, double offset) {
   Fixture made{test::placed(body.mesh, size, offset),
@@ -56,8 +56,8 @@ TEST(CertificateAtScale, says_yes_to_spheres_that_contain_and_no_to_any_that_is_
 }
 
 // A facet of its own, whose middle is a cut point.
-Built one_sphere(const Sphere& sphere) {
-  Built built;
+CoveredTree one_sphere(const Sphere& sphere) {
+  CoveredTree built;
   built.tree.branching = 2;
   built.tree.append_level({}, std::vector<Sphere>{sphere});
   Cover& cover = built.cover;
@@ -74,7 +74,7 @@ Built one_sphere(const Sphere& sphere) {
 
 TEST(CertificateAtScale, compares_numbers_of_any_two_sizes) {
   const auto verdict = [](const std::vector<Vec3>& positions, const Sphere& sphere) {
-    const Built built = one_sphere(sphere);
+    const CoveredTree built = one_sphere(sphere);
     const bool expected = test::covers(built.cover, positions, built.tree.spheres);
     const Certificate proof = certify(built.cover, positions, built.tree.spheres);
     EXPECT_EQ(proof.covered, expected) << positions[1].x << " in " << sphere.radius << " about " << sphere.center.x;
@@ -104,7 +104,7 @@ TEST(CertificateAtScale, compares_numbers_of_any_two_sizes) {
 // Where products of weights underflow, a cut point is not where its sum says: then only what is certain is certified.
 TEST(CertificateAtScale, trusts_no_cut_point_of_denormals) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
-  Built built = one_sphere({});
+  CoveredTree built = one_sphere({});
   // 1/2 of the least double rounds to 0, 3/2 of it to 2.
   built.cover.corners = {3, 3, 3, 3, 3, 3, 3, 3, 3};
   for (int i = 0; i < 50; ++i)

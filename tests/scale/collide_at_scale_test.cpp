@@ -24,7 +24,7 @@ constexpr std::array<double, 13> body_sizes{1e-307, 1e-300, 1e-250, 1e-200, 1e-1
 // The cube from −1 to 1, of some size, beside a place.
 struct Cube {
   Mesh mesh;
-  Built built;
+  CoveredTree built;
   Body body;
   Collider collider;
 
@@ -39,8 +39,8 @@ struct Cube {
     for (Vec3& p : made.positions) p = (p + middle) * size;
     return made;
   }
-  static Built tree(const Mesh& mesh, double size, const Vec3& middle) {
-    Built made =
+  static CoveredTree tree(const Mesh& mesh, double size, const Vec3& middle) {
+    CoveredTree made =
         build(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2), {.method = Method::octree, .branching = 4, .depth = 2});
     for (Sphere& s : made.tree.spheres) s = {(s.center + middle) * size, s.radius * size * 1.001};
     made.report.mesh_hash = mesh_hash(mesh);

@@ -15,8 +15,8 @@
 namespace morula {
 namespace {
 
-Built scaled_tree(const Mesh& unit, const Mesh& mesh, double size, double offset) {
-  Built built = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
+CoveredTree scaled_tree(const Mesh& unit, const Mesh& mesh, double size, double offset) {
+  CoveredTree built = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
   for (Sphere& s : built.tree.spheres)
     s = {test::placed(s.center, size, offset), s.radius * size + 0x1p-46 * test::reach_of(mesh)};
   built.report.mesh_hash = mesh_hash(mesh);
@@ -47,7 +47,7 @@ TEST(UpdateAtScale, covers_by_the_judge_or_refuses) {
     for (const double size : test::sizes())
       for (const double offset : test::offsets()) {
         const Mesh mesh = test::placed(unit.mesh, size, offset);
-        const Built built = scaled_tree(unit.mesh, mesh, size, offset);
+        const CoveredTree built = scaled_tree(unit.mesh, mesh, size, offset);
         for (std::size_t k = 0; k < all.size(); ++k) {
           const std::string what = test::told(unit.name, size, offset) + ", rules " + std::to_string(k);
           const bool has_links = k >= 2;  // found by squares of lengths
@@ -72,7 +72,7 @@ TEST(UpdateAtScale, covers_by_the_judge_or_refuses) {
 
 TEST(UpdateAtScale, frames_out_of_range_change_nothing) {
   const Mesh& mesh = test::unit_bodies()[2].mesh;
-  const Built built = build(mesh, {.method = Method::octree, .branching = 4, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .branching = 4, .depth = 2});
   Body body(mesh, built);
   const std::uint64_t before = body.hash();
   for (const double far : {1e31, 1e100, 1e200, 1e300}) {
@@ -80,7 +80,7 @@ TEST(UpdateAtScale, frames_out_of_range_change_nothing) {
     std::vector<Vec3> there(mesh.vertex_count(), Vec3{far, -far, far});
     const UpdateStatus status = body.update(there);
     EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position) << far;
-    EXPECT_EQ(status.first_bad_vertex, 0u) << far;
+    EXPECT_EQ(status.index, 0u) << far;
     there = mesh.positions;
     for (Vec3& p : there) p = p * far;
     EXPECT_FALSE(body.update(there)) << far;
@@ -95,12 +95,12 @@ TEST(UpdateAtScale, frames_out_of_range_change_nothing) {
 
 TEST(UpdateAtScale, looseness_is_estimated_alike_at_every_power_of_two) {
   const Mesh& unit = test::unit_bodies()[4].mesh;
-  const Built tree = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
+  const CoveredTree tree = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
   const std::vector<double> expected = estimate_looseness(unit, Body(unit, tree), unit.positions);
   for (const int power : {-40, -30, 30, 50}) {
     const double size = std::ldexp(1.0, power);
     const Mesh mesh = test::placed(unit, size, 0);
-    const Built built = scaled_tree(unit, mesh, size, 0);
+    const CoveredTree built = scaled_tree(unit, mesh, size, 0);
     const std::vector<double> found = estimate_looseness(mesh, Body(mesh, built), mesh.positions);
     for (std::size_t level = 0; level < expected.size(); ++level)
       EXPECT_NEAR(found[level], expected[level], 1e-3 * (1 + expected[level])) << power;

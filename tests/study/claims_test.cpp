@@ -29,7 +29,7 @@ struct Story {
         LevelFigures level;
         level.level = 1;
         level.diagonal = level.box_volume = 1;
-        level.grid = Looseness{.looseness = 1.0 + static_cast<double>(sample * (2 - rule))};
+        level.grid.emplace().looseness = 1.0 + static_cast<double>(sample * (2 - rule));
         cell.samples.push_back({sample, static_cast<double>(sample), {level}});
       }
       result.cells.push_back(cell);

@@ -31,7 +31,7 @@ TEST(StudyPlan, every_way_to_follow_is_found_by_its_name) {
     EXPECT_EQ(FollowRule(key).key(), key) << name(key);
   }
   EXPECT_EQ(names.size(), all_rule_keys().size());
-  EXPECT_EQ(names.count("refitted") + names.count("fresh") + names.count("exact"), 3u);
+  EXPECT_EQ(names.count("rebuilt") + names.count("fresh") + names.count("exact"), 3u);
   EXPECT_FALSE(rule_key_from_name("exat"));
 }
 

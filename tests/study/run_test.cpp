@@ -50,7 +50,7 @@ TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   ASSERT_EQ(cell->samples.size(), 4u);
 
   const Mesh& rest = plan.bodies[0].mesh;
-  const Built built = build(rest, {.method = Method::grid, .branching = 4, .depth = 2});
+  const CoveredTree built = build(rest, {.method = Method::grid, .branching = 4, .depth = 2});
   Body body(rest, built, {.rules = {Rule::approach2}});
   Mesh moved = rest;
   moved.positions = deform(rest, {Bend{60}}, 2.0 / 3);
@@ -152,7 +152,7 @@ TEST(StudyRun, study_json_holds_every_cell_and_claim) {
     EXPECT_EQ(json["claims"][i]["verdict"], std::string(name(study.claims[i].verdict)));
   }
   EXPECT_EQ(find_claim(study.claims, "exact-covers")->verdict, Verdict::holds);
-  EXPECT_EQ(find_claim(study.claims, "refitted-covers")->verdict, Verdict::untested);
+  EXPECT_EQ(find_claim(study.claims, "rebuilt-covers")->verdict, Verdict::untested);
   EXPECT_EQ(json["bodies"][1]["name"], "prism");
 }
 

@@ -16,7 +16,7 @@ namespace {
 // Facet 0 is cut at its first edge into the patches of two leaves, facet 1 is a segment and whole, facet 2 is whole.
 struct Cut {
   Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {3, 3, 0}, {0, 1, 3}}};
-  Built built;
+  CoveredTree built;
 
   Cut() {
     const Sphere ball{{0, 0, 0}, 2};
@@ -170,7 +170,7 @@ TEST(Cover, pays_for_distances_taken_in_double) {
     mesh.facets = {{0, 1, 2}};
     SphereTree tree;
     tree.append_level({}, std::vector<Sphere>{{{any(2), any(2), any(2)}, 0.01}});
-    const Built built = cover(mesh, tree);
+    const CoveredTree built = cover(mesh, tree);
     const Sphere& s = built.tree.spheres[0];
     for (const Vec3& p : mesh.positions)
       ASSERT_LE(length(Wide(p) - Wide(s.center)), static_cast<long double>(s.radius)) << round;

@@ -30,7 +30,7 @@ SphereTree careless_tree(const Mesh& mesh, std::size_t count, std::uint64_t seed
 }
 
 // The union of the leaves contains every sample, in plain arithmetic.
-void expect_samples_inside(const Mesh& mesh, const Built& built, const std::string& name) {
+void expect_samples_inside(const Mesh& mesh, const CoveredTree& built, const std::string& name) {
   for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
     const std::vector<Sphere> spheres = level_set_spheres(built.tree, level);
     for (const SurfacePoint& s : sample_surface(mesh, 2000, 9)) {
@@ -46,7 +46,7 @@ TEST(Cover, repairs_a_careless_tree_on_every_kind_of_mesh) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     const SphereTree tree = careless_tree(named.mesh, 40, 3);
     if (tree.node_count() == 1) continue;  // no area to put spheres on
-    const Built built = cover(named.mesh, tree);
+    const CoveredTree built = cover(named.mesh, tree);
     const auto faults = validate(named.mesh, built);
     EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
     expect_samples_inside(named.mesh, built, named.name);
@@ -67,7 +67,7 @@ TEST(Cover, leaves_a_tree_that_covers_as_it_is_bit_for_bit) {
                        0.26 * box.diagonal()});
   }
   tree.append_level(std::vector<std::uint32_t>{8}, octants);
-  const Built built = cover(mesh, tree);
+  const CoveredTree built = cover(mesh, tree);
   EXPECT_EQ(built.tree.spheres, tree.spheres);
   for (const LevelGrowth& g : built.report.growth) EXPECT_EQ(g.grown, 0u);
   EXPECT_EQ(built.report.leftover_patches, 0u);
@@ -77,7 +77,7 @@ TEST(Cover, reports_what_had_to_grow) {
   const Mesh mesh = test::icosphere(3);
   SphereTree tree;
   tree.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 0.5}});
-  const Built built = cover(mesh, tree);
+  const CoveredTree built = cover(mesh, tree);
   ASSERT_EQ(built.report.growth.size(), 1u);
   EXPECT_EQ(built.report.growth[0].grown, 1u);
   EXPECT_NEAR(built.report.growth[0].largest_growth, 0.5, 1e-12);
@@ -106,7 +106,7 @@ TEST(Cover, hands_gap_pieces_to_the_sphere_that_grows_least_not_to_the_one_of_le
   tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{large, minute});
   const Vec3 gap{0.93, 0.005, 0};
   ASSERT_LT(power(minute, gap), power(large, gap));
-  const Built built = cover(strip, tree);
+  const CoveredTree built = cover(strip, tree);
   EXPECT_TRUE(validate(strip, built).empty());
   EXPECT_LT(built.tree.spheres[1].radius / large.radius, 1.05);
   EXPECT_LT(built.tree.spheres[2].radius / minute.radius, 17);  // half of the gap's width, not all of it
@@ -120,7 +120,7 @@ TEST(Cover, drops_spheres_that_own_nothing) {
   tree.append_level(std::vector<std::uint32_t>{3},
                     std::vector<Sphere>{{{0, 0, 0}, 1.1}, {{0, 0, 0}, 0.1}, {{90, 0, 0}, 1}});
   tree.append_level(std::vector<std::uint32_t>{0, 0, 1}, std::vector<Sphere>{{{90, 0, 0}, 0.5}});
-  const Built built = cover(mesh, tree);
+  const CoveredTree built = cover(mesh, tree);
   EXPECT_EQ(built.tree.node_count(), 2u);
   EXPECT_EQ(built.report.dropped_spheres, 3u);
   EXPECT_TRUE(validate(mesh, built).empty());
@@ -129,10 +129,10 @@ TEST(Cover, drops_spheres_that_own_nothing) {
 TEST(Cover, has_the_same_bits_for_any_number_of_workers) {
   const Mesh mesh = sample_body("limb", 24);
   const SphereTree tree = careless_tree(mesh, 60, 5);
-  const Built reference = cover(mesh, tree);
+  const CoveredTree reference = cover(mesh, tree);
   for (const unsigned threads : {2u, 3u, 8u}) {
     Workers workers(threads);
-    const Built built = cover(mesh, tree, workers);
+    const CoveredTree built = cover(mesh, tree, workers);
     EXPECT_EQ(tree_hash(built.tree), tree_hash(reference.tree));
     EXPECT_EQ(built.cover.corners, reference.cover.corners);
     EXPECT_EQ(built.cover.cut_points, reference.cover.cut_points);
@@ -152,11 +152,11 @@ TEST(Cover, refuses_a_broken_tree_and_an_unusable_mesh) {
 class CoverOfABlob : public ::testing::Test {
  protected:
   const Mesh mesh = sample_body("blob", 16);
-  const Built good = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree good = build(mesh, {.method = Method::octree, .depth = 2});
 
   template <class Spoil>
   std::string faults_after(Spoil spoil) const {
-    Built built = good;
+    CoveredTree built = good;
     spoil(built);
     std::string all;
     for (const std::string& f : validate(mesh, built)) all += f + "\n";
@@ -166,20 +166,21 @@ class CoverOfABlob : public ::testing::Test {
 };
 
 TEST_F(CoverOfABlob, is_valid_as_built) {
-  EXPECT_EQ(faults_after([](Built&) {}), "");
+  EXPECT_EQ(faults_after([](CoveredTree&) {}), "");
 }
 
 TEST_F(CoverOfABlob, validate_notices_a_radius_too_small_by_a_hair) {
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.tree.spheres[3].radius *= 1 - 1e-9; }), "node 3 does not wrap"));
+  EXPECT_TRUE(
+      mentions(faults_after([](CoveredTree& b) { b.tree.spheres[3].radius *= 1 - 1e-9; }), "node 3 does not wrap"));
 }
 
 TEST_F(CoverOfABlob, validate_notices_a_missing_patch) {
-  EXPECT_TRUE(mentions(faults_after([](Built& b) {
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) {
                          // Give the first patch's facet to another: its own is now short, the other one too full.
                          b.cover.patch_facet[0] = b.cover.patch_facet[40];
                        }),
                        "off its facet"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) {
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) {
                          Cover& c = b.cover;
                          c.corners[1] = c.corners[0];  // the first patch loses its area
                        }),
@@ -187,18 +188,18 @@ TEST_F(CoverOfABlob, validate_notices_a_missing_patch) {
 }
 
 TEST_F(CoverOfABlob, validate_notices_regions_that_are_not_their_childrens) {
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.region_end[1] -= 1; }), "children"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.region_begin[0] = 1; }), "whole surface"));
-  EXPECT_TRUE(
-      mentions(faults_after([](Built& b) { b.cover.region_begin[9] = b.cover.region_end[9]; }), "owns no patches"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.region_end[1] -= 1; }), "children"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.region_begin[0] = 1; }), "whole surface"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.region_begin[9] = b.cover.region_end[9]; }),
+                       "owns no patches"));
 }
 
 TEST_F(CoverOfABlob, validate_notices_wrong_sizes_and_indices) {
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.vertex_count += 1; }), "number of vertices"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.corners[5] = 0xfffffff; }), "neither a vertex"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.patch_facet[5] = 0xfffffff; }), "lies on facet"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.cut_points[0].weight[0] += 0.1; }), "cut point"));
-  EXPECT_TRUE(mentions(faults_after([](Built& b) { b.cover.region_end.pop_back(); }), "number of nodes"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.vertex_count += 1; }), "number of vertices"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.corners[5] = 0xfffffff; }), "neither a vertex"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.patch_facet[5] = 0xfffffff; }), "lies on facet"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.cut_points[0].weight[0] += 0.1; }), "cut point"));
+  EXPECT_TRUE(mentions(faults_after([](CoveredTree& b) { b.cover.region_end.pop_back(); }), "number of nodes"));
 }
 
 TEST_F(CoverOfABlob, certify_measures_how_far_out_the_worst_corner_is) {

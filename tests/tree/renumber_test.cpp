@@ -15,7 +15,7 @@ namespace {
 class Renumbering : public testing::Test {
  protected:
   Mesh mesh = sample_body("limb", 16);
-  Built built = build(mesh, {.method = Method::octree, .depth = 2});
+  CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
 };
 
 TEST_F(Renumbering, names_every_vertex_once_and_keeps_every_promise_of_the_tree) {
@@ -27,7 +27,7 @@ TEST_F(Renumbering, names_every_vertex_once_and_keeps_every_promise_of_the_tree)
   EXPECT_NE(order, all);
 
   const Mesh moved = renumbered(mesh, order);
-  const Built moved_built = renumbered(built, moved, order);
+  const CoveredTree moved_built = renumbered(built, moved, order);
   EXPECT_TRUE(validate(moved, moved_built).empty());
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) EXPECT_EQ(moved.corners(f), mesh.corners(f));
   for (std::uint32_t c = 0; c < built.cover.corners.size(); ++c)

@@ -47,8 +47,8 @@ long double worst_excess(const Body& body, const std::vector<Vec3>& positions) {
   return worst;
 }
 
-std::vector<Built> trees_of(const Mesh& mesh) {
-  std::vector<Built> trees;
+std::vector<CoveredTree> trees_of(const Mesh& mesh) {
+  std::vector<CoveredTree> trees;
   trees.push_back(build(mesh, {.method = Method::octree, .depth = 2}));
   trees.push_back(build(mesh, {.method = Method::octree, .branching = 3, .depth = 3}));
   trees.push_back(build(mesh, {.method = Method::grid, .depth = 2}));
@@ -62,7 +62,7 @@ TEST(Aligned, bodies_are_covered_by_every_rule_that_promises_it) {
                                            {.rules = {Rule::exact, Rule::approach2}, .conservative = true}};
   std::size_t frames = 0;
   for (const test::NamedMesh& b : test::aligned_bodies())
-    for (const Built& built : trees_of(b.mesh))
+    for (const CoveredTree& built : trees_of(b.mesh))
       for (const UpdateOptions& how : options) {
         Body body(b.mesh, built, how);
         for (const test::Motion& motion : test::motions()) {
@@ -77,7 +77,7 @@ TEST(Aligned, bodies_are_covered_by_every_rule_that_promises_it) {
 
 TEST(Aligned, bodies_are_covered_by_modes_at_any_coordinates) {
   for (const test::NamedMesh& b : test::aligned_bodies()) {
-    const Built built = build(b.mesh, {.method = Method::octree, .depth = 2});
+    const CoveredTree built = build(b.mesh, {.method = Method::octree, .depth = 2});
     const Modes modes = test::linear_modes(b.mesh);
     Body body(b.mesh, built, {.rules = {Rule::modal}, .modes = modes});
     for (const double stretch : {0.5, 2.0, -1.0, 100.0}) {
@@ -94,7 +94,7 @@ TEST(Aligned, bodies_are_covered_by_modes_at_any_coordinates) {
 
 TEST(Aligned, bodies_are_covered_by_slabs) {
   for (const test::NamedMesh& b : test::aligned_bodies()) {
-    const Built built = build(b.mesh, {.method = Method::octree, .depth = 2});
+    const CoveredTree built = build(b.mesh, {.method = Method::octree, .depth = 2});
     KDopTree slabs(b.mesh, built, 26);
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);

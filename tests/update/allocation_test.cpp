@@ -5,7 +5,7 @@
 
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <support/allocations.hpp>
 
 #include "bodies.hpp"
@@ -82,13 +82,13 @@ TEST(Allocation, no_update_of_k_dops_allocates_through_an_index_map) {
   }
 }
 
-// Nor does a body that refits, but in the frame that starts a rebuild.
-TEST(Allocation, refitting_allocates_only_where_a_rebuild_starts) {
+// Nor does a body that rebuilds, but in the frame that starts a rebuild.
+TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   const test::Specimen& b = test::specimens()[2];
   std::function<void()> never_run;
-  RefitOptions options{.check_every = 1, .look_ahead_frames = 1, .thread = RefitThread::host};
+  RebuildOptions options{.check_every = 1, .look_ahead_frames = 1, .thread = RebuildThread::host};
   options.executor = [&](std::function<void()> job) { never_run = std::move(job); };
-  RefittedBody body(b.mesh, b.built, options);
+  RebuiltBody body(b.mesh, b.built, options);
   const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.2, 1);
   std::size_t starts = 0;
   for (int frame = 0; frame < 12; ++frame) {
@@ -112,7 +112,7 @@ TEST(Allocation, updates_are_noexcept) {
   EXPECT_TRUE(noexcept(std::declval<const Body&>().modal_sphere(0, {})));
   EXPECT_TRUE(noexcept(std::declval<Body&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
   EXPECT_TRUE(
-      noexcept(std::declval<RefittedBody&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
+      noexcept(std::declval<RebuiltBody&>().update(std::declval<const PositionView&>(), std::declval<Workers&>())));
 }
 
 }  // namespace

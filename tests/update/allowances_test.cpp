@@ -176,7 +176,7 @@ TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_wh
   const auto count = static_cast<std::uint32_t>(strip.positions.size());
   Random random(5);
   for (const int branching : {2, 3, 5}) {
-    const Built built = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
+    const CoveredTree built = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
     Body full(strip, built), partial(strip, built);
     std::vector<Vec3> positions = strip.positions;
     for (int frame = 0; frame < 2000; ++frame) {
@@ -199,9 +199,9 @@ struct HandMadePatch {
 };
 // A root over one leaf for each patch. Patches need not tile anything: what a body promises of corners, it promises of
 // these.
-Built with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_points, const std::vector<HandMadePatch>& patches,
-                  const Sphere& root) {
-  Built built;
+CoveredTree with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_points,
+                        const std::vector<HandMadePatch>& patches, const Sphere& root) {
+  CoveredTree built;
   Cover& cover = built.cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
@@ -372,7 +372,7 @@ TEST(HullAllowance, what_is_left_out_stays_inside) {
     }
     const Vec3 middle = 0.34 * mesh.positions[0] + 0.33 * mesh.positions[1] + 0.33 * mesh.positions[2];
     patch.sphere.center = middle + 0.2 * random_vector(random);
-    const Built built = with_leaves(mesh, cuts, {patch}, {middle, 1});
+    const CoveredTree built = with_leaves(mesh, cuts, {patch}, {middle, 1});
     const Modes still{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)};
     const Body exact(mesh, built), modal(mesh, built, {.rules = {Rule::modal}, .modes = still});
     ASSERT_LE(excess_of(exact, mesh.positions), 0) << round;
@@ -450,7 +450,7 @@ TEST(ModalAllowance, pays_for_weights_that_do_not_add_up) {
   mesh.facets = {{0, 1, 2}};
   const double most = (1 - slack) * (1 - 0x1p-19), least = (1 - slack) * 0x1p-20;
   const std::vector<CutPoint> cuts{{{0, 1, 2}, {most, least, least}}};
-  Built built = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
+  CoveredTree built = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
   // One leaf for all three patches, so that the cut corner lies inside.
   const Sphere ball{{away + 1, away + 0.7, away + 1}, 2};
   SphereTree tree;

@@ -27,7 +27,7 @@ class TreeMaker {
     for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) cut(f);
   }
 
-  Built make() {
+  CoveredTree make() {
     std::vector<std::uint32_t> all(patches_.size());
     std::iota(all.begin(), all.end(), 0u);
     built_.tree.branching = static_cast<std::uint32_t>(how_.branching);
@@ -143,7 +143,7 @@ class TreeMaker {
   const Mesh& mesh_;
   HandMade how_;
   Random random_;
-  Built built_;
+  CoveredTree built_;
   std::vector<Patch> patches_;
 };
 
@@ -180,12 +180,12 @@ std::vector<Vec3> mapped(std::vector<Vec3> positions, const std::function<Vec3(c
 
 }  // namespace
 
-Built hand_made_tree(const Mesh& mesh, const HandMade& how) {
+CoveredTree hand_made_tree(const Mesh& mesh, const HandMade& how) {
   return TreeMaker(mesh, how).make();
 }
 
-Built root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<const Sphere> leaves) {
-  Built built;
+CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<const Sphere> leaves) {
+  CoveredTree built;
   built.tree.branching = static_cast<std::uint32_t>(std::max<std::size_t>(2, leaves.size()));
   built.tree.append_level({}, std::span(&root, 1));
   const std::uint32_t counts[]{static_cast<std::uint32_t>(leaves.size())};
@@ -217,7 +217,7 @@ const std::vector<Specimen>& specimens() {
   static const std::vector<Specimen> bodies = [] {
     std::vector<Specimen> made;
     const auto add = [&](const char* name, Mesh mesh, const HandMade& how) {
-      Built built = hand_made_tree(mesh, how);
+      CoveredTree built = hand_made_tree(mesh, how);
       made.push_back({name, std::move(mesh), std::move(built)});
     };
     add("ball", icosphere(3), {.depth = 2});

@@ -24,15 +24,15 @@ struct HandMade {
 };
 /// Patches halved by their middles along the longest side until there are enough children; spheres contain their
 /// regions.
-Built hand_made_tree(const Mesh& mesh, const HandMade& how = {});
+CoveredTree hand_made_tree(const Mesh& mesh, const HandMade& how = {});
 
 /// A tree of given spheres whose cover is not asked for: a root over leaves, whole facets dealt out in turn.
-Built root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<const Sphere> leaves);
+CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<const Sphere> leaves);
 
 struct Specimen {
   std::string name;
   Mesh mesh;
-  Built built;
+  CoveredTree built;
 };
 /// Ball, flat plate, bumpy ball with cut facets, soup of facets with unused vertices and facets without area, one
 /// facet.

@@ -20,7 +20,7 @@ const std::vector<Deformations> stresses{
     {Rotate{.degrees = 90}},
 };
 
-void expect_promises(const std::string& name, const Mesh& mesh, const Built& built) {
+void expect_promises(const std::string& name, const Mesh& mesh, const CoveredTree& built) {
   Body body(mesh, built);
   const std::uint64_t rest = body.hash();
   const std::vector<Spheref> rest_spheres(body.spheres().begin(), body.spheres().end());
@@ -72,7 +72,7 @@ TEST(BuiltTrees, exact_keeps_its_promises_on_meshes_of_every_kind) {
 // The reason for the rule: approach 2 lets go of surface that exact holds.
 TEST(BuiltTrees, approach2_uncovers_where_exact_does_not) {
   const Mesh mesh = sample_body("limb", 32);
-  const Built built = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
   Body paper(mesh, built, {.rules = {Rule::approach2}, .details = {}});
   const std::vector<Vec3> positions = deform(mesh, {Twist{.degrees = 180}}, 1.0);
   ASSERT_TRUE(paper.update(positions));

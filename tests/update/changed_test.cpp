@@ -55,7 +55,7 @@ TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
 
 TEST(ChangedRanges, cost_what_moved) {
   const Mesh as_made = sample_body("limb", 64);
-  const Built built_as_made = build(as_made, {.method = Method::octree, .depth = 3});
+  const CoveredTree built_as_made = build(as_made, {.method = Method::octree, .depth = 3});
   const std::vector<std::uint32_t> order = leaf_order(built_as_made);
   const Mesh mesh = renumbered(as_made, order);
   Body body(mesh, renumbered(built_as_made, mesh, order));
@@ -117,7 +117,7 @@ TEST(ChangedRanges, with_a_bad_vertex_keep_the_last_good_spheres_and_recover) {
   const VertexRange first{bad, bad + 1};
   const UpdateStatus status = body.update(positions, std::span(&first, 1));
   EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
-  EXPECT_EQ(status.first_bad_vertex, bad);
+  EXPECT_EQ(status.index, bad);
   EXPECT_EQ(body.hash(), rest);
   // The next one names other vertices only; the mended one is seen all the same.
   positions[bad] = b.mesh.positions[bad] + Vec3{0.1, 0, 0};

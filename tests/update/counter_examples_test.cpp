@@ -30,7 +30,7 @@ TEST(CounterExamples, approach1_leaf_measures_stretch_only_towards_vertices) {
   const double L = 2.0, r = 1.0, s = 1.3;
   const Mesh mesh = square(L / std::sqrt(2.0));
   const Sphere leaf{{0, 0, 0}, r};
-  const Built built = test::root_with_leaves(mesh, {{0, 0, 0}, 3}, std::span(&leaf, 1));
+  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 3}, std::span(&leaf, 1));
   Body body(mesh, built, only(Rule::approach1));
   std::vector<Vec3> positions;
   for (const Vec3& p : mesh.positions) positions.push_back({s * p.x, std::sqrt(2 - s * s) * p.y, 0});
@@ -45,7 +45,7 @@ TEST(CounterExamples, approach1_leaf_measures_stretch_only_towards_vertices) {
 TEST(CounterExamples, approach2_leaf_loses_an_enclosed_vertex) {
   const Mesh mesh{{{-1, 0, 0}, {0.2, 0, 0}, {0.2, 0, 0}}, {{0, 1, 2}}};
   const Sphere leaf{{0, 0, 0}, 0.3};
-  const Built built = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, std::span(&leaf, 1));
+  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, std::span(&leaf, 1));
   Body body(mesh, built, only(Rule::approach2));
   const std::vector<Vec3> positions{{-1, 0, 0}, {0.6, 0, 0}, {0.6, 0, 0}};
   ASSERT_TRUE(body.update(positions));
@@ -88,7 +88,7 @@ class StretchedSquare : public testing::Test {
 
   Mesh mesh_ = square(1.5);
   std::vector<Sphere> leaves_;
-  Built built_;
+  CoveredTree built_;
   std::vector<Vec3> positions_;
 };
 

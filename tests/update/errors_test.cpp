@@ -61,7 +61,7 @@ TEST(UpdateErrors, the_bad_vertex_of_an_indexed_view_is_a_vertex) {
   nodes[999 - 7].y = infinity;
   const UpdateStatus status = body.update(PositionView::indexed(nodes, index));
   EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
-  EXPECT_EQ(status.first_bad_vertex, 7u);
+  EXPECT_EQ(status.index, 7u);
 }
 
 TEST(UpdateErrors, the_lowest_bad_vertex_is_reported_whatever_the_workers) {
@@ -86,7 +86,7 @@ TEST(UpdateErrors, the_lowest_bad_vertex_is_reported_whatever_the_workers) {
             EXPECT_EQ(body.hash(), last_good) << b.name;
             // 1e30 is finite: when it moves the vertex that guides the origin, all others are too far away instead.
             if (bad != 1e30) {
-              EXPECT_EQ(status.first_bad_vertex, std::min(low[1], high[2])) << b.name;
+              EXPECT_EQ(status.index, std::min(low[1], high[2])) << b.name;
             }
           }
       ASSERT_TRUE(body.update(good));
@@ -106,7 +106,7 @@ TEST(UpdateErrors, float_positions_are_checked_as_well) {
     bad[v].z = std::numeric_limits<float>::infinity();
     const UpdateStatus status = body.update(bad);
     EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
-    EXPECT_EQ(status.first_bad_vertex, v);
+    EXPECT_EQ(status.index, v);
     EXPECT_EQ(body.hash(), last_good);
   }
 }
@@ -132,35 +132,37 @@ TEST(UpdateErrors, what_does_not_belong_together_is_refused) {
   const Specimen& b = specimens()[2];
   const auto refuse = [&](const auto& spoil, const char* what) {
     Mesh mesh = b.mesh;
-    Built built = b.built;
+    CoveredTree built = b.built;
     UpdateOptions options;
     spoil(mesh, built, options);
     EXPECT_THROW(Body(mesh, built, options), std::invalid_argument) << what;
   };
-  refuse([](Mesh&, Built&, UpdateOptions& o) { o.rules.clear(); }, "no rules");
-  refuse([](Mesh&, Built&, UpdateOptions& o) { o.details.distance_floor = -0.1; }, "negative floor");
-  refuse([](Mesh&, Built&, UpdateOptions& o) { o.details.distance_floor = nan; }, "floor not a number");
-  refuse([](Mesh& m, Built&, UpdateOptions&) { m.positions.push_back({}); }, "one vertex more");
-  refuse([](Mesh& m, Built&, UpdateOptions&) { m.facets.pop_back(); }, "one facet less");
-  refuse([](Mesh& m, Built&, UpdateOptions&) { m.facets.clear(); }, "no facets");
-  refuse([](Mesh& m, Built&, UpdateOptions&) { m.positions[3].x = nan; }, "bad rest position");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.report.mesh_hash = 12345; }, "another mesh's tree");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.tree = {}; }, "no tree");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.tree.spheres[4].radius = nan; }, "bad sphere");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.tree.spheres[4].radius = 1e20; }, "huge sphere");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.region_begin.pop_back(); }, "a region less");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.region_end.back() = t.cover.region_begin.back(); }, "no patch");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corners[5] = 0x7fffffff; }, "corner out of range");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin.back() += 1; }, "corners past the end");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin.clear(); }, "no corner offsets");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.patch_facet[3] = 0x7fffffff; }, "patch on no facet");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.corner_begin[1] = 2; }, "patch of two corners");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.region_end[1] = 0x7fffffff; }, "region beyond the patches");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 1e-11; }, "weights nearly 1");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].vertex[1] = 0x7fffffff; },
+  refuse([](Mesh&, CoveredTree&, UpdateOptions& o) { o.rules.clear(); }, "no rules");
+  refuse([](Mesh&, CoveredTree&, UpdateOptions& o) { o.details.distance_floor = -0.1; }, "negative floor");
+  refuse([](Mesh&, CoveredTree&, UpdateOptions& o) { o.details.distance_floor = nan; }, "floor not a number");
+  refuse([](Mesh& m, CoveredTree&, UpdateOptions&) { m.positions.push_back({}); }, "one vertex more");
+  refuse([](Mesh& m, CoveredTree&, UpdateOptions&) { m.facets.pop_back(); }, "one facet less");
+  refuse([](Mesh& m, CoveredTree&, UpdateOptions&) { m.facets.clear(); }, "no facets");
+  refuse([](Mesh& m, CoveredTree&, UpdateOptions&) { m.positions[3].x = nan; }, "bad rest position");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.report.mesh_hash = 12345; }, "another mesh's tree");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.tree = {}; }, "no tree");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.tree.spheres[4].radius = nan; }, "bad sphere");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.tree.spheres[4].radius = 1e20; }, "huge sphere");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.region_begin.pop_back(); }, "a region less");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.region_end.back() = t.cover.region_begin.back(); },
+         "no patch");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.corners[5] = 0x7fffffff; }, "corner out of range");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.corner_begin.back() += 1; }, "corners past the end");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.corner_begin.clear(); }, "no corner offsets");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.patch_facet[3] = 0x7fffffff; }, "patch on no facet");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.corner_begin[1] = 2; }, "patch of two corners");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.region_end[1] = 0x7fffffff; },
+         "region beyond the patches");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 1e-11; }, "weights nearly 1");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].vertex[1] = 0x7fffffff; },
          "cut point off the mesh");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 0.5; }, "weights not 1");
-  refuse([](Mesh&, Built& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] = nan; }, "weight not a number");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 0.5; }, "weights not 1");
+  refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] = nan; }, "weight not a number");
   EXPECT_NO_THROW(Body(b.mesh, b.built));
 }
 

@@ -27,7 +27,7 @@ Mesh with_positions(const Mesh& mesh, std::vector<Vec3> positions) {
 }
 
 // The tree of a mesh that was scaled and moved. Radii get what rounding of the new coordinates may take.
-Built scaled_and_moved(Built built, double factor, const Vec3& offset) {
+CoveredTree scaled_and_moved(CoveredTree built, double factor, const Vec3& offset) {
   for (Sphere& s : built.tree.spheres) {
     s.center = s.center * factor + offset;
     s.radius = rounded_up_radius(s.radius * factor, max_norm(s.center) + s.radius * factor);
@@ -128,7 +128,7 @@ TEST(Exact, covers_denormal_bodies_and_refuses_ones_that_overflow) {
   positions[17].y = 1e18;
   const UpdateStatus status = body.update(positions);
   EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
-  EXPECT_EQ(status.first_bad_vertex, 17u);
+  EXPECT_EQ(status.index, 17u);
   EXPECT_EQ(body.hash(), before);
   positions[17].y = 1e17;
   ASSERT_TRUE(body.update(positions));

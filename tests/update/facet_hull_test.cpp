@@ -165,7 +165,7 @@ TEST(FacetHull, small_steps_do_not_add_up) {
   }
 }
 
-std::vector<std::string> faults_of(const Mesh& mesh, const Built& built, double tolerance, bool spoil) {
+std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, double tolerance, bool spoil) {
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<std::uint8_t> all(order.leaves.size(), 1);
   Ownership owned = share_points(mesh, built.cover, order, all, tolerance);
@@ -185,9 +185,9 @@ TEST(Ownership, of_aligned_bodies_surrounds_every_corner_for_every_leaf_and_ance
   for (const test::NamedMesh& body : test::aligned_bodies())
     for (const Method method : {Method::octree, Method::grid, Method::spawn, Method::morula}) {
       const bool own = method == Method::morula;
-      const Built built = build(body.mesh, {.method = method,
-                                            .depth = method == Method::octree || method == Method::grid ? 2 : 1,
-                                            .quality = own ? Quality::draft : Quality::standard});
+      const CoveredTree built = build(body.mesh, {.method = method,
+                                                  .depth = method == Method::octree || method == Method::grid ? 2 : 1,
+                                                  .quality = own ? Quality::draft : Quality::standard});
       for (const double tolerance : {0.0, hull_tolerance}) {
         const auto faults = faults_of(body.mesh, built, tolerance, false);
         EXPECT_TRUE(faults.empty()) << body.name << ", " << name(method) << ": " << faults.front();

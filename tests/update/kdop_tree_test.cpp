@@ -24,8 +24,8 @@ using test::specimens;
 constexpr std::array all_k{6, 14, 18, 26};
 
 // Least and largest projection of a node's region, over all its corners, in double.
-std::pair<double, double> extent(const Built& built, std::uint32_t node, const Vec3& direction, const Vec3& origin,
-                                 const std::vector<Vec3>& positions) {
+std::pair<double, double> extent(const CoveredTree& built, std::uint32_t node, const Vec3& direction,
+                                 const Vec3& origin, const std::vector<Vec3>& positions) {
   double lower = std::numeric_limits<double>::infinity(), upper = -lower;
   for (const std::uint32_t c : built.cover.region_corners(node)) {
     const double on = dot(direction, corner_position(built.cover, c, positions) - origin);
@@ -139,7 +139,7 @@ TEST(KDopTree, bad_input_is_named_and_changes_nothing) {
   positions[7].z = std::numeric_limits<double>::quiet_NaN();
   const UpdateStatus status = dops.update(positions);
   EXPECT_EQ(status.code, UpdateStatus::Code::non_finite_position);
-  EXPECT_EQ(status.first_bad_vertex, 7u);
+  EXPECT_EQ(status.index, 7u);
   positions.pop_back();
   EXPECT_EQ(dops.update(positions).code, UpdateStatus::Code::wrong_vertex_count);
   EXPECT_EQ(dops.hash(), last_good);

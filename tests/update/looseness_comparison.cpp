@@ -14,7 +14,7 @@
 namespace morula::test {
 
 void expect_estimates_near_voxels(const std::string& name, const Mesh& mesh) {
-  const Built built = build(mesh, {.method = Method::morula, .depth = 3, .quality = Quality::fast});
+  const CoveredTree built = build(mesh, {.method = Method::morula, .depth = 3, .quality = Quality::fast});
   Body body(mesh, built);
   LoosenessEstimator estimator(mesh);
   const LoosenessMeter meter(mesh);

@@ -89,7 +89,7 @@ TEST(LoosenessEstimate, finds_coarse_levels_of_open_meshes_looser) {
 
 TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_between) {
   const Mesh mesh = sample_body("limb", 20);
-  const Built built = build(mesh, {.method = Method::grid, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 2});
   const Body body(mesh, built), other(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
   LoosenessEstimator estimator(mesh);
   std::vector<double> first(3), second(3), longer(5);

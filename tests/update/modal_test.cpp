@@ -120,7 +120,7 @@ TEST(Modal, bodies_far_from_the_origin_and_modes_of_any_size_are_covered) {
     for (const double unit : {1e-200, 1e-3, 1e4, 1e150}) {
       Mesh mesh = b.mesh;
       mesh.positions = test::translated(mesh.positions, {offset, -offset, 0.5 * offset});
-      const Built built = test::hand_made_tree(mesh, {.depth = 3, .cut_facets = true});
+      const CoveredTree built = test::hand_made_tree(mesh, {.depth = 3, .cut_facets = true});
       Modes modes = test::smooth_modes(b.mesh, 5);
       for (Vec3& u : modes.displacements) u *= unit;
       Body body(mesh, built, modal_options(modes));
@@ -263,7 +263,7 @@ TEST(Modal, bad_coordinates_are_reported_and_change_nothing) {
     const auto refuse = [&](const Coordinates& q, UpdateStatus::Code code, std::size_t first) {
       const UpdateStatus status = body.update_modal(q);
       EXPECT_EQ(status.code, code);
-      EXPECT_EQ(status.first_bad_coordinate, first);
+      EXPECT_EQ(status.index, first);
       EXPECT_EQ(status.nodes_updated, 0u);
       EXPECT_EQ(body.hash(), last_good);
     };

@@ -128,7 +128,7 @@ class PlainRules {
 
 }  // namespace
 
-RestFacts::RestFacts(const Mesh& rest_mesh, const Built& rest_built)
+RestFacts::RestFacts(const Mesh& rest_mesh, const CoveredTree& rest_built)
     : mesh(rest_mesh), built(rest_built), vertex_area(mesh.vertex_count()) {
   const SphereTree& tree = built.tree;
   children.resize(tree.node_count());
@@ -192,7 +192,8 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
   return result;
 }
 
-double owned_reach(const Built& built, std::uint32_t node, const Vec3& center, const std::vector<Vec3>& positions) {
+double owned_reach(const CoveredTree& built, std::uint32_t node, const Vec3& center,
+                   const std::vector<Vec3>& positions) {
   double reach = 0;
   for (const std::uint32_t c : built.cover.region_corners(node))
     reach = std::max(reach, distance(center, corner_position(built.cover, c, positions)));

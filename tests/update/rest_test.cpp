@@ -99,7 +99,7 @@ TEST(Rest, exact_starts_within_the_spheres_of_the_tree) {
 TEST(Rest, pure_translation_is_neutral) {
   Mesh mesh = specimens()[0].mesh;
   for (Vec3& p : mesh.positions) p = {std::round(64 * p.x), std::round(64 * p.y), std::round(64 * p.z)};
-  const Built built = test::hand_made_tree(mesh, {.depth = 2, .cut_facets = true});
+  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 2, .cut_facets = true});
   for (const UpdateOptions& options : all_options()) {
     Body body(mesh, built, options);
     const std::vector<Spheref> rest(body.spheres().begin(), body.spheres().end());
@@ -144,7 +144,7 @@ TEST(Rest, large_bodies_have_the_same_bits_for_any_number_of_workers) {
       mesh.facets.push_back({a, b, b + 1});
       mesh.facets.push_back({a, b + 1, a + 1});
     }
-  const Built built = test::hand_made_tree(mesh, {.depth = 4, .cut_facets = true});
+  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 4, .cut_facets = true});
   Body alone(mesh, built);
   Workers eight(8);
   Body together(mesh, built, {}, eight);
@@ -251,7 +251,7 @@ TEST(Rest, a_body_moves_as_a_value) {
 
 TEST(Body, copies_are_independent_and_share_the_model) {
   const Mesh mesh = sample_body("limb");
-  const auto built = std::make_shared<const Built>(build(mesh, {.method = Method::octree}));
+  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree}));
   Body body(mesh, built);
   EXPECT_EQ(&body.cover(), &built->cover) << "no copy";
   const std::vector<Vec3> bent = deform(mesh, {Bend{90}}, 1.0), twisted = deform(mesh, {Twist{90}}, 1.0);
@@ -278,7 +278,7 @@ TEST(Body, copies_are_independent_and_share_the_model) {
   EXPECT_EQ(second.hash(), alone.hash());
   body = second;
   EXPECT_EQ(body.hash(), alone.hash());
-  EXPECT_THROW(Body(mesh, std::shared_ptr<const Built>()), std::invalid_argument);
+  EXPECT_THROW(Body(mesh, std::shared_ptr<const CoveredTree>()), std::invalid_argument);
 }
 
 }  // namespace

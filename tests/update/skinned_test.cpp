@@ -3,6 +3,8 @@
 // The rule `skinned`: equations worked by hand, exactness where blending is exact, and what it refuses to promise.
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/rigid_transform.hpp>
@@ -81,6 +83,10 @@ Vec3 blended(const Skin& skin, std::size_t v, const Vec3& p, const Transforms& t
   return {static_cast<double>(sum[0]), static_cast<double>(sum[1]), static_cast<double>(sum[2])};
 }
 
+bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
 TEST(Skin, positions_are_those_of_linear_blending) {
   Workers three(3);
   for (const Specimen& b : specimens()) {
@@ -89,11 +95,17 @@ TEST(Skin, positions_are_those_of_linear_blending) {
     std::vector<Vec3> one(b.mesh.vertex_count()), other(b.mesh.vertex_count());
     move_by_skin(skin, b.mesh.positions, transforms, one);
     move_by_skin(skin, b.mesh.positions, transforms, other, three);
-    EXPECT_EQ(one, other) << b.name;
+    EXPECT_TRUE(same_bits(one, other)) << b.name;
     for (std::size_t v = 0; v < one.size(); ++v)
-      EXPECT_LE(distance(one[v], blended(skin, v, b.mesh.positions[v], transforms)), 1e-13) << b.name << ' ' << v;
+      if (is_finite(b.mesh.positions[v])) {  // those that no facet uses may be anything
+        EXPECT_LE(distance(one[v], blended(skin, v, b.mesh.positions[v], transforms)), 1e-13) << b.name << ' ' << v;
+      }
     move_by_skin(skin, b.mesh.positions, Transforms(5), one);
-    EXPECT_EQ(one, b.mesh.positions) << b.name;
+    for (std::size_t v = 0; v < one.size(); ++v) {
+      if (is_finite(b.mesh.positions[v])) {
+        EXPECT_EQ(one[v], b.mesh.positions[v]) << b.name << ' ' << v;
+      }
+    }
   }
 }
 
@@ -254,10 +266,10 @@ TEST(Skinned, bad_input_is_named_and_changes_nothing) {
     transforms[1].translation.y = bad;
     const UpdateStatus status = body.update_skinned(transforms);
     EXPECT_EQ(status.code, Code::bad_transform) << bad;
-    EXPECT_EQ(status.first_bad_transform, 1u) << bad;
+    EXPECT_EQ(status.index, 1u) << bad;
     transforms = good;
     transforms[2].columns[0].z = bad;
-    EXPECT_EQ(body.update_skinned(transforms).first_bad_transform, 2u) << bad;
+    EXPECT_EQ(body.update_skinned(transforms).index, 2u) << bad;
   }
   EXPECT_FALSE(body.is_current());
   EXPECT_EQ(body.hash(), last_good);

@@ -89,7 +89,7 @@ struct Seconds {
   double read, build, check, report, write;
 };
 
-Json json_report(const Options& o, const Mesh& mesh, const Built& built, const Certificate& certificate,
+Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, const Certificate& certificate,
                  const std::vector<LevelFigures>& figures, const Seconds& seconds, const Workers& workers) {
   Json json{{"mesh", o.mesh},
             {"vertices", mesh.vertex_count()},
@@ -120,8 +120,8 @@ Json json_report(const Options& o, const Mesh& mesh, const Built& built, const C
   return json;
 }
 
-void print_report(const Options& o, const Mesh& mesh, const Built& built, const std::vector<LevelFigures>& figures,
-                  const Seconds& s, const Workers& workers) {
+void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
+                  const std::vector<LevelFigures>& figures, const Seconds& s, const Workers& workers) {
   fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
   if (o.flat()) {
     fmt::print("flat set      {}, sticking out by at most {}\n", counted(built.tree.leaf_count(), "sphere"),
@@ -148,7 +148,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   const Mesh mesh = read_mesh(o.mesh);
   seconds.read = watch.lap();
   options.stop = interrupt.token();
-  const Built built = [&] {
+  const CoveredTree built = [&] {
     Progress progress(fmt::format("building {}", o.method));
     options.progress = [&](const BuildProgress& now) {
       const std::string last = o.flat() ? "" : fmt::format(" of {}", o.depth);

@@ -55,7 +55,7 @@ std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tre
   return levels;
 }
 
-std::string build_table(const Built& built, const std::vector<LevelFigures>& figures) {
+std::string build_table(const CoveredTree& built, const std::vector<LevelFigures>& figures) {
   std::vector<std::string> header{"level", "nodes", "leaves", "largest radius", "mean radius"};
   if (!figures.empty()) header.insert(header.end(), {"spheres", "looseness", "protrusion", "mean"});
   header.emplace_back("seconds");
@@ -78,7 +78,7 @@ std::string build_table(const Built& built, const std::vector<LevelFigures>& fig
   return table.text();
 }
 
-Json build_levels_json(const Built& built, const std::vector<LevelFigures>& figures) {
+Json build_levels_json(const CoveredTree& built, const std::vector<LevelFigures>& figures) {
   Json levels = level_json(built.tree);
   for (std::size_t level = 0; level < levels.size(); ++level) {
     if (!figures.empty()) {

@@ -40,8 +40,9 @@ Side::Side(const SideFiles& files, const std::vector<Rule>& rules, const std::st
     : files_(files), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
   const RigidTransform placement = parse_placement(files);
   if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
-  Built built = files.tree.empty() ? build(mesh_, {.quality = Quality::fast}, workers)
-                                   : read_built(files.tree, mesh_, parse_sph_origin(sph_origin, &mesh_), workers);
+  CoveredTree built = files.tree.empty()
+                          ? build(mesh_, {.quality = Quality::fast}, workers)
+                          : read_covered_tree(files.tree, mesh_, parse_sph_origin(sph_origin, &mesh_), workers);
   if (rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
                                  files.mesh, built.tree.level_count() - 1));
@@ -63,7 +64,7 @@ void Side::move_to(std::size_t frame, Workers& workers) {
   positions_ = motion_->frame(frame);
   if (const UpdateStatus status = body_->update(positions_, workers); !status) {
     throw UsageError(fmt::format("{}: vertex {} is not finite, or too far away for single precision; mend it",
-                                 motion_->frame_name(frame), status.first_bad_vertex));
+                                 motion_->frame_name(frame), status.index));
   }
   collider_->set_positions(positions_);
   frame_ = frame;

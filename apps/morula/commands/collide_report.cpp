@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 #include <morula/io/csv.hpp>
+#include <morula/parallel/stopwatch.hpp>
 
 #include "shared/figures.hpp"
 #include "shared/files.hpp"

@@ -62,7 +62,7 @@ int convert_tree(const Options& o) {
                   nullptr);
   }
   if (file.cover && !mesh) {
-    write_tree(o.output, Built{std::move(file.tree), std::move(*file.cover), std::move(file.report)});
+    write_tree(o.output, CoveredTree{std::move(file.tree), std::move(*file.cover), std::move(file.report)});
     return report(o, fmt::format("{}: copied with its cover", o.output), nullptr);
   }
   if (!mesh) {
@@ -70,7 +70,7 @@ int convert_tree(const Options& o) {
         "{} has spheres alone, and a .morula file proves that they cover a mesh: add --mesh MESH", o.input));
   }
   Workers workers = make_workers(o.threads);
-  const Built built = read_built(o.input, *mesh, reading, workers);
+  const CoveredTree built = read_covered_tree(o.input, *mesh, reading, workers);
   write_tree(o.output, built);
   return report(o,
                 fmt::format("{}: {}, {}", o.output, counted(built.tree.node_count(), "sphere"),

@@ -82,9 +82,9 @@ int deform_command(const Options& o, const CLI::App& command) {
   const std::string ending = "." + o.extension;
   std::vector<std::string> written;
   std::set<std::string> read;
-  for (const MeshFileKind& kind : mesh_file_kinds()) {
-    read.emplace(kind.extension);
-    if (kind.is_written) written.emplace_back(kind.extension.substr(1));
+  for (const MeshFileKind& format : mesh_file_kinds()) {
+    read.emplace(format.extension);
+    if (format.is_written) written.emplace_back(format.extension.substr(1));
   }
   check_name("format", o.extension, written);
   const bool is_npy = kind == FileKind::motion;

@@ -85,7 +85,7 @@ void write_bodies(const Demo& demo, const std::filesystem::path& folder) {
   for (const study::NamedMesh& body : plan.bodies) write_mesh(folder / (body.name + ".obj"), body.mesh);
   for (const study::TreeFigures& tree : demo.result.trees) {
     const auto& [body, mesh] = demo.body(tree);
-    const Built& built = demo.result.built[tree.source];
+    const CoveredTree& built = demo.result.built[tree.source];
     write_tree(folder / fmt::format("{}-{}.morula", body, demo.method(tree)), built);
     if (plan.sources[tree.source].generator != Method::morula) continue;
     for (std::size_t m = 0; m < plan.motions.size(); ++m) {

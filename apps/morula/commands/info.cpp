@@ -99,8 +99,8 @@ int mesh_info(const Options& o) {
 std::vector<std::string> check_tree(const Options& o, const TreeFile& file, const std::optional<Mesh>& mesh) {
   std::vector<std::string> faults = validate(file.tree);
   if (!faults.empty() || !file.cover || !mesh) return faults;
-  if (file.report.mesh_hash != mesh_hash(*mesh)) read_built(o.file, *mesh);  // says so
-  return validate(*mesh, Built{file.tree, *file.cover, file.report});
+  if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // says so
+  return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report});
 }
 
 void print_tree(const Options& o, const TreeFile& file) {
@@ -153,7 +153,7 @@ int tree_info(const Options& o) {
   const TreeFile file = read_tree(o.file, reading);
   const std::vector<std::string> faults = o.check ? check_tree(o, file, mesh) : std::vector<std::string>{};
   // A bare tree proves nothing: what a cover would cost says how far it is from covering.
-  std::optional<Built> repaired;
+  std::optional<CoveredTree> repaired;
   if (o.check && faults.empty() && mesh && !file.cover) {
     Workers workers = make_workers(o.threads);
     repaired = cover(*mesh, file.tree, workers);

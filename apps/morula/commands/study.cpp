@@ -167,7 +167,7 @@ study::Plan make_plan(const Options& o) {
   }
   const std::vector<std::string> rules =
       o.rules.empty()
-          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "refitted", "fresh"}
+          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "rebuilt", "fresh"}
           : o.rules;
   require_once("--rules", rules);
   for (const std::string& rule : rules) {

@@ -52,31 +52,6 @@ struct Outcome {
   std::vector<MeasuredFrame> measured;  // with --measure
 };
 
-std::string why_refused(const UpdateStatus& status) {
-  switch (status.code) {
-    case UpdateStatus::Code::wrong_vertex_count:
-      return "its vertex count is not the mesh's";
-    case UpdateStatus::Code::non_finite_position:
-      return fmt::format("vertex {} is not finite, or too far away for single precision", status.first_bad_vertex);
-    case UpdateStatus::Code::bad_coordinate:
-      return fmt::format("coordinate {} is not finite, or moves the body too far for single precision",
-                         status.first_bad_coordinate);
-    case UpdateStatus::Code::bad_transform:
-      return fmt::format("the transform of bone {} is not finite, or moves the body too far for single precision",
-                         status.first_bad_transform);
-    case UpdateStatus::Code::bad_range:
-    case UpdateStatus::Code::needs_coordinates:
-    case UpdateStatus::Code::needs_transforms:
-    case UpdateStatus::Code::no_modes:
-    case UpdateStatus::Code::no_skin:
-    case UpdateStatus::Code::wrong_coordinate_count:
-    case UpdateStatus::Code::wrong_transform_count:
-    case UpdateStatus::Code::ok:
-      break;
-  }
-  return "unknown reason";
-}
-
 /// One lattice for all frames and levels, so that their figures compare.
 MeasureOptions measure_options(const Mesh& rest) {
   MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
@@ -106,7 +81,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
     outcome.last = frames.update(body, workers);
     outcome.microseconds.push_back(1e6 * watch.lap());
     if (!outcome.last) {
-      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), why_refused(outcome.last)));
+      throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), message(outcome.last)));
     }
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
     if (o.measure) {
@@ -119,7 +94,8 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
   return outcome;
 }
 
-Json outcome_json(const Options& o, const Built& built, const Body& body, const Outcome& outcome, unsigned threads) {
+Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+                  unsigned threads) {
   const double typical = median(outcome.microseconds);
   const BindReport& bind = body.bind_report();
   Json json{{"mesh", o.mesh},
@@ -172,7 +148,7 @@ std::string covering_rules() {
   return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
-void print_text(const Options& o, const Built& built, const Body& body, const Outcome& outcome,
+void print_text(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
                 const SphereOutput& output, unsigned threads) {
   const std::vector<Rule>& rules = body.options().rules;
   const std::size_t levels = body.rest_tree().level_count();
@@ -229,7 +205,7 @@ int update_command(const Options& given) {
   require_sphere_output(
       o.output, format, frames.count(),
       {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin, o.files.transforms});
-  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   if (options.rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
                                  options.rules.size() - 1, o.tree, built.tree.level_count() - 1));

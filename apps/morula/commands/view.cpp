@@ -76,7 +76,7 @@ std::string read_study(const std::string& path) {
   return text;
 }
 
-void print_result(const Options& o, const PageContent& content, const Built& built, std::size_t bytes) {
+void print_result(const Options& o, const PageContent& content, const CoveredTree& built, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
   for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
@@ -116,7 +116,7 @@ int view_command(const Options& o) {
   PageContent content;
   content.study = read_study(o.study);
   const Mesh mesh = read_mesh(o.mesh);
-  const Built built = read_built(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].size() > built.tree.level_count()) {
       throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],

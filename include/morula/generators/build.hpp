@@ -103,6 +103,6 @@ class BuildStopped : public std::runtime_error {
 /// level. Same bits for any number of workers, unless a time limit ends it. Cost: near-linear in facets × levels.
 /// Throws std::invalid_argument for unusable meshes (require_usable, require_usable_scale) and options out of range,
 /// before any work; BuildStopped.
-Built build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
+CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
 
 }  // namespace morula

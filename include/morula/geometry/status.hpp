@@ -19,11 +19,15 @@ struct Status {
     wrong_vertex_count,
     non_finite_position,     ///< `index`: the lowest such vertex
     bad_range,               ///< of vertices: ends before it begins, or behind the last one
-    needs_coordinates,       ///< positions given to a body with a level of the rule `modal`
+    needs_coordinates,       ///< positions or transforms given to a body with a level of the rule `modal`
     no_modes,                ///< coordinates given to a body without modes
     wrong_coordinate_count,  ///< not one per mode
-    bad_coordinate,  ///< not finite, or so large that the body leaves the range of float; `index`: the lowest not
-                     ///< finite, or the one that moves most
+    bad_coordinate,    ///< not finite, or so large that the body leaves the range of float; `index`: the lowest not
+                       ///< finite, or the one that moves most
+    needs_transforms,  ///< positions or coordinates given to a body with a level of the rule `skinned`
+    no_skin,           ///< transforms given to a body without a skin
+    wrong_transform_count,  ///< not one per bone
+    bad_transform,  ///< not finite, or so large that the body leaves the range of float; `index`: the lowest bone
     // Bodies that are asked
     body_not_current,       ///< the last update was refused: the spheres are those of an older frame
     body_not_complete,      ///< a lazy update has left nodes behind, and there is no CollideOptions::reach
@@ -33,8 +37,8 @@ struct Status {
     // Questions
     bad_option,  ///< not a number, negative where it must not be, or a vertex that is none
     bad_shape,   ///< a plane, sphere, capsule, ray or point that is not finite, of negative radius, without direction,
-                ///< or 2^200 or more away
-    bad_level,  ///< both trees of a pair have fewer levels
+                 ///< or 2^200 or more away
+    bad_level,   ///< both trees of a pair have fewer levels
     // Fronts
     no_front,         ///< nothing was started
     other_bodies,     ///< the front is of another number of bodies, or of another ownership
@@ -46,7 +50,7 @@ struct Status {
   Code code = Code::ok;
   std::uint8_t body = 0;                ///< which one: 0 for a or the only one, 1 for b
   std::optional<std::uint32_t> pair{};  ///< of bodies, where a query has several
-  std::size_t index = 0;                ///< of a vertex or a coordinate
+  std::size_t index = 0;                ///< of a vertex, a coordinate or a bone
 
   explicit operator bool() const { return code == Code::ok; }
   bool operator==(const Status&) const = default;

@@ -31,12 +31,12 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
 
 /// A tree with a cover for this mesh: a native file's own when it was built for exactly this mesh (else FileError), or
 /// cover(mesh, tree) for a bare tree, with report.growth filled in.
-Built read_built(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options = {},
-                 Workers& workers = serial_workers());
+CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options = {},
+                              Workers& workers = serial_workers());
 
 /// Writes .morula (bits round-trip), .sph (spheres in mesh coordinates; refused above ten million slots) or .json.
 /// Written whole or not at all.
-void write_tree(const std::filesystem::path& path, const Built& built);
+void write_tree(const std::filesystem::path& path, const CoveredTree& built);
 /// Spheres alone: .sph or .json.
 void write_tree(const std::filesystem::path& path, const SphereTree& tree);
 

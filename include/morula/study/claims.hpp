@@ -22,13 +22,13 @@ enum class ClaimOrigin : std::uint8_t { paper, ours };
 std::string_view name(ClaimOrigin origin);
 
 struct Claim {
-  std::string id;  ///< stable: "exact-covers"
+  std::string id{};  ///< stable: "exact-covers"
   ClaimOrigin origin = ClaimOrigin::ours;
-  std::string claim;  ///< a sentence
+  std::string claim{};  ///< a sentence
   Verdict verdict = Verdict::untested;
-  std::string numbers;               ///< what the verdict rests on, in words
-  std::vector<std::string> figures;  ///< ids of those that show it
-  bool timed = false;                ///< rests on times, which differ from run to run
+  std::string numbers{};               ///< what the verdict rests on, in words
+  std::vector<std::string> figures{};  ///< ids of those that show it
+  bool timed = false;                  ///< rests on times, which differ from run to run
 };
 
 /// Of one body. cost: of the first one, or nullptr.

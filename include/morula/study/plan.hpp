@@ -21,10 +21,10 @@ struct NamedMesh {
   Mesh mesh;
 };
 
-/// A rule on all levels; or `exact` with re-fitting; or a tree built anew at sampled poses, which no update can be
+/// A rule on all levels; or `exact` with rebuilding; or a tree built anew at sampled poses, which no update can be
 /// expected to beat.
 struct RuleKey {
-  enum class Kind : std::uint8_t { update, refitted, fresh };
+  enum class Kind : std::uint8_t { update, rebuilt, fresh };
   Kind kind = Kind::update;
   Rule rule = Rule::exact;  ///< of `update`
 
@@ -34,14 +34,14 @@ struct RuleKey {
     return kind == other.kind && (kind != Kind::update || rule == other.rule);
   }
 };
-inline constexpr RuleKey::Kind refitted = RuleKey::Kind::refitted;
+inline constexpr RuleKey::Kind rebuilt = RuleKey::Kind::rebuilt;
 inline constexpr RuleKey::Kind fresh = RuleKey::Kind::fresh;
 
-/// "approach1", "refitted", "fresh".
+/// "approach1", "rebuilt", "fresh".
 std::string name(const RuleKey& key);
 /// "Approach 1", as the paper writes it; our own rules by name.
 std::string title(const RuleKey& key);
-/// All rules that follow positions, `refitted`, `fresh`.
+/// All rules that follow positions, `rebuilt`, `fresh`.
 std::vector<RuleKey> all_rule_keys();
 std::optional<RuleKey> rule_key_from_name(std::string_view name);
 
@@ -101,16 +101,16 @@ struct Measures {
 };
 
 struct Plan {
-  std::vector<NamedMesh> bodies;
-  std::vector<Source> sources;  ///< those of the first body first
-  std::vector<Deformations> motions;
-  std::vector<FollowRule> rules;
-  std::vector<FollowRule> mixes;       ///< on the first source and all motions
-  std::size_t samples = 13;            ///< of each motion, from rest to the full amount
-  bool and_back = false;               ///< and back to rest again: frame_parameters()
-  std::vector<std::size_t> measured;   ///< samples that are measured; none: all
-  std::vector<std::size_t> of_levels;  ///< levels that are measured; none: the last two, as in the paper
-  Measures measures;
+  std::vector<NamedMesh> bodies{};
+  std::vector<Source> sources{};  ///< those of the first body first
+  std::vector<Deformations> motions{};
+  std::vector<FollowRule> rules{};
+  std::vector<FollowRule> mixes{};       ///< on the first source and all motions
+  std::size_t samples = 13;              ///< of each motion, from rest to the full amount
+  bool and_back = false;                 ///< and back to rest again: frame_parameters()
+  std::vector<std::size_t> measured{};   ///< samples that are measured; none: all
+  std::vector<std::size_t> of_levels{};  ///< levels that are measured; none: the last two, as in the paper
+  Measures measures{};
   int resolution = 192;  ///< of the paper's grid; of the fixed lattice, per diagonal at rest
   int branching = 8;
   int depth = 3;
@@ -120,12 +120,12 @@ struct Plan {
   ErrorUnit unit = ErrorUnit::volume;
   std::size_t needle_sides = 64;  ///< of a prism of long thin triangles, for void spheres; 0: none
   int cost_repeats = 9;
-  std::vector<Source> press_sources;                              ///< beside `sources`: trees that are only pressed
-  std::vector<FollowRule> press_rules;                            ///< of kind `update`; none: nothing is pressed
+  std::vector<Source> press_sources{};                            ///< beside `sources`: trees that are only pressed
+  std::vector<FollowRule> press_rules{};                          ///< of kind `update`; none: nothing is pressed
   std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};     ///< shares of the diagonal at rest
   std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< pair tests
   Deformations press_pose{Bend{45.0, Axis::automatic}};
-  SphOrigin sph_origin;
+  SphOrigin sph_origin{};
   bool keep_trees = false;  ///< of all bodies, not of the first alone
 
   /// 0 at rest, 1 at the full amount; one per sample.

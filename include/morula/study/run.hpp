@@ -41,7 +41,7 @@ struct Result {
   std::vector<PressCell> presses;    ///< ascending by body
   std::vector<PressScene> scenes;    ///< of the presses, one per body that is pressed
   std::vector<Skipped> skipped;
-  std::vector<Built> built;          ///< one per source; empty but for the first body's, unless the plan keeps them
+  std::vector<CoveredTree> built;    ///< one per source; empty but for the first body's, unless the plan keeps them
   std::size_t taken_from_cache = 0;  ///< cells that were there already
 
   std::size_t cell_count() const { return cells.size() + mixes.size() + presses.size(); }
@@ -60,8 +60,8 @@ using Progress = std::function<void(double share, std::string what)>;
 
 struct RunOptions {
   const Cache* cache = nullptr;  ///< nullptr: nothing is kept
-  std::stop_token stop;
-  Progress progress;  ///< or none
+  std::stop_token stop{};
+  Progress progress{};  ///< or none
 };
 
 /// The same figures for any number of workers, and however often the study was interrupted; times differ.
@@ -70,7 +70,7 @@ struct RunOptions {
 Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
 /// Nodes per level, and how many of them are void.
-std::vector<TreeLevel> tree_levels(const Mesh& mesh, const Built& built);
+std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& built);
 
 /// Which of the first body's trees stands for it in pictures and costs: the medial one, else the first.
 std::size_t shown_tree(const Plan& plan);

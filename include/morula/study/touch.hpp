@@ -49,6 +49,6 @@ struct Touch {
 };
 
 /// built: a tree of the mesh.
-Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const Built& built);
+Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& built);
 
 }  // namespace morula::study

@@ -75,7 +75,7 @@ struct BuildReport {
 };
 
 /// A tree with its proof.
-struct Built {
+struct CoveredTree {
   SphereTree tree;
   Cover cover;
   BuildReport report;
@@ -89,7 +89,7 @@ struct Built {
 /// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
-Built cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct Certificate {
   bool covered = true;
@@ -113,6 +113,6 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. Empty: all hold.
-std::vector<std::string> validate(const MeshView& mesh, const Built& built);
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built);
 
 }  // namespace morula

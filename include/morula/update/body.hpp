@@ -5,39 +5,28 @@
 
 #include <memory>
 #include <morula/geometry/positions.hpp>
+#include <morula/geometry/status.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/update/rules.hpp>
 
 namespace morula {
 
-struct UpdateStatus {
-  enum class Code : std::uint8_t {
-    ok,
-    wrong_vertex_count,
-    non_finite_position,
-    bad_range,               ///< of vertices: ends before it begins, or behind the last one
-    needs_coordinates,       ///< positions or transforms given to a body with a level of the rule `modal`
-    no_modes,                ///< coordinates given to a body without modes
-    wrong_coordinate_count,  ///< not one per mode
-    bad_coordinate,          ///< not finite, or so large that the body leaves the range of float
-    needs_transforms,        ///< positions or coordinates given to a body with a level of the rule `skinned`
-    no_skin,                 ///< transforms given to a body without a skin
-    wrong_transform_count,   ///< not one per bone
-    bad_transform,           ///< not finite, or so large that the body leaves the range of float
-  };
-  Code code = Code::ok;
-  std::size_t first_bad_vertex = 0;      ///< of non_finite_position: the lowest
-  std::size_t first_bad_coordinate = 0;  ///< of bad_coordinate: the lowest not finite, or the one that moves most
-  std::size_t first_bad_transform = 0;   ///< of bad_transform: the lowest bone whose transform is one
-  // Work done, the same on every run; all 0 when nothing was changed.
+/// Refused, or the work done: the same on every run; all 0 when nothing was changed.
+struct UpdateStatus : Status {
   std::size_t nodes_updated = 0;
   std::size_t vertices_read = 0;  ///< 0 when no level looks at points
   std::size_t cut_points_moved = 0;
   std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
-
-  explicit operator bool() const { return code == Code::ok; }
 };
+
+/// A status of a fault. index: of the vertex, coordinate or bone it is about.
+inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
+  UpdateStatus status;
+  status.code = code;
+  status.index = index;
+  return status;
+}
 
 /// Degenerate cases met when the body was made.
 struct BindReport {
@@ -63,10 +52,10 @@ class Body {
   /// centre reach 2^57 (1.4e17): their squares would leave the range of float. The centre itself may be as far as 2^100
   /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
   /// cannot tell.
-  Body(const Mesh& mesh, const Built& built, UpdateOptions options = {}, Workers& workers = serial_workers());
-  Body(const Mesh& mesh, Built&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
-  Body(const Mesh& mesh, std::shared_ptr<const Built> built, UpdateOptions options = {},
+  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options = {},
        Workers& workers = serial_workers());
   ~Body();
   /// Another body of the same model in the same pose, independent from now on; tree and cover are shared. Making one

@@ -11,7 +11,7 @@ namespace {
 
 // The square root of what a leaf takes in, by area. A part that needs κ / n with n spheres and one that needs λ / m do
 // best together when n to m is as √κ to √λ: roots are what is shared out evenly.
-std::vector<float> leaf_demands(const FitInput& input, const Built& built, std::span<const std::uint32_t> leaves,
+std::vector<float> leaf_demands(const FitInput& input, const CoveredTree& built, std::span<const std::uint32_t> leaves,
                                 Workers& workers) {
   std::vector<float> demands(leaves.size());
   workers.run(leaves.size(), [&](std::size_t i) {
@@ -43,7 +43,7 @@ struct Leaves {
 
 }  // namespace
 
-Demand demand_from(const FitInput& input, const Built& first, Workers& workers) {
+Demand demand_from(const FitInput& input, const CoveredTree& first, Workers& workers) {
   const std::size_t last = first.tree.level_count() - 1;
   const auto leaves = std::make_shared<const Leaves>(level_set_spheres(first.tree, last),
                                                      leaf_demands(input, first, level_set(first.tree, last), workers));

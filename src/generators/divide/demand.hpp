@@ -8,9 +8,9 @@
 namespace morula {
 
 /// Method morula at its fastest.
-Built fast_tree(const FitInput& input, const BuildRun& run, Workers& workers);
+CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& workers);
 
 /// Demand of surface points, from the leaves of such a tree. Borrows nothing.
-Demand demand_from(const FitInput& input, const Built& first, Workers& workers);
+Demand demand_from(const FitInput& input, const CoveredTree& first, Workers& workers);
 
 }  // namespace morula

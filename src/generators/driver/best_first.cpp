@@ -26,7 +26,7 @@ class BestFirst {
         too_small_(smallest_radius(run)),
         wanted_(leaves_wanted(run)) {}
 
-  Built operator()(const Box& root_cell) {
+  CoveredTree operator()(const Box& root_cell) {
     run_.tell(0, 0);
     report_ = new_report(mesh_, run_);
     BuildNode root = root_node(mesh_, run_, root_cell);
@@ -142,9 +142,9 @@ class BestFirst {
   }
 
   // The tree, level by level.
-  Built finish() {
+  CoveredTree finish() {
     run_.throw_if_stopped();
-    Built built;
+    CoveredTree built;
     built.tree.branching = report_.branching;
     std::vector<Region> regions;
     std::vector<std::uint32_t> level{0};
@@ -231,8 +231,8 @@ class BestFirst {
 
 }  // namespace
 
-Built best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
-                 const SignedDistance& shape, Workers& workers) {
+CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                       const SignedDistance& shape, Workers& workers) {
   return BestFirst(mesh, run, divide, shape, workers)(root_cell);
 }
 

@@ -30,7 +30,7 @@ class Winners {
 };
 
 /// Worst leaf first, for options.spheres and options.max_protrusion.
-Built best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
-                 const SignedDistance& shape, Workers& workers);
+CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                       const SignedDistance& shape, Workers& workers);
 
 }  // namespace morula

@@ -70,15 +70,15 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
 
 }  // namespace
 
-Built top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide, Workers& workers,
-               const SignedDistance* shape, const LevelHook& new_level) {
+CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                     Workers& workers, const SignedDistance* shape, const LevelHook& new_level) {
   run.throw_if_stopped();
   if (run.spheres > 0 || run.max_protrusion > 0) {
     if (shape) return best_first(mesh, run, root_cell, divide, *shape, workers);
     return best_first(mesh, run, root_cell, divide, SignedDistance(mesh, workers), workers);
   }
   run.tell(0, 0);
-  Built built;
+  CoveredTree built;
   BuildReport& report = built.report = new_report(mesh, run);
   built.tree.branching = report.branching;
 

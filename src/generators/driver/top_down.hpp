@@ -40,16 +40,16 @@ using LevelHook = std::function<void(std::vector<BuildNode>&)>;
 
 /// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
 /// shape: of the mesh, borrowed, where the generator has it anyway.
-Built top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide, Workers& workers,
-               const SignedDistance* shape = nullptr, const LevelHook& new_level = {});
+CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+                     Workers& workers, const SignedDistance* shape = nullptr, const LevelHook& new_level = {});
 
 /// The generators: what divides a node, with whatever they need to know about the mesh.
-Built build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
-Built build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
 
 }  // namespace morula

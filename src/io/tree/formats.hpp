@@ -10,9 +10,9 @@
 
 namespace morula {
 
-/// What read_tree and read_built make of a file with these bytes; the path says the format by its extension.
+/// What read_tree and read_covered_tree make of a file with these bytes; the path says the format by its extension.
 TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options);
-Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers);
+CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers);
 
 /// Readers check everything that they use; the trees that they return have passed validate(). path is for messages.
 SphereTree read_sph(const std::filesystem::path& path, std::string_view text, const Vec3& origin);
@@ -22,7 +22,7 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes);
 /// Trees and covers must be valid. Throws FileError, for which path is, when the format cannot hold the tree.
 std::string sph_text(const std::filesystem::path& path, const SphereTree& tree);
 std::string json_tree_text(const SphereTree& tree);
-std::string native_bytes(const Built& built);
+std::string native_bytes(const CoveredTree& built);
 
 /// FileError with the first of validate()'s findings, if there are any.
 void require_valid(const std::filesystem::path& path, const SphereTree& tree);

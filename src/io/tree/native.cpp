@@ -166,7 +166,7 @@ Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const nlohmann
 
 }  // namespace
 
-std::string native_bytes(const Built& built) {
+std::string native_bytes(const CoveredTree& built) {
   const Cover& cover = built.cover;
   ArrayWriter arrays;
   std::vector<double> numbers;

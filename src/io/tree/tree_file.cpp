@@ -49,13 +49,13 @@ TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes
   return file;
 }
 
-Built read_built(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options,
-                 Workers& workers) {
+CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options,
+                              Workers& workers) {
   require_usable(mesh);
   return built_of_file(path, read_tree(path, options), mesh, workers);
 }
 
-Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers) {
+CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers) {
   if (!file.cover) {
     require_usable_scale(mesh);
     try {
@@ -71,14 +71,14 @@ Built built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh
                     " vertices and " + std::to_string(file.cover->facet_count) + " facets there, " +
                     std::to_string(mesh.vertex_count()) + " and " + std::to_string(mesh.facet_count()) +
                     " here); give the mesh it was built for, or build it again");
-  Built built{std::move(file.tree), std::move(*file.cover), std::move(file.report)};
+  CoveredTree built{std::move(file.tree), std::move(*file.cover), std::move(file.report)};
   if (const auto faults = validate(mesh, built); !faults.empty())
     throw FileError(path.string() + ": " + faults.front() +
                     "; the file was not written by this library, build it again");
   return built;
 }
 
-void write_tree(const std::filesystem::path& path, const Built& built) {
+void write_tree(const std::filesystem::path& path, const CoveredTree& built) {
   if (lower_extension(path) != ".morula") return write_tree(path, built.tree);
   require_writable(built.tree);
   if (const auto faults = validate(built.tree, built.cover); !faults.empty())

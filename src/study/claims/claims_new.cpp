@@ -52,7 +52,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
     }
     claims.push_back(std::move(claim));
   }
-  for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(refitted)}) {
+  for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
     const Bare found = bare_of(evidence, rule);
     Claim claim{name(rule) + "-covers",
                 ClaimOrigin::ours,
@@ -174,13 +174,13 @@ std::vector<Claim> new_claims(const Evidence& evidence) {
                                 {"fig2a", "fig2b"}},
                                Rule::exact, Rule::approach1, 1, false, evidence.levels()));
   claims.push_back(ratio_claim(evidence,
-                               {"refitted-near-floor",
+                               {"rebuilt-near-floor",
                                 ClaimOrigin::ours,
-                                "Re-fitted, exact is at most twice as loose as a fresh tree at the full amount",
+                                "Rebuilt, exact is at most twice as loose as a fresh tree at the full amount",
                                 Verdict::untested,
                                 "",
                                 {"fig2a", "fig2b"}},
-                               refitted, fresh, 2, true, evidence.levels()));
+                               rebuilt, fresh, 2, true, evidence.levels()));
   claims.push_back(void_claim(evidence));
   return claims;
 }

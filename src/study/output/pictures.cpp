@@ -17,7 +17,7 @@ namespace {
 /// The colour of a curve: the same for one rule, or one generator, in all plots.
 int color_of(const std::string& series) {
   static const std::vector<std::pair<std::string, int>> colors{
-      {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, re-fitted", 5},
+      {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, rebuilt", 5},
       {"fresh build", 7}, {"exact", 2},      {"medial", 0},      {"grid", 2},     {"hubbard", 1},
       {"spawn", 3},       {"morula", 7},     {"octree", 4}};
   for (const auto& [begin, color] : colors)
@@ -66,7 +66,7 @@ std::vector<Column> make_columns(const Plan& plan, const Result& result) {
   std::vector<MovedFrames> motions = move_frames(plan, 0, plan.motions, end, nullptr);
   std::reverse(motions.begin(), motions.end());
   motions.push_back({0, "at rest", {body.mesh.positions}});
-  const Built& built = result.built[shown_tree(plan)];
+  const CoveredTree& built = result.built[shown_tree(plan)];
   Body second(body.mesh, built, {.rules = {Rule::approach2}, .details = {}, .modes = {}});
   Body exact(body.mesh, built, {.rules = {Rule::exact}, .details = {}, .modes = {}});
   std::vector<Column> columns;

@@ -86,7 +86,7 @@ Table floor_table(const Plan& plan, const Result& result) {
               fmt::format("{} ({}); ratios to the fresh tree of the same generator.", error_label(plan.unit),
                           error_unit(plan.unit)),
               false,
-              {"body", "method", "motion", "level", "fresh", "exact", "over fresh", "re-fitted", "over fresh"},
+              {"body", "method", "motion", "level", "fresh", "exact", "over fresh", "rebuilt", "over fresh"},
               {}};
   const std::size_t last = plan.samples - 1;
   for (const Cell& cell : result.cells) {
@@ -100,13 +100,13 @@ Table floor_table(const Plan& plan, const Result& result) {
       };
       const std::optional<double> fresh = error_of(study::fresh);
       const std::optional<double> exact = error_of(Rule::exact);
-      const std::optional<double> refitted = error_of(study::refitted);
+      const std::optional<double> rebuilt = error_of(study::rebuilt);
       const auto over = [&](const std::optional<double>& value) {
         return value && fresh && *fresh > 0 ? TableValue(*value / *fresh) : TableValue();
       };
       table.rows.push_back({plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
                             describe_all(plan.motions[cell.key.motion]), level, value_of(fresh), value_of(exact),
-                            over(exact), value_of(refitted), over(refitted)});
+                            over(exact), value_of(rebuilt), over(rebuilt)});
     }
   }
   return table;

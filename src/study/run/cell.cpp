@@ -6,7 +6,7 @@
 #include <morula/parallel/stopwatch.hpp>
 #include <morula/study/numbers.hpp>
 #include <morula/update/body.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <morula/update/rule_levels.hpp>
 #include <stdexcept>
 
@@ -25,7 +25,7 @@ class Follower {
 
 class UpdatedTree final : public Follower {
  public:
-  UpdatedTree(const Mesh& mesh, const Built& built, const UpdateOptions& options) : body_(mesh, built, options) {}
+  UpdatedTree(const Mesh& mesh, const CoveredTree& built, const UpdateOptions& options) : body_(mesh, built, options) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     return body_.current_tree();
@@ -41,10 +41,10 @@ class UpdatedTree final : public Follower {
 };
 
 /// On the caller's thread, so that every run gives the same bits.
-class RefittedTree final : public Follower {
+class RebuiltTree final : public Follower {
  public:
-  RefittedTree(const Mesh& mesh, const Built& built)
-      : body_(mesh, built, {.check_every = 1, .thread = RefitThread::caller, .executor = {}}) {}
+  RebuiltTree(const Mesh& mesh, const CoveredTree& built)
+      : body_(mesh, built, {.check_every = 1, .thread = RebuildThread::caller, .executor = {}}) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     return body_.body().current_tree();
@@ -52,12 +52,12 @@ class RefittedTree final : public Follower {
   std::optional<std::uint64_t> hash() const override { return body_.body().hash(); }
 
  private:
-  RefittedBody body_;
+  RebuiltBody body_;
 };
 
 class FreshTree final : public Follower {
  public:
-  FreshTree(const Mesh& mesh, const Built& built, BuildOptions options)
+  FreshTree(const Mesh& mesh, const CoveredTree& built, BuildOptions options)
       : mesh_(mesh), rest_(built.tree), options_(std::move(options)) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (positions == mesh_.positions) return rest_;
@@ -71,12 +71,12 @@ class FreshTree final : public Follower {
   BuildOptions options_;
 };
 
-std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const Built& built,
+std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& built,
                                         const FollowRule& rule, const std::stop_token& stop) {
   const Mesh& mesh = plan.bodies[source.body].mesh;
   switch (rule.kind) {
-    case refitted:
-      return std::make_unique<RefittedTree>(mesh, built);
+    case rebuilt:
+      return std::make_unique<RebuiltTree>(mesh, built);
     case fresh: {
       BuildOptions options{.method = source.generator.value(),
                            .branching = plan.branching,
@@ -150,8 +150,8 @@ std::optional<Looseness> loose_from(const Json& json) {
 
 }  // namespace
 
-Cell run_cell(const Plan& plan, const CellKey& key, const Built& built, const Poses& poses, const FollowRule& rule,
-              bool with_protrusion, const std::stop_token& stop) {
+Cell run_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
+              const FollowRule& rule, bool with_protrusion, const std::stop_token& stop) {
   const Source& source = plan.sources[key.source];
   const Mesh& rest = plan.bodies[source.body].mesh;
   Cell cell;
@@ -184,7 +184,7 @@ Cell run_cell(const Plan& plan, const CellKey& key, const Built& built, const Po
   return cell;
 }
 
-std::optional<double> time_cell(const Plan& plan, const CellKey& key, const Built& built, const Poses& poses,
+std::optional<double> time_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
                                 const FollowRule& rule) {
   if (rule.kind != RuleKey::Kind::update) return std::nullopt;
   Body body(plan.body_of(key.source).mesh, built, rule.options);

@@ -21,11 +21,11 @@ struct Poses {
 };
 
 /// Throws BuildStopped when the stop is requested.
-Cell run_cell(const Plan& plan, const CellKey& key, const Built& built, const Poses& poses, const FollowRule& rule,
-              bool with_protrusion, const std::stop_token& stop);
+Cell run_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
+              const FollowRule& rule, bool with_protrusion, const std::stop_token& stop);
 
 /// Seconds of one update of the cell's body; nothing of rules that are no plain update.
-std::optional<double> time_cell(const Plan& plan, const CellKey& key, const Built& built, const Poses& poses,
+std::optional<double> time_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
                                 const FollowRule& rule);
 
 /// All that was measured.

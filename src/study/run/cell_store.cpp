@@ -50,18 +50,19 @@ void store(const Cache* cache, const std::string& stem, const Json& settings, co
               json_text({{"settings", settings}, {"result", result}}, -1) + "\n");
 }
 
-std::optional<Built> find_tree(const Cache* cache, const std::string& stem, const Json& settings, const Mesh& mesh) {
+std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem, const Json& settings,
+                                     const Mesh& mesh) {
   if (cache == nullptr) return std::nullopt;
   const std::filesystem::path file = path_of(*cache, stem, settings, ".morula");
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   try {
-    return read_built(file, mesh);
+    return read_covered_tree(file, mesh);
   } catch (const FileError&) {
     return std::nullopt;
   }
 }
 
-void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const Built& built) {
+void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& built) {
   if (cache != nullptr) write_tree(path_of(*cache, stem, settings, ".morula"), built);
 }
 

@@ -22,7 +22,8 @@ std::optional<Json> find(const Cache* cache, const std::string& stem, const Json
 /// Written whole or not at all.
 void store(const Cache* cache, const std::string& stem, const Json& settings, const Json& result);
 
-std::optional<Built> find_tree(const Cache* cache, const std::string& stem, const Json& settings, const Mesh& mesh);
-void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const Built& built);
+std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem, const Json& settings,
+                                     const Mesh& mesh);
+void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& built);
 
 }  // namespace morula::study

@@ -73,7 +73,7 @@ const UpdateCost* Cost::find(std::string_view name) const {
 Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   const NamedMesh& body = plan.bodies.front();
   const std::size_t chosen = shown_tree(plan);
-  const Built& built = result.built[chosen];
+  const CoveredTree& built = result.built[chosen];
   Cost cost{chosen, body.mesh.vertex_count(), {}, {}, {}};
   Json settings{{"morula", version},
                 {"mesh", hash_text(mesh_hash(body.mesh))},
@@ -97,7 +97,7 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   }
   cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, built, 6), poses, plan.cost_repeats));
   cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, built, 18), poses, plan.cost_repeats));
-  const Built& first = result.built.front();  // what the mixes are run on
+  const CoveredTree& first = result.built.front();  // what the mixes are run on
   for (const FollowRule& mix : plan.mixes)
     cost.mixes.push_back(time_updates(mix.name, Body(body.mesh, first, mix.options), poses, plan.cost_repeats));
   store(cache, stem, settings, costs_json(cost));

@@ -11,8 +11,8 @@ namespace morula::study {
 
 std::string name(const RuleKey& key) {
   switch (key.kind) {
-    case refitted:
-      return "refitted";
+    case rebuilt:
+      return "rebuilt";
     case fresh:
       return "fresh";
     case RuleKey::Kind::update:
@@ -24,14 +24,14 @@ std::string name(const RuleKey& key) {
 std::string title(const RuleKey& key) {
   if (key == Rule::approach1) return "Approach 1";
   if (key == Rule::approach2) return "Approach 2";
-  if (key == refitted) return "exact, re-fitted";
+  if (key == rebuilt) return "exact, rebuilt";
   if (key == fresh) return "fresh build";
   return name(key);
 }
 
 std::vector<RuleKey> all_rule_keys() {
   std::vector<RuleKey> keys(position_rules().begin(), position_rules().end());
-  keys.emplace_back(refitted);
+  keys.emplace_back(rebuilt);
   keys.emplace_back(fresh);
   return keys;
 }

@@ -175,8 +175,8 @@ std::vector<PressQuery> press_queries(const Plan& plan) {
   return queries;
 }
 
-PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const Built& built, const PressScene& scene,
-                    const std::stop_token& stop) {
+PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& built,
+                    const PressScene& scene, const std::stop_token& stop) {
   PressCell cell{source, rule, {}};
   const Mesh& mesh = plan.bodies[scene.body].mesh;
   Body moving(mesh, built, plan.press_rules[rule].options);  // one for both sides: they are in the same pose

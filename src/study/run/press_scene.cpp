@@ -34,7 +34,7 @@ constexpr std::array axes{Axis::x, Axis::y, Axis::z};
 /// The body and its copy, which moves.
 class Pair {
  public:
-  Pair(const Mesh& mesh, const Built& built, const std::vector<Vec3>& positions)
+  Pair(const Mesh& mesh, const CoveredTree& built, const std::vector<Vec3>& positions)
       : body_(mesh, built, {.rules = {Rule::exact}, .details = {}, .modes = {}}), a_(mesh, body_), b_(mesh, body_) {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     a_.set_positions(positions);
@@ -141,7 +141,7 @@ std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box
 
 }  // namespace
 
-std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const Built& built,
+std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const CoveredTree& built,
                                      std::vector<Skipped>& skipped) {
   const auto& [name_of_body, mesh] = plan.bodies[body];
   if (!inspect(mesh).has_volume()) {

@@ -78,7 +78,7 @@ const Cell* Result::find(const CellKey& key) const {
   return at != cells.end() && at->key == key ? &*at : nullptr;
 }
 
-std::vector<TreeLevel> tree_levels(const Mesh& mesh, const Built& built) {
+std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& built) {
   std::vector<bool> used(mesh.vertex_count(), false);
   for (const Facet& facet : mesh.facets)
     for (const std::uint32_t vertex : facet) used[vertex] = true;

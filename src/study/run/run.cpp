@@ -53,7 +53,7 @@ Json rule_json(const FollowRule& rule) {
   return {{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
 }
 
-Json cell_settings(const Plan& plan, const Source& source, const Built& built, const std::string& motion,
+Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& built, const std::string& motion,
                    const FollowRule& rule, bool with_protrusion) {
   Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
   json["tree"] = hash_text(tree_hash(built.tree));
@@ -69,7 +69,7 @@ Json cell_settings(const Plan& plan, const Source& source, const Built& built, c
   return json;
 }
 
-Json press_settings(const Plan& plan, const Source& source, const Built& built, const FollowRule& rule) {
+Json press_settings(const Plan& plan, const Source& source, const CoveredTree& built, const FollowRule& rule) {
   Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
   json["tree"] = hash_text(tree_hash(built.tree));
   json["press"] = describe_all(plan.press_pose);
@@ -106,21 +106,21 @@ struct Context {
   }
 };
 
-Built make_tree(const Context& c, const NamedMesh& body, const Source& source, Workers& workers) {
+CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& source, Workers& workers) {
   const Plan& plan = c.plan;
   if (!source.generator)
-    return read_built(source.file, body.mesh, {.sph_origin = plan.sph_origin.of(body.mesh)}, workers);
+    return read_covered_tree(source.file, body.mesh, {.sph_origin = plan.sph_origin.of(body.mesh)}, workers);
   const std::string stem = fmt::format("{}-{}", body.name, source.method);
   const Json settings = tree_settings(plan, body.mesh, source.method);
-  if (std::optional<Built> stored = find_tree(c.cache, stem, settings, body.mesh)) return std::move(*stored);
-  Built built = build(body.mesh,
-                      {.method = *source.generator,
-                       .branching = plan.branching,
-                       .depth = plan.depth,
-                       .seed = plan.seed,
-                       .stop = c.stop,
-                       .progress = {}},
-                      workers);
+  if (std::optional<CoveredTree> stored = find_tree(c.cache, stem, settings, body.mesh)) return std::move(*stored);
+  CoveredTree built = build(body.mesh,
+                            {.method = *source.generator,
+                             .branching = plan.branching,
+                             .depth = plan.depth,
+                             .seed = plan.seed,
+                             .stop = c.stop,
+                             .progress = {}},
+                            workers);
   store_tree(c.cache, stem, settings, built);
   return built;
 }
@@ -206,7 +206,7 @@ class BodyRun {
       const std::size_t m = i / plan.mixes.size(), r = i % plan.mixes.size();
       tasks.push_back({{sources_[0], poses_[m].motion.motion, r}, 0, m, &plan.mixes[r], false, &mixes[i]});
     }
-    // The longest first: builds, then re-fitting.
+    // The longest first: builds, then rebuilding.
     std::stable_sort(tasks.begin(), tasks.end(),
                      [](const CellTask& a, const CellTask& b) { return a.rule->kind > b.rule->kind; });
     c_.workers.run(tasks.size(), [&](std::size_t i) { run_task(tasks[i]); });
@@ -225,7 +225,7 @@ class BodyRun {
     if (c_.stop.stop_requested()) throw BuildStopped();
     const Poses& poses = poses_[task.motion];
     const Source& of = source(task.source);
-    const Built& built = trees_[task.source];
+    const CoveredTree& built = trees_[task.source];
     c_.counter.next(fmt::format("{} {} {} {}", body().name, of.method, poses.motion.name, task.rule->name));
     *task.result = c_.cached(
         fmt::format("{}-{}-{}-{}", body().name, of.method, poses.motion.name, task.rule->name),
@@ -246,7 +246,7 @@ class BodyRun {
     std::vector<std::size_t> pressed = sources_;
     for (std::size_t s = 0; s < plan.press_sources.size(); ++s)
       if (plan.press_sources[s].body == body_) pressed.push_back(plan.sources.size() + s);
-    std::vector<Built> others(pressed.size() - sources_.size());
+    std::vector<CoveredTree> others(pressed.size() - sources_.size());
     c_.workers.run(others.size(), [&](std::size_t i) {
       others[i] = make_tree(c_, body(), plan.pressed(pressed[sources_.size() + i]), serial_workers());
     });
@@ -254,14 +254,14 @@ class BodyRun {
     std::vector<PressCell> cells(pressed.size() * rules);
     c_.workers.run(cells.size(), [&](std::size_t i) {
       const std::size_t s = i / rules;
-      const Built& built = s < sources_.size() ? trees_[s] : others[s - sources_.size()];
+      const CoveredTree& built = s < sources_.size() ? trees_[s] : others[s - sources_.size()];
       cells[i] = press(*scene, pressed[s], i % rules, built);
     });
     for (PressCell& cell : cells) c_.result.presses.push_back(std::move(cell));
     c_.result.scenes.push_back(std::move(*scene));
   }
 
-  PressCell press(const PressScene& scene, std::size_t source, std::size_t rule, const Built& built) const {
+  PressCell press(const PressScene& scene, std::size_t source, std::size_t rule, const CoveredTree& built) const {
     if (c_.stop.stop_requested()) throw BuildStopped();
     const std::string& method = c_.plan.pressed(source).method;
     const FollowRule& follow = c_.plan.press_rules[rule];
@@ -278,7 +278,7 @@ class BodyRun {
   const Context& c_;
   std::size_t body_;
   std::vector<std::size_t> sources_;  // in the plan
-  std::vector<Built> trees_;
+  std::vector<CoveredTree> trees_;
   std::vector<Poses> poses_;
 };
 
@@ -291,7 +291,7 @@ void run_needles(const Context& c) {
   c.workers.run(sources.size(), [&](std::size_t i) {
     const Source& source = c.plan.sources[sources[i]];
     c.counter.next(fmt::format("building {} {}", prism.name, source.method));
-    const Built built = make_tree(c, prism, source, serial_workers());
+    const CoveredTree built = make_tree(c, prism, source, serial_workers());
     c.result.needles[i] = {sources[i], tree_levels(prism.mesh, built), 0};
   });
 }

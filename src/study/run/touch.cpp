@@ -18,7 +18,7 @@ namespace {
 /// One copy: where its motion and its place have taken it.
 class TouchingBody {
  public:
-  TouchingBody(const Mesh& mesh, const Built& built, const TouchSide& side)
+  TouchingBody(const Mesh& mesh, const CoveredTree& built, const TouchSide& side)
       : mesh_(mesh), body_(mesh, built), collider_(mesh, body_), motion_(side.motion) {
     collider_.place(side.placement);
   }
@@ -83,7 +83,7 @@ std::size_t Touch::crossing_count() const {
   return std::accumulate(crossings.begin(), crossings.end(), std::size_t{0});
 }
 
-Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const Built& built) {
+Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& built) {
   const double diagonal = bounding_box(mesh).diagonal();
   const auto frames = static_cast<double>(plan.frames);
   TouchingBody a(mesh, built, plan.a);

@@ -128,7 +128,7 @@ struct KDopTree::State {
   }
 };
 
-KDopTree::KDopTree(const Mesh& mesh, const Built& built, int k, Workers& workers) {
+KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& built, int k, Workers& workers) {
   const StandardFloats standard;
   require_known(k);
   require_belonging(mesh, built);
@@ -153,10 +153,9 @@ KDopTree& KDopTree::operator=(KDopTree&&) noexcept = default;
 UpdateStatus KDopTree::update(const PositionView& positions, Workers& workers) noexcept {
   const StandardFloats standard;
   State& s = *state_;
-  if (positions.size() != s.mesh_vertex_count) return {.code = UpdateStatus::Code::wrong_vertex_count};
+  if (positions.size() != s.mesh_vertex_count) return refused(Status::Code::wrong_vertex_count);
   const LocalPoints::Frame frame = s.local.move(positions, workers);
-  if (!frame.finite)
-    return {.code = UpdateStatus::Code::non_finite_position, .first_bad_vertex = frame.first_bad_vertex};
+  if (!frame.finite) return refused(Status::Code::non_finite_position, frame.first_bad_vertex);
   s.write_bounds(frame, workers);
   return s.work;
 }

@@ -91,7 +91,7 @@ bool is_on_edge(const CutPoint& c) {
   return std::count(c.weight.begin(), c.weight.end(), 0.0) > 0;
 }
 
-void require_belonging(const Mesh& mesh, const Built& built) {
+void require_belonging(const Mesh& mesh, const CoveredTree& built) {
   require_usable(mesh);
   if (const auto faults = validate(built.tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());

@@ -81,7 +81,7 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
-  Built built = build(snapshot_, build_, one);
+  CoveredTree built = build(snapshot_, build_, one);
   if (build_.stop.stop_requested()) throw BuildStopped();
   auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, std::move(built), {}, one), std::vector<double>(levels_)});
   estimator_.pose(snapshot_.positions);
@@ -91,7 +91,7 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
 
 #ifdef MORULA_THREADS
 
-struct RebuildThread::State {
+struct OwnThread::State {
   std::mutex mutex;
   std::condition_variable_any wake;
   std::shared_ptr<RebuildJob> waiting;
@@ -108,11 +108,11 @@ struct RebuildThread::State {
   }
 };
 
-RebuildThread::RebuildThread() : state_(std::make_unique<State>()) {
+OwnThread::OwnThread() : state_(std::make_unique<State>()) {
   state_->thread = std::jthread([s = state_.get()](const std::stop_token& quit) { s->serve(quit); });
 }
 
-void RebuildThread::run(std::shared_ptr<RebuildJob> job) {
+void OwnThread::run(std::shared_ptr<RebuildJob> job) {
   {
     const std::lock_guard lock(state_->mutex);
     state_->waiting = std::move(job);
@@ -122,14 +122,14 @@ void RebuildThread::run(std::shared_ptr<RebuildJob> job) {
 
 #else
 
-struct RebuildThread::State {};
-RebuildThread::RebuildThread() {
-  throw std::invalid_argument("refit: no background thread in a library built without threads");
+struct OwnThread::State {};
+OwnThread::OwnThread() {
+  throw std::invalid_argument("rebuild: no background thread in a library built without threads");
 }
-void RebuildThread::run(std::shared_ptr<RebuildJob>) {}
+void OwnThread::run(std::shared_ptr<RebuildJob>) {}
 
 #endif
 
-RebuildThread::~RebuildThread() = default;
+OwnThread::~OwnThread() = default;
 
 }  // namespace morula

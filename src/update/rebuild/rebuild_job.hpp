@@ -68,10 +68,10 @@ class RebuildJob {
 };
 
 /// A thread that waits for jobs; none where the library is built without threads.
-class RebuildThread {
+class OwnThread {
  public:
-  RebuildThread();
-  ~RebuildThread();
+  OwnThread();
+  ~OwnThread();
   void run(std::shared_ptr<RebuildJob> job);
 
  private:

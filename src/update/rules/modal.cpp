@@ -74,7 +74,7 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalMotion::ModalMotion(const Mesh& mesh, const Built& built, const Modes& modes,
+ModalMotion::ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
                          std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
@@ -123,7 +123,7 @@ ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept 
 ModalRule::ModalRule(const Binding& binding)
     : mode_count_(binding.options.modes.mode_count), slot_(binding.built.tree.node_count(), no_node) {
   const Mesh& mesh = binding.mesh;
-  const Built& built = binding.built;
+  const CoveredTree& built = binding.built;
   const SphereTree& tree = built.tree;
   const UpdateOptions& options = binding.options;
   for (std::size_t level = 0; level < tree.level_count(); ++level)

@@ -45,7 +45,7 @@ void require_skin(const Skin& skin, const Mesh& mesh) {
   }
 }
 
-SkinMotion::SkinMotion(const Mesh& mesh, const Built& built, const Skin& skin,
+SkinMotion::SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& skin,
                        std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];

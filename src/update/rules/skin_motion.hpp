@@ -38,7 +38,7 @@ struct BonePose {
 class SkinMotion {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  SkinMotion(const Mesh& mesh, const Built& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
+  SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
              const Vec3& rest_origin, double size);
 
   /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,

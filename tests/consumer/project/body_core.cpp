@@ -10,7 +10,7 @@
 
 int main() {
   const morula::Mesh mesh = morula::sample_body("bar", 8);
-  const morula::Built built = morula::build(mesh, {.depth = 2});
+  const morula::CoveredTree built = morula::build(mesh, {.depth = 2});
   morula::Body body(mesh, built);
 
   const std::vector<morula::Vec3> bent = morula::deform(mesh, {morula::Bend{60}}, 1.0);

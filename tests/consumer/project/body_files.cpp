@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const morula::Mesh mesh = morula::read_mesh(argv[1]);
-  const morula::Built built = morula::build(mesh, {.branching = 8, .depth = 2});
+  const morula::CoveredTree built = morula::build(mesh, {.branching = 8, .depth = 2});
   morula::Body body(mesh, built);
 
   morula::Mesh moved = mesh;

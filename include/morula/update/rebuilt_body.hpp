@@ -15,13 +15,13 @@
 namespace morula {
 
 /// Runs rebuilds: our own thread, the calling one, or the host's.
-enum class RefitThread : std::uint8_t {
+enum class RebuildThread : std::uint8_t {
   background,  ///< a thread that the body owns
   caller,      ///< inside update(), which then takes as long as a build: the same bits on every run
-  host,        ///< RefitOptions::executor
+  host,        ///< RebuildOptions::executor
 };
 
-struct RefitOptions {
+struct RebuildOptions {
   // How to rebuild; branching and depth are those of the home tree.
   Method method = Method::morula;
   Quality quality = Quality::draft;       ///< for Method::morula, while the body moves
@@ -33,7 +33,7 @@ struct RefitOptions {
   double growth = 1.25;
   /// Frames between estimates; at least 1.
   int check_every = 4;
-  /// Not 0: a rebuild every so many frames, whatever the looseness. With RefitThread::caller, fixed frames.
+  /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.
   int rebuild_every = 0;
   /// Another ownership is taken over when it is better by at least this share, by the sum over levels of looseness over
   /// looseness at home; below 1. Very negative: always, for tests.
@@ -42,19 +42,19 @@ struct RefitOptions {
   /// `look_ahead_frames` apart, straight on or turning as it did; 0: never.
   int look_ahead_frames = 1;
   /// At most this share of wall time goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
-  /// RefitThread::caller.
+  /// RebuildThread::caller.
   double processor_share = 1.0;
 
-  RefitThread thread = RefitThread::background;
-  /// For RefitThread::host: must run the job once, on any thread, at any time. A job that is late, or never run, costs
-  /// tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
+  RebuildThread thread = RebuildThread::background;
+  /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
+  /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
   std::function<void(std::function<void()> job)> executor{};
 
   std::size_t sample_count = LoosenessEstimator::default_samples;
 };
 
 /// What has happened so far.
-struct RefitReport {
+struct RebuildReport {
   std::size_t checks = 0;          ///< estimates made
   std::size_t started = 0;         ///< rebuilds
   std::size_t finished = 0;        ///< of these, to the end
@@ -70,7 +70,7 @@ struct RefitReport {
   std::vector<double> looseness, looseness_at_build;
 };
 
-struct RefitStatus {
+struct RebuildStatus {
   UpdateStatus update;   ///< of the spheres that are current now
   bool swapped = false;  ///< body() is another one than before: nodes have other numbers
   explicit operator bool() const { return static_cast<bool>(update); }
@@ -82,22 +82,23 @@ struct RefitStatus {
 ///
 /// At rest exactly, the home ownership serves: the spheres are then those of rest bit for bit, whatever came before.
 /// Memory: mesh, and up to three bodies.
-class RefittedBody {
+class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
-  /// an executor, and RefitThread::background in a library built without threads.
-  RefittedBody(const Mesh& mesh, const Built& built, RefitOptions options = {}, Workers& workers = serial_workers());
+  /// an executor, and RebuildThread::background in a library built without threads.
+  RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options = {},
+              Workers& workers = serial_workers());
   /// Stops a rebuild and waits for our own thread: at most as long as one node of a build, or the making of a Body.
-  ~RefittedBody();
-  RefittedBody(RefittedBody&&) noexcept;
-  RefittedBody& operator=(RefittedBody&&) noexcept;
+  ~RebuiltBody();
+  RebuiltBody(RebuiltBody&&) noexcept;
+  RebuiltBody& operator=(RebuiltBody&&) noexcept;
 
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
   /// No allocation, except in frames where a rebuild starts or its result comes in. Cost beyond Body::update: an
   /// estimate every `check_every` frames, a copy of the positions when a rebuild starts, up to two updates and three
   /// estimates when it ends.
-  RefitStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
+  RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.
   const Body& body() const;
@@ -105,8 +106,8 @@ class RefittedBody {
   std::uint64_t epoch() const;
   bool is_home() const;
   bool is_rebuilding() const;
-  const RefitReport& report() const;
-  const RefitOptions& options() const;
+  const RebuildReport& report() const;
+  const RebuildOptions& options() const;
 
  private:
   struct State;

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenario refit: one second of motion at 60 frames a second and one of rest at its end, with rebuilds on a second core
-// as they come; leaf looseness beside a fresh build's at the same pose, and beside approach 2, which may leave surface
-// bare.
+// Scenario rebuild: one second of motion at 60 frames a second and one of rest at its end, with rebuilds on a second
+// core as they come; leaf looseness beside a fresh build's at the same pose, and beside approach 2, which may leave
+// surface bare.
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/deform/deformation.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 
 #include "paced_thread.hpp"
 #include "resources.hpp"
@@ -51,7 +51,7 @@ struct Frame {
 
 class Comparison {
  public:
-  Comparison(const Input& input, const Built& home, const BuildOptions& build_options, const Settings& settings)
+  Comparison(const Input& input, const CoveredTree& home, const BuildOptions& build_options, const Settings& settings)
       : input_(input),
         build_(build_options),
         meter_(input.mesh),
@@ -109,18 +109,18 @@ class Comparison {
   Workers& workers_;
 };
 
-Result refit_over(const NamedMotion& motion, const Input& input, const Built& home, const BuildOptions& build_options,
-                  const Settings& settings) {
-  Result result{.scenario = "refit", .item = motion.name, .mesh = input.name};
+Result rebuilt_over(const NamedMotion& motion, const Input& input, const CoveredTree& home,
+                    const BuildOptions& build_options, const Settings& settings) {
+  Result result{.scenario = "rebuild", .item = motion.name, .mesh = input.name};
   std::vector<Frame> compared;  // afterwards: the second core must not gain from what takes long here
   PacedThread second_core;
   std::size_t started_at = 0, frame = 0;
-  RefitOptions options{.thread = RefitThread::host};
+  RebuildOptions options{.thread = RebuildThread::host};
   options.executor = [&](const std::function<void()>& job) {
     started_at = frame;
     second_core.run(job);
   };
-  RefittedBody body(input.mesh, home, options, *settings.workers);
+  RebuiltBody body(input.mesh, home, options, *settings.workers);
   const std::vector<Vec3f> rest = frame_at(input.mesh, motion.deformation, 0);
   body.update(rest, *settings.workers);
   const std::uint64_t rest_hash = body.body().hash();
@@ -130,7 +130,7 @@ Result refit_over(const NamedMotion& motion, const Input& input, const Built& ho
   for (frame = 1; frame <= frame_count; ++frame) {
     const std::vector<Vec3f> positions = frame_at(input.mesh, motion.deformation, frame);
     if (body.is_rebuilding()) second_core.wait_for(static_cast<double>(frame - started_at) / frames_per_second);
-    RefitStatus status;
+    RebuildStatus status;
     const double before = thread_seconds();
     status = body.update(positions, *settings.workers);
     result.seconds.push_back(thread_seconds() - before);
@@ -145,15 +145,15 @@ Result refit_over(const NamedMotion& motion, const Input& input, const Built& ho
   result.expect(body.body().hash() == rest_hash, "back at rest the spheres are not those of rest");
 
   Comparison(input, home, build_options, settings).report(compared, result);
-  const RefitReport& report = body.report();
+  const RebuildReport& report = body.report();
   result.figures.push_back({"rebuilds", static_cast<double>(report.finished)});
   result.figures.push_back({"swaps", static_cast<double>(report.swapped)});
   result.figures.push_back({"rebuild frames", static_cast<double>(report.rebuild_frames)});
   return result;
 }
 
-Result estimate_cost(const Input& input, const Built& home, const Settings& settings) {
-  Result result{.scenario = "refit", .item = "estimate", .mesh = input.name};
+Result estimate_cost(const Input& input, const CoveredTree& home, const Settings& settings) {
+  Result result{.scenario = "rebuild", .item = "estimate", .mesh = input.name};
   const Body body(input.mesh, home, {}, *settings.workers);
   LoosenessEstimator estimator(input.mesh);
   std::vector<double> looseness(home.tree.level_count()), again(looseness.size());
@@ -169,8 +169,8 @@ Result estimate_cost(const Input& input, const Built& home, const Settings& sett
   return result;
 }
 
-Result epoch_cost(const Input& input, const Built& home, const Settings& settings) {
-  Result result{.scenario = "refit", .item = "epoch", .mesh = input.name};
+Result epoch_cost(const Input& input, const CoveredTree& home, const Settings& settings) {
+  Result result{.scenario = "rebuild", .item = "epoch", .mesh = input.name};
   const auto before = allocated_bytes();
   result.seconds = {seconds_of([&] {
     const Body body(input.mesh, home, {}, *settings.workers);
@@ -188,14 +188,14 @@ Result epoch_cost(const Input& input, const Built& home, const Settings& setting
 
 }  // namespace
 
-std::vector<Result> run_refit(const Input& input, const Settings& settings) {
+std::vector<Result> run_rebuild(const Input& input, const Settings& settings) {
   if (!LoosenessMeter(input.mesh).has_volume()) return {};
   const BuildOptions options{.method = Method::morula, .quality = Quality::fast};
-  const Built home = build(input.mesh, options, *settings.workers);
+  const CoveredTree home = build(input.mesh, options, *settings.workers);
   std::vector<Result> results{estimate_cost(input, home, settings), epoch_cost(input, home, settings)};
   for (const NamedMotion& motion : {NamedMotion{"stretch 2", Stretch{}}, NamedMotion{"twist 180", Twist{}},
                                     NamedMotion{"bend 90", Bend{}}, NamedMotion{"noise", Noise{}}})
-    results.push_back(refit_over(motion, input, home, options, settings));
+    results.push_back(rebuilt_over(motion, input, home, options, settings));
   return results;
 }
 

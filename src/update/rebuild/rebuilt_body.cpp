@@ -4,7 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -26,9 +26,9 @@ constexpr double longest_pause = 1e6;  // seconds: what a clock can add
 // A rebuild is over after one rebuild's time and then serves for about another.
 constexpr double lead_over_rebuild = 1.5;
 
-void require_in_range(const RefitOptions& o) {
+void require_in_range(const RebuildOptions& o) {
   const auto require = [](bool holds, const char* what) {
-    if (!holds) throw std::invalid_argument(std::string("refit: ") + what);
+    if (!holds) throw std::invalid_argument(std::string("rebuild: ") + what);
   };
   require(o.growth > 1, "growth must be above 1");
   require(o.check_every >= 1, "check_every must be at least 1");
@@ -36,10 +36,10 @@ void require_in_range(const RefitOptions& o) {
   require(o.look_ahead_frames >= 0, "look_ahead_frames must not be negative");
   require(o.gain < 1, "gain must be below 1");
   require(o.processor_share > 0 && o.processor_share <= 1, "processor_share must be above 0 and at most 1");
-  require(o.thread != RefitThread::host || o.executor, "a host's thread needs an executor");
+  require(o.thread != RebuildThread::host || o.executor, "a host's thread needs an executor");
 }
 
-BuildOptions build_options(const RefitOptions& options, const SphereTree& home) {
+BuildOptions build_options(const RebuildOptions& options, const SphereTree& home) {
   return {.method = options.method,
           .branching = static_cast<int>(home.branching),
           .depth = static_cast<int>(home.level_count()) - 1,
@@ -70,11 +70,11 @@ bool all_within(double share, std::span<const double> a, std::span<const double>
 
 }  // namespace
 
-struct RefittedBody::State {
-  State(const Mesh& mesh, const Built& built, RefitOptions refit_options, Workers& workers);
+struct RebuiltBody::State {
+  State(const Mesh& mesh, const CoveredTree& built, RebuildOptions rebuild_options, Workers& workers);
   ~State();
 
-  RefitStatus update(const PositionView& positions, Workers& workers) noexcept;
+  RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
   bool at_rest(const PositionView& positions) const noexcept;
   void return_to_rest(const PositionView& positions, Workers& workers) noexcept;
@@ -97,7 +97,7 @@ struct RefittedBody::State {
   bool still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept;
   void raise_threshold() noexcept;
 
-  RefitOptions options;
+  RebuildOptions options;
   std::vector<Vec3> rest;
   std::vector<std::uint32_t> used;
   LoosenessEstimator estimator;
@@ -106,7 +106,7 @@ struct RefittedBody::State {
   Epoch* present;
   std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
   std::vector<double> other;      // looseness of an ownership that is compared
-  RefitReport report;
+  RebuildReport report;
   std::uint64_t epoch = 0, frame = 0;
   bool estimated = false;                // report.looseness is of this frame
   bool is_still = false;                 // and no other than at the last estimate
@@ -116,11 +116,11 @@ struct RefittedBody::State {
   std::uint64_t next_pose_frame = 0;     // when it is to be taken
   Clock::time_point next_start{};
   std::shared_ptr<RebuildJob> job;
-  std::optional<RebuildThread> thread;  // last: it goes first
+  std::optional<OwnThread> thread;  // last: it goes first
 };
 
-RefittedBody::State::State(const Mesh& mesh, const Built& built, RefitOptions refit_options, Workers& workers)
-    : options((require_in_range(refit_options), std::move(refit_options))),
+RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOptions rebuild_options, Workers& workers)
+    : options((require_in_range(rebuild_options), std::move(rebuild_options))),
       rest(mesh.positions),
       used(used_vertices(mesh)),
       estimator(mesh, options.sample_count),
@@ -136,15 +136,15 @@ RefittedBody::State::State(const Mesh& mesh, const Built& built, RefitOptions re
   threshold.resize(other.size());
   change_to(home);
   epoch = 0;
-  if (options.thread == RefitThread::background) thread.emplace();
+  if (options.thread == RebuildThread::background) thread.emplace();
 }
 
-RefittedBody::State::~State() {
+RebuiltBody::State::~State() {
   job->request_stop();
 }
 
-RefitStatus RefittedBody::State::update(const PositionView& positions, Workers& workers) noexcept {
-  RefitStatus status{.update = present->body.update(positions, workers)};
+RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers& workers) noexcept {
+  RebuildStatus status{.update = present->body.update(positions, workers)};
   if (!status) return status;
   const std::uint64_t before = epoch;
   ++frame;
@@ -163,26 +163,26 @@ RefitStatus RefittedBody::State::update(const PositionView& positions, Workers& 
   return status;
 }
 
-bool RefittedBody::State::at_rest(const PositionView& positions) const noexcept {
+bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   if (positions.is_double())
     return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == rest[v]; });
   return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == Vec3(Vec3f(rest[v])); });
 }
 
-double RefittedBody::State::score(std::span<const double> looseness) const noexcept {
+double RebuiltBody::State::score(std::span<const double> looseness) const noexcept {
   double sum = 0;
   for (std::size_t level = first_counted(looseness.size()); level < looseness.size(); ++level)
     sum += looseness[level] / std::max(negligible, home.looseness_at_build[level]);
   return sum;
 }
 
-bool RefittedBody::State::has_grown() const noexcept {
+bool RebuiltBody::State::has_grown() const noexcept {
   for (std::size_t level = first_counted(threshold.size()); level < threshold.size(); ++level)
     if (report.looseness[level] > threshold[level]) return true;
   return false;
 }
 
-void RefittedBody::State::change_to(Epoch& next) noexcept {
+void RebuiltBody::State::change_to(Epoch& next) noexcept {
   present = &next;
   ++epoch;
   report.looseness_at_build = next.looseness_at_build;
@@ -190,7 +190,7 @@ void RefittedBody::State::change_to(Epoch& next) noexcept {
     threshold[level] = options.growth * std::max(negligible, next.looseness_at_build[level]);
 }
 
-void RefittedBody::State::return_to_rest(const PositionView& positions, Workers& workers) noexcept {
+void RebuiltBody::State::return_to_rest(const PositionView& positions, Workers& workers) noexcept {
   next_pose.reset();
   job->request_stop();
   if (present == &home) return;
@@ -201,7 +201,7 @@ void RefittedBody::State::return_to_rest(const PositionView& positions, Workers&
 }
 
 // Results first: they may make the next rebuild unnecessary.
-void RefittedBody::State::check(const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::check(const PositionView& positions, Workers& workers) {
   if (job->stage() == RebuildJob::Stage::done) collect(positions, workers);
   if (next_pose && next_pose_frame == frame) take_pose(positions, workers);
   const bool fixed = options.rebuild_every > 0;
@@ -216,7 +216,7 @@ void RefittedBody::State::check(const PositionView& positions, Workers& workers)
   request_rebuild(positions, workers);
 }
 
-void RefittedBody::State::estimate_present(const PositionView& positions) noexcept {
+void RebuiltBody::State::estimate_present(const PositionView& positions) noexcept {
   if (estimated) return;
   std::copy(report.looseness.begin(), report.looseness.end(), other.begin());
   estimator.pose(positions);
@@ -226,17 +226,17 @@ void RefittedBody::State::estimate_present(const PositionView& positions) noexce
   settled = settled && is_still;
 }
 
-bool RefittedBody::State::is_off_build() const noexcept {
+bool RebuiltBody::State::is_off_build() const noexcept {
   return !all_within(as_built, report.looseness, present->looseness_at_build);
 }
 
-bool RefittedBody::State::may_start() const noexcept {
+bool RebuiltBody::State::may_start() const noexcept {
   if (job->stage() != RebuildJob::Stage::idle || next_pose) return false;
-  return options.thread == RefitThread::caller || Clock::now() >= next_start;
+  return options.thread == RebuildThread::caller || Clock::now() >= next_start;
 }
 
 // Home is ready and may fit again before the body is quite at rest.
-bool RefittedBody::State::try_home(const PositionView& positions, Workers& workers) noexcept {
+bool RebuiltBody::State::try_home(const PositionView& positions, Workers& workers) noexcept {
   if (present == &home || !home.body.update(positions, workers)) return false;
   estimator.estimate(home.body, other);
   if (!(score(other) < (1 - options.gain) * score(report.looseness))) return false;
@@ -247,17 +247,17 @@ bool RefittedBody::State::try_home(const PositionView& positions, Workers& worke
 }
 
 // Not on the caller's thread: there the pose is still the same when the rebuild is done.
-bool RefittedBody::State::looks_ahead() const noexcept {
-  return options.thread != RefitThread::caller && options.look_ahead_frames > 0;
+bool RebuiltBody::State::looks_ahead() const noexcept {
+  return options.thread != RebuildThread::caller && options.look_ahead_frames > 0;
 }
 
 // One pose is enough to build for itself; to look ahead takes three.
-void RefittedBody::State::request_rebuild(const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::request_rebuild(const PositionView& positions, Workers& workers) {
   next_pose = looks_ahead() ? 0 : RebuildJob::pose_count - 1;
   take_pose(positions, workers);
 }
 
-void RefittedBody::State::take_pose(const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::take_pose(const PositionView& positions, Workers& workers) {
   job->set_pose((*next_pose)++, positions);
   next_pose_frame = frame + static_cast<std::uint64_t>(options.look_ahead_frames);
   if (*next_pose < RebuildJob::pose_count) return;
@@ -266,30 +266,30 @@ void RefittedBody::State::take_pose(const PositionView& positions, Workers& work
 }
 
 // To the middle of the time that the new ownership will serve.
-int RefittedBody::State::steps_ahead() const noexcept {
+int RebuiltBody::State::steps_ahead() const noexcept {
   const double lead = std::min(furthest_lead, lead_over_rebuild * static_cast<double>(report.rebuild_frames));
   return static_cast<int>(std::lround(lead / options.look_ahead_frames));
 }
 
-void RefittedBody::State::start(int steps, const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::start(int steps, const PositionView& positions, Workers& workers) {
   start_frame = frame;
   job->queue(steps, settled ? options.still_quality : options.quality);
   ++report.started;
   switch (options.thread) {
-    case RefitThread::caller:
+    case RebuildThread::caller:
       job->run();
       collect(positions, workers);
       break;
-    case RefitThread::background:
+    case RebuildThread::background:
       thread->run(job);
       break;
-    case RefitThread::host:
+    case RebuildThread::host:
       options.executor([job = job] { job->run(); });
       break;
   }
 }
 
-void RefittedBody::State::collect(const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::collect(const PositionView& positions, Workers& workers) {
   RebuildJob::Result result = job->take();
   const std::chrono::duration<double> pause(
       std::min(longest_pause, result.seconds * (1 / options.processor_share - 1)));
@@ -305,8 +305,8 @@ void RefittedBody::State::collect(const PositionView& positions, Workers& worker
   judge(std::move(result.epoch), positions, workers);
 }
 
-void RefittedBody::State::judge(std::unique_ptr<Epoch> candidate, const PositionView& positions,
-                                Workers& workers) noexcept {
+void RebuiltBody::State::judge(std::unique_ptr<Epoch> candidate, const PositionView& positions,
+                               Workers& workers) noexcept {
   estimate_present(positions);
   try_home(positions, workers);
   const bool usable = static_cast<bool>(candidate->body.update(positions, workers));
@@ -323,54 +323,54 @@ void RefittedBody::State::judge(std::unique_ptr<Epoch> candidate, const Position
   job->retire(std::move(candidate));
 }
 
-bool RefittedBody::State::still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept {
+bool RebuiltBody::State::still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept {
   for (std::size_t level = first_counted(looseness.size()); level < looseness.size(); ++level)
     if (looseness[level] > options.growth * std::max(negligible, candidate.looseness_at_build[level])) return false;
   return true;
 }
 
 // What was built for this very pose is no better, so the pose is what is loose: it has to change before another try.
-void RefittedBody::State::raise_threshold() noexcept {
+void RebuiltBody::State::raise_threshold() noexcept {
   for (std::size_t level = 0; level < threshold.size(); ++level)
     threshold[level] = std::max(threshold[level], options.growth * report.looseness[level]);
 }
 
-RefittedBody::RefittedBody(const Mesh& mesh, const Built& built, RefitOptions options, Workers& workers)
+RebuiltBody::RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options, Workers& workers)
     : state_([&] {
         const StandardFloats standard;
         return std::make_unique<State>(mesh, built, std::move(options), workers);
       }()) {}
 
-RefittedBody::~RefittedBody() = default;
-RefittedBody::RefittedBody(RefittedBody&&) noexcept = default;
-RefittedBody& RefittedBody::operator=(RefittedBody&&) noexcept = default;
+RebuiltBody::~RebuiltBody() = default;
+RebuiltBody::RebuiltBody(RebuiltBody&&) noexcept = default;
+RebuiltBody& RebuiltBody::operator=(RebuiltBody&&) noexcept = default;
 
-RefitStatus RefittedBody::update(const PositionView& positions, Workers& workers) noexcept {
+RebuildStatus RebuiltBody::update(const PositionView& positions, Workers& workers) noexcept {
   const StandardFloats standard;
   return state_->update(positions, workers);
 }
 
-const Body& RefittedBody::body() const {
+const Body& RebuiltBody::body() const {
   return state_->present->body;
 }
 
-std::uint64_t RefittedBody::epoch() const {
+std::uint64_t RebuiltBody::epoch() const {
   return state_->epoch;
 }
 
-bool RefittedBody::is_home() const {
+bool RebuiltBody::is_home() const {
   return state_->present == &state_->home;
 }
 
-bool RefittedBody::is_rebuilding() const {
+bool RebuiltBody::is_rebuilding() const {
   return state_->next_pose || state_->job->stage() == RebuildJob::Stage::queued;
 }
 
-const RefitReport& RefittedBody::report() const {
+const RebuildReport& RebuiltBody::report() const {
   return state_->report;
 }
 
-const RefitOptions& RefittedBody::options() const {
+const RebuildOptions& RebuiltBody::options() const {
   return state_->options;
 }
 

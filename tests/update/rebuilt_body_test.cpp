@@ -7,7 +7,7 @@
 #include <limits>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/update/refit.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <thread>
 
 #include "bodies.hpp"
@@ -24,13 +24,13 @@ const Mesh& limb() {
   static const Mesh mesh = sample_body("limb", 16);
   return mesh;
 }
-const Built& home() {
-  static const Built built = build(limb(), {.depth = 2, .quality = Quality::fast});
+const CoveredTree& home() {
+  static const CoveredTree built = build(limb(), {.depth = 2, .quality = Quality::fast});
   return built;
 }
 // A rebuild in every frame, run by the test, and every result taken.
-RefitOptions hosted(std::function<void(Job)> executor) {
-  RefitOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RefitThread::host};
+RebuildOptions hosted(std::function<void(Job)> executor) {
+  RebuildOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RebuildThread::host};
   options.executor = std::move(executor);
   return options;
 }
@@ -38,20 +38,20 @@ std::vector<Vec3> stretched(double t) {
   return deform(limb(), {Stretch{2}}, t);
 }
 
-void expect_cover(const RefittedBody& body, const PositionView& positions, const std::string& where) {
+void expect_cover(const RebuiltBody& body, const PositionView& positions, const std::string& where) {
   std::vector<Sphere> spheres;
   body.body().copy_spheres(spheres);
   const Certificate c = certify(body.body().cover(), positions, spheres);
   EXPECT_TRUE(c.covered) << where << ": node " << c.worst_node << " by " << c.worst_excess;
 }
 
-TEST(Refit, covers_in_every_frame_when_every_frame_swaps) {
+TEST(RebuiltBody, covers_in_every_frame_when_every_frame_swaps) {
   for (const Specimen& b : test::specimens()) {
-    RefittedBody body(b.mesh, b.built, {.rebuild_every = 1, .gain = always, .thread = RefitThread::caller});
+    RebuiltBody body(b.mesh, b.built, {.rebuild_every = 1, .gain = always, .thread = RebuildThread::caller});
     std::uint64_t epoch = body.epoch();
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
-      const RefitStatus status = body.update(positions);
+      const RebuildStatus status = body.update(positions);
       ASSERT_TRUE(status);
       EXPECT_EQ(status.swapped, body.epoch() != epoch);
       epoch = body.epoch();
@@ -61,8 +61,8 @@ TEST(Refit, covers_in_every_frame_when_every_frame_swaps) {
   }
 }
 
-TEST(Refit, covers_under_random_vertex_noise_while_rebuilding) {
-  RefittedBody body(limb(), home(), {.check_every = 1, .thread = RefitThread::caller});
+TEST(RebuiltBody, covers_under_random_vertex_noise_while_rebuilding) {
+  RebuiltBody body(limb(), home(), {.check_every = 1, .thread = RebuildThread::caller});
   for (std::uint64_t frame = 0; frame < 12; ++frame) {
     const auto positions = test::noisy(limb().positions, 0.02 * static_cast<double>(frame % 5), frame);
     ASSERT_TRUE(body.update(positions));
@@ -70,8 +70,8 @@ TEST(Refit, covers_under_random_vertex_noise_while_rebuilding) {
   }
 }
 
-TEST(Refit, is_much_tighter_than_fixed_ownership_after_a_stretch) {
-  RefittedBody body(limb(), home(), {.thread = RefitThread::caller});
+TEST(RebuiltBody, is_much_tighter_than_fixed_ownership_after_a_stretch) {
+  RebuiltBody body(limb(), home(), {.thread = RebuildThread::caller});
   Body fixed(limb(), home());
   for (int frame = 1; frame <= 24; ++frame) {
     const std::vector<Vec3> positions = stretched(frame / 24.0);
@@ -86,12 +86,12 @@ TEST(Refit, is_much_tighter_than_fixed_ownership_after_a_stretch) {
   EXPECT_NEAR(body.report().looseness.back(), ours, 1e-6 * ours);
 }
 
-TEST(Refit, has_the_same_bits_on_every_run_on_the_callers_thread) {
+TEST(RebuiltBody, has_the_same_bits_on_every_run_on_the_callers_thread) {
   for (const int every : {0, 5}) {
     std::vector<std::uint64_t> hashes[2];
     for (auto& run : hashes) {
       Workers workers(&run == hashes ? 1 : 3);
-      RefittedBody body(limb(), home(), {.rebuild_every = every, .thread = RefitThread::caller});
+      RebuiltBody body(limb(), home(), {.rebuild_every = every, .thread = RebuildThread::caller});
       for (int frame = 0; frame < 20; ++frame) {
         ASSERT_TRUE(body.update(deform(limb(), {Twist{180}}, frame / 20.0), workers));
         run.push_back(body.body().hash());
@@ -102,19 +102,19 @@ TEST(Refit, has_the_same_bits_on_every_run_on_the_callers_thread) {
   }
 }
 
-TEST(Refit, is_home_at_rest_bit_for_bit_after_any_excursion) {
+TEST(RebuiltBody, is_home_at_rest_bit_for_bit_after_any_excursion) {
   std::vector<Vec3f> narrow_rest, narrow_away;
   for (const Vec3& p : limb().positions) narrow_rest.emplace_back(p);
   for (const Vec3& p : stretched(1)) narrow_away.emplace_back(p);
   Body plain(limb(), home());
-  RefittedBody body(limb(), home(), {.rebuild_every = 1, .gain = always, .thread = RefitThread::caller});
+  RebuiltBody body(limb(), home(), {.rebuild_every = 1, .gain = always, .thread = RebuildThread::caller});
   for (const bool narrow : {false, true}) {
     const PositionView rest = narrow ? PositionView(narrow_rest) : PositionView(limb().positions);
     ASSERT_TRUE(plain.update(rest));
     for (int excursion = 0; excursion < 2; ++excursion) {
       ASSERT_TRUE(body.update(narrow_away));
       EXPECT_FALSE(body.is_home());
-      const RefitStatus status = body.update(rest);
+      const RebuildStatus status = body.update(rest);
       EXPECT_TRUE(status.swapped);
       EXPECT_TRUE(body.is_home());
       EXPECT_EQ(body.body().hash(), plain.hash());
@@ -123,8 +123,8 @@ TEST(Refit, is_home_at_rest_bit_for_bit_after_any_excursion) {
   EXPECT_EQ(body.report().returned_home, 4u);
 }
 
-TEST(Refit, returns_home_near_rest_when_home_is_tighter) {
-  RefittedBody body(limb(), home(), {.check_every = 1, .thread = RefitThread::caller});
+TEST(RebuiltBody, returns_home_near_rest_when_home_is_tighter) {
+  RebuiltBody body(limb(), home(), {.check_every = 1, .thread = RebuildThread::caller});
   for (int frame = 1; frame <= 8; ++frame) ASSERT_TRUE(body.update(stretched(1)));
   ASSERT_FALSE(body.is_home());
   for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(body.update(stretched(0.001)));
@@ -132,9 +132,9 @@ TEST(Refit, returns_home_near_rest_when_home_is_tighter) {
             1.3 * estimate_looseness(limb(), Body(limb(), home()), limb().positions).back());
 }
 
-TEST(Refit, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_rebuild) {
+TEST(RebuiltBody, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_rebuild) {
   Job waiting;
-  RefittedBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
+  RebuiltBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
   ASSERT_TRUE(body.update(stretched(0.5)));
   ASSERT_TRUE(body.is_rebuilding());
   const std::uint64_t before = body.body().hash();
@@ -142,9 +142,9 @@ TEST(Refit, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_reb
   bad[7].y = std::numeric_limits<double>::quiet_NaN();
   for (const bool finished : {false, true}) {
     if (finished) waiting();
-    const RefitStatus status = body.update(bad);
+    const RebuildStatus status = body.update(bad);
     EXPECT_EQ(status.update.code, UpdateStatus::Code::non_finite_position);
-    EXPECT_EQ(status.update.first_bad_vertex, 7u);
+    EXPECT_EQ(status.update.index, 7u);
     EXPECT_FALSE(status.swapped);
     EXPECT_FALSE(body.update(std::vector<Vec3>(3)));
     EXPECT_EQ(body.body().hash(), before);
@@ -153,13 +153,13 @@ TEST(Refit, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_reb
   expect_cover(body, stretched(0.6), "after bad positions");
 }
 
-TEST(Refit, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
+TEST(RebuiltBody, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
   std::vector<Job> jobs;
-  const RefitOptions options = hosted([&](Job job) { jobs.push_back(std::move(job)); });
+  const RebuildOptions options = hosted([&](Job job) { jobs.push_back(std::move(job)); });
   {
-    RefittedBody first(limb(), home(), options);
+    RebuiltBody first(limb(), home(), options);
     ASSERT_TRUE(first.update(stretched(0.5)));
-    RefittedBody body = std::move(first);
+    RebuiltBody body = std::move(first);
     ASSERT_TRUE(body.update(stretched(0.6)));
     ASSERT_EQ(jobs.size(), 1u) << "one at a time";
     jobs[0]();
@@ -172,9 +172,9 @@ TEST(Refit, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
   jobs[1]();  // stops at once
 }
 
-TEST(Refit, a_rebuild_that_is_no_longer_wanted_is_given_up) {
+TEST(RebuiltBody, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   Job waiting;
-  RefittedBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
+  RebuiltBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
   ASSERT_TRUE(body.update(stretched(0.5)));
   ASSERT_TRUE(body.update(limb().positions));
   waiting();
@@ -183,23 +183,23 @@ TEST(Refit, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   EXPECT_EQ(body.report().finished, 0u);
 }
 
-TEST(Refit, pauses_between_rebuilds_as_long_as_the_share_says) {
-  RefitOptions options{.rebuild_every = 1, .look_ahead_frames = 0, .processor_share = 1e-9};
-  options.thread = RefitThread::host;
+TEST(RebuiltBody, pauses_between_rebuilds_as_long_as_the_share_says) {
+  RebuildOptions options{.rebuild_every = 1, .look_ahead_frames = 0, .processor_share = 1e-9};
+  options.thread = RebuildThread::host;
   options.executor = [](const Job& job) { job(); };
-  RefittedBody body(limb(), home(), options);
+  RebuiltBody body(limb(), home(), options);
   for (int frame = 1; frame <= 10; ++frame) ASSERT_TRUE(body.update(stretched(frame / 10.0)));
   EXPECT_EQ(body.report().started, 1u);
   EXPECT_EQ(body.report().finished, 1u);
 }
 
-TEST(Refit, looks_ahead_to_where_the_motion_will_be) {
+TEST(RebuiltBody, looks_ahead_to_where_the_motion_will_be) {
   double off[2];
   for (const int ahead : {0, 2}) {
     Job waiting;
-    RefitOptions options{.check_every = 1, .look_ahead_frames = ahead, .thread = RefitThread::host};
+    RebuildOptions options{.check_every = 1, .look_ahead_frames = ahead, .thread = RebuildThread::host};
     options.executor = [&](Job job) { waiting = std::move(job); };
-    RefittedBody body(limb(), home(), options);
+    RebuiltBody body(limb(), home(), options);
     for (int frame = 1; frame <= 17; ++frame) ASSERT_TRUE(body.update(stretched(frame / 40.0)));
     ASSERT_TRUE(waiting);
     waiting();
@@ -210,30 +210,30 @@ TEST(Refit, looks_ahead_to_where_the_motion_will_be) {
   EXPECT_LT(off[1], off[0]);
 }
 
-TEST(Refit, settles_once_where_the_motion_ends_and_then_leaves_it_be) {
-  RefittedBody body(limb(), home(), {.growth = 100, .check_every = 1, .thread = RefitThread::caller});
+TEST(RebuiltBody, settles_once_where_the_motion_ends_and_then_leaves_it_be) {
+  RebuiltBody body(limb(), home(), {.growth = 100, .check_every = 1, .thread = RebuildThread::caller});
   for (int frame = 0; frame < 10; ++frame) ASSERT_TRUE(body.update(stretched(1)));
   EXPECT_EQ(body.report().started, 1u);
   EXPECT_EQ(body.report().swapped, 1u);
 }
 
-TEST(Refit, refuses_options_out_of_range) {
-  for (const RefitOptions& bad :
-       {RefitOptions{.growth = 1}, RefitOptions{.check_every = 0}, RefitOptions{.rebuild_every = -1},
-        RefitOptions{.gain = 1}, RefitOptions{.look_ahead_frames = -1}, RefitOptions{.processor_share = 0},
-        RefitOptions{.processor_share = 1.1}, RefitOptions{.thread = RefitThread::host},
-        RefitOptions{.thread = RefitThread::caller, .sample_count = 1}})
-    EXPECT_THROW(RefittedBody(limb(), home(), bad), std::invalid_argument);
+TEST(RebuiltBody, refuses_options_out_of_range) {
+  for (const RebuildOptions& bad :
+       {RebuildOptions{.growth = 1}, RebuildOptions{.check_every = 0}, RebuildOptions{.rebuild_every = -1},
+        RebuildOptions{.gain = 1}, RebuildOptions{.look_ahead_frames = -1}, RebuildOptions{.processor_share = 0},
+        RebuildOptions{.processor_share = 1.1}, RebuildOptions{.thread = RebuildThread::host},
+        RebuildOptions{.thread = RebuildThread::caller, .sample_count = 1}})
+    EXPECT_THROW(RebuiltBody(limb(), home(), bad), std::invalid_argument);
 }
 
 #ifdef MORULA_THREADS
 
-TEST(RefitThreads, swaps_in_what_the_background_built_and_covers_all_along) {
-  RefittedBody body(limb(), home(), {.check_every = 1});
+TEST(RebuiltBodyThreads, swaps_in_what_the_background_built_and_covers_all_along) {
+  RebuiltBody body(limb(), home(), {.check_every = 1});
   bool seen = false;
   for (int frame = 1; frame <= 4000 && !seen; ++frame) {
     const std::vector<Vec3> positions = stretched(std::min(1.0, frame / 50.0));
-    const RefitStatus status = body.update(positions);
+    const RebuildStatus status = body.update(positions);
     ASSERT_TRUE(status);
     expect_cover(body, positions, "frame " + std::to_string(frame));
     seen = status.swapped;
@@ -243,12 +243,12 @@ TEST(RefitThreads, swaps_in_what_the_background_built_and_covers_all_along) {
   EXPECT_GT(body.report().finished, 0u);
 }
 
-TEST(RefitThreads, a_body_may_die_at_any_moment_of_a_rebuild) {
+TEST(RebuiltBodyThreads, a_body_may_die_at_any_moment_of_a_rebuild) {
   const Mesh mesh = sample_body("limb", 40);
-  const Built built = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
   const std::vector<Vec3> away = deform(mesh, {Stretch{2}}, 1);
   for (const int milliseconds : {0, 1, 5, 20, 60, 150}) {
-    RefittedBody body(mesh, built, {.rebuild_every = 1, .look_ahead_frames = 0});
+    RebuiltBody body(mesh, built, {.rebuild_every = 1, .look_ahead_frames = 0});
     ASSERT_TRUE(body.update(away));
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
   }
@@ -256,8 +256,8 @@ TEST(RefitThreads, a_body_may_die_at_any_moment_of_a_rebuild) {
 
 #else
 
-TEST(RefitThreads, are_refused_where_there_are_none) {
-  EXPECT_THROW(RefittedBody(limb(), home()), std::invalid_argument);
+TEST(RebuiltBodyThreads, are_refused_where_there_are_none) {
+  EXPECT_THROW(RebuiltBody(limb(), home()), std::invalid_argument);
 }
 
 #endif
