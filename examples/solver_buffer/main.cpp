@@ -103,7 +103,7 @@ int main() {
 
     const morula::UpdateStatus status = body.update(view);  // no copy, no allocation
     if (!status) {  // the solver blew up: the spheres are still those of the last good frame
-      const std::size_t vertex = status.first_bad_vertex;
+      const std::size_t vertex = status.index;
       std::printf("frame %d: vertex %zu, node %u, is not finite\n", frame, vertex, index[vertex]);
       return 1;
     }

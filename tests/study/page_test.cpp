@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/page/page.hpp>
 #include <morula/update/body.hpp>

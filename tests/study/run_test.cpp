@@ -73,7 +73,9 @@ TEST(StudyRun, cells_ascend_and_each_is_found_by_its_key) {
   const Result result = run(plan);
   for (std::size_t i = 0; i < result.cells.size(); ++i) {
     EXPECT_EQ(result.find(result.cells[i].key), &result.cells[i]);
-    if (i > 0) EXPECT_LT(result.cells[i - 1].key, result.cells[i].key);
+    if (i > 0) {
+      EXPECT_LT(result.cells[i - 1].key, result.cells[i].key);
+    }
   }
   EXPECT_EQ(result.find({4, 0, 0}), nullptr);
   EXPECT_EQ(result.find({0, 0, 3}), nullptr);
@@ -112,7 +114,9 @@ TEST(StudyRun, there_and_back_certified_and_timed) {
     EXPECT_GT(cell.update_seconds.value(), 0);
     const bool is_exact = plan.rules[cell.key.rule].key() == RuleKey(Rule::exact);
     ASSERT_EQ(cell.certificate.has_value(), is_exact);
-    if (is_exact) EXPECT_TRUE(cell.certificate->covered);
+    if (is_exact) {
+      EXPECT_TRUE(cell.certificate->covered);
+    }
   }
   for (const TreeFigures& tree : result.trees) EXPECT_GT(tree.build_seconds, 0);
 }
