@@ -400,11 +400,19 @@ TEST_F(TwoBodies, carried_back_from_far_away_it_forgets_what_only_distance_blurr
   std::size_t blurred = 0;
   for (const double far : {1e6, 1e8, 1e9})
     for (const double gap : {1e-9, 1e-7, 1e-6, 1e-5}) {
-      const double apart = bounding_box(a.mesh).upper.x - bounding_box(b.mesh).lower.x + gap * a.size;
+      double apart = 0;
       const auto place = [&](double away) {
         a.place({.translation = {away, 0, 0}});
         b.place({.translation = {away + apart, 0, 0}});
       };
+      // Just too far for any sphere to overlap.
+      double touching = 0;
+      for (double step = 4 * a.size; step > 1e-12 * a.size; step /= 2) {
+        apart = touching + step;
+        place(0);
+        if (overlap(*a.collider, *b.collider)) touching = apart;
+      }
+      apart = touching + gap * a.size;
       place(far);
       ASSERT_TRUE(query.start());
       blurred += query.contacts().contacts.size();

@@ -334,8 +334,8 @@ TEST(CoveringRadius, pays_for_squares_that_underflow) {
 
 // A cut point whose weights add up to 1 - s lies s times its coordinates nearer to the origin than its facet.
 TEST(CoveringRadius, pays_for_weights_that_do_not_add_up) {
-  constexpr double slack = 9e-10;
-  const double away = 1e6;
+  constexpr double slack = 9e-13;
+  const double away = 1e9;
   Mesh mesh;
   mesh.positions = {{away, away, away}, {away + 1, away, away}, {away, away + 1, away}};
   mesh.facets = {{0, 1, 2}};
@@ -444,7 +444,7 @@ TEST(ModalAllowance, pays_for_sums_over_many_modes) {
 
 // A cut corner inside its facet, beside the vertex that is farthest out: nobody measures it, and it lies off the facet.
 TEST(ModalAllowance, pays_for_weights_that_do_not_add_up) {
-  constexpr double slack = 9e-10, away = 1e6;
+  constexpr double slack = 9e-13, away = 1e9;
   Mesh mesh;
   mesh.positions = {{away, away, away}, {away + 2, away + 1, away + 1}, {away + 1, away + 1, away + 2}};
   mesh.facets = {{0, 1, 2}};

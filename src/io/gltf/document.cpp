@@ -170,7 +170,14 @@ fs::path beside(const Container& file, const std::string& uri) {
 // A buffer, as tinygltf asks for it. It checks the size against what was announced, a chunk may have padding.
 bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::string& uri, void* user) {
   const auto& file = *static_cast<const Container*>(user);
-  const std::string bytes = uri == binary_chunk ? std::string(file.binary) : read_whole(beside(file, uri));
+  const auto whole = [&](const fs::path& path) {
+    try {
+      return read_whole(path);
+    } catch (const FileError& error) {
+      throw FileError(file.path.string() + ": its buffer " + in_quotes(uri) + " cannot be read: " + error.what());
+    }
+  };
+  const std::string bytes = uri == binary_chunk ? std::string(file.binary) : whole(beside(file, uri));
   out->assign(bytes.begin(), bytes.end());
   return true;
 }

@@ -170,10 +170,10 @@ Mesh needle_prism(std::size_t sides) {
   mesh.positions.push_back({2, 0, 0});
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t next = (i + 1) % n;
-    mesh.facets.push_back({i, n + i, n + next});
-    mesh.facets.push_back({i, n + next, next});
-    mesh.facets.push_back({2 * n, i, next});
-    mesh.facets.push_back({2 * n + 1, n + next, n + i});
+    mesh.facets.push_back({i, n + next, n + i});
+    mesh.facets.push_back({i, next, n + next});
+    mesh.facets.push_back({2 * n, next, i});
+    mesh.facets.push_back({2 * n + 1, n + i, n + next});
   }
   return mesh;
 }
