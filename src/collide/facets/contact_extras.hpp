@@ -32,8 +32,7 @@ class ContactExtras {
     std::optional<InsideQuery> a, b;  // none: an open surface
     std::vector<std::uint32_t> components_a, components_b;
   };
-  void add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
-                    Contacts& result);
+  void add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
   void add_crossings(std::span<const ColliderPair> pairs, Contacts& result);
   void add_containment(std::span<const ColliderPair> pairs, Contacts& result);
 
