@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Many bodies for many frames, and bodies of up to ten million facets: does memory grow, does time grow in proportion?
+// Load and growth: memory over many bodies and frames, and time over bodies of up to ten million facets.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the process has used.
+// Resources that the process has used.
 #pragma once
 
 #include <cstddef>

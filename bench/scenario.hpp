@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a scenario is given and what it returns: times, the work done, and what was wrong with the answers.
+// Scenario: its settings, and its results: times, the work done, and faults of the answers.
 #pragma once
 
 #include <chrono>

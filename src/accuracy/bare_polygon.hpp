@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How much of a flat polygon a sphere leaves bare, in closed form.
+// Bare area of a flat polygon: the part outside a sphere, in closed form.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the voxels are. Everything that counts works in lattice coordinates, in which voxel centres are the integers.
+// Voxel lattice. Counting works in lattice coordinates, in which voxel centres are the integers.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What queries ask of their arguments.
+// Requirements that queries have of their arguments.
 #pragma once
 
 #include <morula/collide/collider.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Which parameters deformations accept, and how numbers look in messages and names.
+// Parameters of deformations: their ranges, and how numbers look in messages and names.
 #pragma once
 
 #include <morula/deform/deformation.hpp>

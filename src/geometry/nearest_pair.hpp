@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Two triangles, or a segment or a point and a triangle: where they are nearest, and bounds that hold in real numbers.
+// Nearest points of two triangles, or of a segment or a point and a triangle, with bounds that hold in real numbers.
 #pragma once
 
 #include <morula/geometry/surface_point.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where lines along one axis pass a triangle: lattice lines, row by row.
+// Scan conversion of a triangle: lines of a lattice along one axis, row by row.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What two sets of facets are apart along one line, as a bound of what they are apart.
+// Slab between two sets of facets: a lower bound of their distance along one line.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Which balls are next to each other.
+// Neighbours of balls.
 #pragma once
 
 #include <morula/medial/medial_balls.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a body is made of, and how it follows its frames.
+// Body state: a body's parts, and how they follow its frames.
 #pragma once
 
 #include <morula/update/body.hpp>

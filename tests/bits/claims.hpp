@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What has the same bits everywhere: hashes of everything that the core computes, by name.
+// Claims of equal bits: hashes of everything that the core computes, by name.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What both kinds of claims are about, and how values are hashed.
+// Samples that claims are about, and how values are hashed.
 #pragma once
 
 #include <concepts>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What seeds and fuzzers have in common: a body that files are read for.
+// Specimen of seeds and fuzzers: a body that files are read for.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Is a surface inside a union of balls? By points of the surface, in arithmetic of its own.
+// Judge of cover: is a surface inside a union of balls? It asks points of the surface, in arithmetic of its own.
 #pragma once
 
 #include <cstdint>

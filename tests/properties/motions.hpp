@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What vertices do from frame to frame, gentle and violent.
+// Motions of vertices from frame to frame, gentle and violent.
 #pragma once
 
 #include <dice.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a run has judged, and what it found wrong.
+// Record of a run: what was judged, and what was found wrong.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What can be wrong with a mesh that is still a mesh.
+// Faults that a mesh can have and still be a mesh.
 #pragma once
 
 #include <dice.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Do two triangles meet? Exactly on a lattice; elsewhere "clearly", by more than any rounding.
+// Triangles that meet: exactly on a lattice; elsewhere "clearly", by more than any rounding.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where to ask about a mesh: everywhere around it, and where answers are hardest.
+// Points to ask about a mesh: everywhere around it, and where answers are hardest.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What `morula build` says of the tree it made, level by level.
+// Build report: the tree that `morula build` made, level by level.
 #pragma once
 
 #include <morula/accuracy/protrusion.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What `morula collide` says: a table, JSON, or a CSV file of everything.
+// Collide report: a table, JSON, or a CSV file of everything that `morula collide` found.
 #pragma once
 
 #include <morula/collide/contacts.hpp>

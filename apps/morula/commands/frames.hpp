@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the frames of an update come from: files with positions, the coordinates of a modal model, or the bones of a
+// Frames of an update: files with positions, the coordinates of a modal model, or the bones of a
 // skin.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What was measured of the frames of a motion, as a table and as JSON.
+// Measured frames of a motion, as a table and as JSON.
 #pragma once
 
 #include <morula/accuracy/measure.hpp>

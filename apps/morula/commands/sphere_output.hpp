@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the spheres of an update go: a folder with a tree file per frame, or one NumPy archive. Whole or not at all.
+// Output of an update's spheres: a folder with a tree file per frame, or one NumPy archive. It is whole or not there.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the demo says of its two experiments: tables, what they show, and the same figures for machines.
+// Demo text: tables of the two experiments, what they show, and the same figures for machines.
 #pragma once
 
 #include <morula/study/run.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a command is to main: options added to the parser, and a function to run once they are parsed.
+// Command: options added to the parser, and a function to run once they are parsed.
 #pragma once
 
 #include <CLI/CLI.hpp>

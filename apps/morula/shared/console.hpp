@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is said to people beside the result, and which files are there in the end.
+// Console: messages to people beside the result, and the files that are there in the end.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What several commands say about trees and measurements, as tables and as JSON.
+// Reports of trees and measurements that several commands print, as tables and as JSON.
 #pragma once
 
 #include <morula/accuracy/measure.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Everything that is measured of a tree, level by level.
+// Measurements of a tree, level by level.
 #pragma once
 
 #include <morula/accuracy/coverage.hpp>

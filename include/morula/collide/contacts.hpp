@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where two bodies touch: sphere contacts, at the leaves or at a level, at once or as far as a budget reaches.
+// Contacts of two bodies: pairs of spheres, at the leaves or at a level, at once or as far as a budget reaches.
 #pragma once
 
 #include <cstdint>

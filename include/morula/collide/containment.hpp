@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Inside or outside a deformed, placed body, exactly; whether one body is inside another; a probe that knows its side.
+// Containment: inside or outside a deformed, placed body, exactly; one body inside another; a probe with a side.
 #pragma once
 
 #include <morula/collide/primitives.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How far apart two bodies' surfaces are: bounds that hold, with the points that show the upper one.
+// Distance of two bodies' surfaces: bounds that hold, with the points that show the upper one.
 #pragma once
 
 #include <cstddef>

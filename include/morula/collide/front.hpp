@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How far a query has come: plain values, which may be copied, kept and continued.
+// Front: how far a query has come, as plain values, which may be copied, kept and continued.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Do two bodies overlap? Yes or no, as early as possible.
+// Overlap of two bodies: yes or no, as early as possible.
 #pragma once
 
 #include <morula/collide/collider.hpp>

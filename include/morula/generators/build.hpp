@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// From a mesh to a sphere tree with its proof.
+// Generators: a sphere tree with its proof, made from a mesh.
 #pragma once
 
 #include <cstdint>

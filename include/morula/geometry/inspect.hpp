@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a mesh is, before anything is asked of it.
+// Mesh report: counts, closedness, orientation, volume.
 #pragma once
 
 #include <morula/geometry/connectivity.hpp>

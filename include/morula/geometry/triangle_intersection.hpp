@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Do two triangles meet, and where?
+// Intersection of two triangles: whether they meet, exactly, and where.
 #pragma once
 
 #include <morula/geometry/triangle.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Who runs parallel loops: one thread, a pool of ours, or the host's own executor. Results never depend on which.
+// Workers: one thread, a pool of ours, or the host's own executor. Results never depend on which.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One box against many, the inner loop of whatever prunes facets.
+// Kernels of boxes: one against many, the inner loop of whatever prunes facets.
 #pragma once
 
 #include <cstddef>

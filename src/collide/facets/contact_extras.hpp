@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is added to contacts when it is asked for: surfaces, facet pairs, containment.
+// Extras of contacts, added when asked for: surfaces, facet pairs, containment.
 #pragma once
 
 #include <morula/collide/contacts.hpp>

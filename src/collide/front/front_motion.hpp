@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How far the spheres of two bodies have come since the pairs of a front were tested.
+// Motion of a front: how far the spheres of two bodies have come since its pairs were tested.
 #pragma once
 
 #include <morula/collide/front.hpp>

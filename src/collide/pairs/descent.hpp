@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// All final pairs that overlap. Without a budget there is no queue to keep: depth-first, and nothing to remember.
+// Descent to all final pairs that overlap. Without a budget it is depth-first: no queue, and nothing to remember.
 #pragma once
 
 #include "collide/pairs/tree_pair.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A budget as it is spent.
+// Meter of a budget: what of it is left.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@ inline std::chrono::nanoseconds now(const Clock& clock) {
   return clock ? clock() : std::chrono::steady_clock::now().time_since_epoch();
 }
 
-/// What is left of a budget. Once it has run out, it has.
+/// The rest of a budget. Once it has run out it stays so.
 class Meter {
  public:
   explicit Meter(const CollideOptions& options) : options_(&options) {
@@ -32,7 +32,7 @@ class Meter {
     if (by_time() && !late_) late_ = now(options_->clock) - start_ >= limit_;
     return late_;
   }
-  /// May so many tests be done? After the first no there are only noes, but for no tests.
+  /// May so many tests be done? Once the answer was no it stays no. Zero tests are always allowed.
   bool takes(std::uint32_t tests) {
     if (tests == 0) return true;
     blocked_ = blocked_ || tests > left_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One body's spheres in the frame of the other, and how pair tests survive rounding.
+// Frame of a pair: one body's spheres seen from the other, and how pair tests survive rounding.
 //
 // Local coordinates of a body are about its origin, without its placement. A test looks at a sphere (c_a, r_a) of a and
 // a sphere (c_b, r_b) of b, moved into a's local frame by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and

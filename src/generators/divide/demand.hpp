@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the surface will need small spheres, foretold by a tree that is made fast.
+// Demand for small spheres over the surface, foretold by a tree that is made fast.
 #pragma once
 
 #include "generators/divide/node_fit.hpp"

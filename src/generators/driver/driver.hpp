@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What both drivers have in common: the root, which divisions count, and the report.
+// Driver: the root, the divisions that count, and the report, for both orders of building.
 #pragma once
 
 #include "generators/driver/top_down.hpp"

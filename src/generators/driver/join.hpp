@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Judging leaves, and joining children again where fewer are wanted than a generator made.
+// Join: leaves judged, and children joined again where fewer are wanted than a generator made.
 #pragma once
 
 #include "generators/driver/top_down.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One ball around the points it must contain, placed where it takes in least empty space.
+// Ball fit: one ball around the points it must contain, placed where it takes in least empty space.
 #pragma once
 
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A few inscribed balls that need to grow least to contain a group's points.
+// Medial seeds: the few inscribed balls that need to grow least to contain a group's points.
 #pragma once
 
 #include <morula/geometry/random.hpp>

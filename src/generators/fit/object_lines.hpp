@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where lines along the three axes enter and leave the object: what outside volumes are integrated from.
+// Object lines: where lines along the axes enter and leave the object. Outside volumes are integrated from them.
 #pragma once
 
 #include <array>

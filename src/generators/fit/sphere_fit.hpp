@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One sphere around the points it must contain, placed where it sticks out least.
+// Sphere fit: one sphere around the points it must contain, placed where it sticks out least.
 #pragma once
 
 #include <morula/geometry/sphere.hpp>

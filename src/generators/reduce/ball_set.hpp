@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Many balls over a node's samples, and the three ways of making few of them [bradshaw2004]: merge, burst, expand.
+// Ball set over a node's samples, and the three ways of making it small [bradshaw2004]: merge, burst, expand.
 #pragma once
 
 #include <morula/query/signed_distance.hpp>

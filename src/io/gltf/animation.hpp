@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the nodes of a glTF document are at a time, and its vertices with them.
+// Animation of a glTF document: its nodes at a time, and its vertices with them.
 #pragma once
 
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What stands in for the glTF reader where the build has none.
+// Stand-in for the glTF reader where the build has none.
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
 

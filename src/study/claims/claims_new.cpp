@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the paper did not measure: cover, and what it costs.
+// Claims beyond the paper: cover, and what it costs.
 #include <map>
 
 #include "study/claims/evidence.hpp"

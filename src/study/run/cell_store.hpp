@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a cache holds: JSON and trees under a hash of all that decides them.
+// Cell store: JSON and trees under a hash of all that decides them.
 #pragma once
 
 #include <morula/study/cache.hpp>

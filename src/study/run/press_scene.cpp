@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where a press brings two bodies, and what the triangles say there.
+// Press scene: the places of two bodies pressed together, and what the triangles say there.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What depends on a block of vertices: lists that an update of a part of the vertices starts from.
+// Lists of what depends on a block of vertices: an update of a part of the vertices starts from them.
 #pragma once
 
 #include <algorithm>

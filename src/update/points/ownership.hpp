@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Who answers for which points: the cover's patches, boiled down to lists of distinct points per leaf.
+// Ownership of points: the cover's patches as lists of distinct points per leaf.
 #pragma once
 
 #include <morula/tree/cover.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How radii survive rounding: the error budget of every distance that an update takes.
+// Rounding of radii: the error budget of every distance that an update takes.
 //
 // Let e = 2^-24, M the largest |coordinate| of a vertex about the frame's origin (after narrowing to float), A the
 // largest |coordinate| of origin, points and centre in mesh units, and s the largest |1 - sum of weights| over the

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One rebuild at a time: a pose goes in, a body made for that pose comes out, on whatever thread runs it.
+// Rebuild job: a pose goes in, a body made for that pose comes out, on whatever thread runs it. One runs at a time.
 #pragma once
 
 #include <array>

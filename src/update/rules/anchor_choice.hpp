@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Which points a centre is tied to, and how strongly: settled once, when a body is made.
+// Choice of anchors: the points a centre is tied to, and how strongly. It is settled once, when a body is made.
 #pragma once
 
 #include <array>

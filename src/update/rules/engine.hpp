@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a body knows of the rules that move its spheres: engines, each for the nodes of one rule or of a few akin.
+// Engines of the rules that move a body's spheres, each for the nodes of one rule or of a few akin.
 #pragma once
 
 #include <memory>

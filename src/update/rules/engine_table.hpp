@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Which engine serves which rule.
+// Engine table: the engine that serves each rule.
 #pragma once
 
 #include <algorithm>

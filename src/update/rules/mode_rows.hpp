@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How far the corners that a node owns can stray from its centre when a mode moves them: settled once per body.
+// Mode rows: how far a node's corners can stray from its centre when a mode moves them. They are settled once per body.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a body with a skin can be moved by, and where its origin goes.
+// Skin motion: the transforms that can move a body with a skin, and where its origin goes.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
