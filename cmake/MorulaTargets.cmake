@@ -61,7 +61,7 @@ endfunction()
 # morula_precompile(TARGET HEADERS...): headers of others that most sources of a target include are compiled once. For tests
 # and benchmarks, of which each source takes 1.3 to 2 seconds less; sources of the library include less, and compile no
 # faster, and those of the command and the study spend their time on what they make of CLI11, fmt and JSON. Sources include
-# what they use all the same: builds with a compiler launcher, and CI's with Clang, precompile nothing.
+# what they use all the same: by default nothing is precompiled.
 # morula_precompile(TARGET SHARED_WITH OTHER): those of OTHER, which is compiled with the same options.
 function(morula_precompile target)
   cmake_parse_arguments(arg "" "SHARED_WITH" "" ${ARGN})
