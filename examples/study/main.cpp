@@ -14,6 +14,7 @@ int main() {
   plan.motions = study::paper_motions();
   plan.rules = {Rule::approach2, Rule::exact};
   plan.samples = 5;
+  plan.resolution = 64;
   const study::Study done = study::make_study(plan);
   for (const study::Cell& cell : done.result.cells)
     for (const study::LevelFigures& level : cell.samples[2].levels)  // half way

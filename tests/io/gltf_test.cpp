@@ -392,7 +392,7 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
            {"x/%2e%2E/part.bin", "only files in its folder"},
            {"..%5Cpart.bin", "only files in its folder"},
            {"file:part.bin", "only files in its folder"},
-           {"missing.bin", ""},
+           {"missing.bin", "its buffer 'missing.bin' cannot be read"},
            {"short.bin", "is no glTF"},
            {"", "is no glTF"},
            {"data:application/octet-stream;base64,AAAA", "is no glTF"}}) {
@@ -403,6 +403,7 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
       ADD_FAILURE() << "was read";
     } catch (const FileError& error) {
       EXPECT_NE(std::string(error.what()).find(fragment), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find(path.string()), 0u) << error.what();
     }
   }
 }
