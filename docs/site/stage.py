@@ -44,15 +44,23 @@ def main():
             return link
         return sources.setdefault(target, "source/" + target.replace("/", "_").replace(".", "_") + ".md")
 
+    titles = {name: (ROOT / source).read_text().partition("# ")[2].partition("\n")[0] for source, name in pages.items()}
+    titles["readme.md"] = "README"
+
+    def rewritten(source, text, link):
+        """A link, whose text is the title of its page where it was the name of a file."""
+        target = place(source, link)
+        name = target.partition("#")[0]
+        if name in titles and re.fullmatch(r"(docs/)?\w+\.md", text):
+            text = titles[name]
+        return f"[{text}]({target})"
+
     for source, name in pages.items():
-        lines, in_code = [], False
-        for line in (ROOT / source).read_text().splitlines():
-            if line.startswith("```"):
-                in_code = not in_code
-            elif not in_code:
-                line = re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({place(source, m[1])})", line)
-            lines.append(line)
-        (folder / name).write_text("\n".join(lines) + "\n")
+        # What a fence encloses is code: every second piece.
+        pieces = re.split(r"(?m)(^```.*?^```$)", (ROOT / source).read_text(), flags=re.S)
+        for i in range(0, len(pieces), 2):
+            pieces[i] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", lambda m: rewritten(source, m[1], m[2]), pieces[i])
+        (folder / name).write_text("".join(pieces))
 
     (folder / "source").mkdir()
     for target, name in sources.items():
