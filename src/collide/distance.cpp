@@ -15,6 +15,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

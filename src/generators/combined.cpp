@@ -11,7 +11,7 @@
 #include "generators/reduce/optimise.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 bool reduces_medial_balls(Reduction r) {
@@ -114,4 +114,4 @@ CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& worke
                        thorough);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,6 +9,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 namespace {
 

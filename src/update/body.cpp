@@ -18,6 +18,7 @@
 #include "update/rules/engine_table.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // One rule per level of the tree; throws for an empty list and for options out of range.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 namespace morula {
+using namespace detail;
 
 UpdateStatus Body::State::counted(const UpdateStatus& status) noexcept {
   current = static_cast<bool>(status);

@@ -7,6 +7,7 @@
 #include "update/rules/skin_motion.hpp"
 
 namespace morula {
+using namespace detail;
 
 AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
   AffineTransform product{.columns = {}, .translation = a(b.translation)};

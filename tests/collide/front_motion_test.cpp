@@ -10,6 +10,7 @@
 #include "specimens.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // In the world: distance of the spheres of a child of one node and a child of another, or of themselves.

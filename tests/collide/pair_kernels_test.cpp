@@ -16,6 +16,7 @@
 #include "specimens.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 std::vector<Spheref> random_spheres(std::size_t count, Random& random, double scale) {

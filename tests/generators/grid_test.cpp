@@ -12,6 +12,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {

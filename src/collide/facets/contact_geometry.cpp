@@ -5,7 +5,7 @@
 #include <morula/geometry/scale.hpp>
 #include <numbers>
 
-namespace morula {
+namespace morula::detail {
 
 // Let D be the distance of centres, R_a and R_b the radii grown by half the margin and by what the test allows for
 // rounding: the regions' common points (with a margin, middles of near points) are in both grown spheres. The middle p
@@ -59,4 +59,4 @@ float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b
   return static_cast<float>(sum > 0 ? (sum - distance) / sum : -distance);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

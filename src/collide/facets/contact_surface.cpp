@@ -15,7 +15,7 @@
 
 #include "collide/facets/corner_reader.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Nearest {
@@ -118,7 +118,7 @@ SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const V
   return placed(collider, nearest);
 }
 
-SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point) {
+SurfacePoint nearest_facet_by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point) {
   const CornerReader corners(collider);
   Nearest nearest;
   for (const std::uint32_t facet : collider.facets(node)) nearest.look_at(corners, facet, in_frame_of(collider, point));
@@ -157,4 +157,4 @@ ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Co
           std::max(0.0, least)};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <morula/collide/collider.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 class CornerReader {
  public:
@@ -38,4 +38,4 @@ class CornerReader {
   bool is_double_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

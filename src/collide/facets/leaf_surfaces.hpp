@@ -9,7 +9,7 @@
 
 #include "collide/facets/facet_columns.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class LeafSurfaces {
  public:
@@ -57,4 +57,4 @@ class LeafSurfaces {
   std::size_t used_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // A thousand times what the pads of pair tests are of a sphere's size: see pair_frame.hpp.
@@ -110,4 +110,4 @@ void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, co
   if (moved_a || moved_b) take_spheres(bodies, a, b);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

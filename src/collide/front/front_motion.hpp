@@ -8,7 +8,7 @@
 
 #include "collide/pairs/pair_frame.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Stamps of the present frame; with_spheres: also what follow_motion() compares the next one with.
 void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
@@ -20,4 +20,4 @@ void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, con
 void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/front/front_motion.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::uint32_t none = Front::none;
@@ -282,4 +282,4 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
   extras.add(pairs, options, &meter, result);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

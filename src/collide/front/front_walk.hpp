@@ -12,7 +12,7 @@
 #include "collide/pairs/meter.hpp"
 #include "collide/pairs/tree_pair.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class FrontWalk {
  public:
@@ -78,4 +78,4 @@ class FrontWalk {
   std::vector<double> motion_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 
 #include "geometry/rounded_up.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin) {
   PlacedPair pair;
@@ -47,4 +47,4 @@ PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
   return pair;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -30,7 +30,7 @@
 #include <morula/collide/collider.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// What a kernel needs to move spheres of b, in float.
 struct PairFrame {
@@ -70,4 +70,4 @@ PlacedPair placed_pair(const Collider& a, const Collider& b, double margin);
 /// Of M and u; coordinates: A.
 PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -74,4 +74,4 @@ const PairKernels& pair_kernels() {
   return table.widest();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

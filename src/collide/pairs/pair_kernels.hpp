@@ -11,7 +11,7 @@
 
 #include "collide/pairs/pair_frame.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Adjacent nodes of both trees: at most 64 each, at least one. Spheres up to `readable` may be read, though they do
 /// not count.
@@ -35,4 +35,4 @@ std::span<const PairKernels> all_pair_kernels();
 /// The widest.
 const PairKernels& pair_kernels();
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,6 +10,7 @@
 #include "simd/processors.hpp"
 
 namespace morula {
+using namespace detail;
 
 std::size_t pair_test_kinds() {
   const StandardFloats standard;

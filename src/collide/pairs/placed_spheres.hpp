@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <morula/collide/collider.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 class PlacedSpheres {
  public:
@@ -53,4 +53,4 @@ inline double gap_below(const Sphere& a, const Sphere& b) {
   return distance(a.center, b.center) * (1 - 0x1p-49) - (a.radius + b.radius) * (1 + 0x1p-51);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace morula {
+namespace morula::detail {
 
 BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
     : BuildOptions(options), box_(bounding_box(mesh)) {
@@ -84,4 +84,4 @@ std::optional<double> TimeEstimate::seconds_left() const {
   return left;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

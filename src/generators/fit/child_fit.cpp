@@ -10,7 +10,7 @@
 
 #include "generators/fit/lattice.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -468,4 +468,4 @@ std::vector<Sphere> Group::spheres() const {
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

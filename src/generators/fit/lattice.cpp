@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace morula {
+namespace morula::detail {
 
 Frame principal_axes(std::span<const Vec3> points) {
   Vec3 mean{};
@@ -143,4 +143,4 @@ std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double ra
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

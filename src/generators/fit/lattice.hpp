@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// An orthonormal frame.
 using Frame = std::array<Vec3, 3>;
@@ -39,4 +39,4 @@ bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::s
 /// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored.
 std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace morula {
+namespace morula::detail {
 
 BallSet::BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::span<const Vec3> samples)
     : balls_(std::move(balls)), distances_(std::move(distances)), samples_(samples.begin(), samples.end()) {
@@ -115,4 +115,4 @@ std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

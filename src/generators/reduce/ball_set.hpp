@@ -9,7 +9,7 @@
 
 #include "generators/reduce/sample_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Balls with what the reductions ask of them again and again.
 class BallSet {
@@ -91,4 +91,4 @@ Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& s
 /// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.
 std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth growth);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,7 +12,7 @@
 
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -172,4 +172,4 @@ std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth gro
   return Expansion(set, branching, growth).run();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

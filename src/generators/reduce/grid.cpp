@@ -12,7 +12,7 @@
 #include "generators/fit/lattice.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Candidate {
@@ -153,4 +153,4 @@ Proposals propose_grid(const ReducerInput& node) {
   return proposals;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

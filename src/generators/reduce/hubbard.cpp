@@ -17,7 +17,7 @@
 #include "generators/reduce/reducers.hpp"
 #include "medial/voronoi_balls.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Group {
@@ -206,4 +206,4 @@ Proposals propose_hubbard(const ReducerInput& node) {
   return {{"hubbard", std::move(spheres)}};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -15,7 +15,7 @@
 #include "generators/fit/sphere_fit.hpp"
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Balls that share out the samples: every sample has one owner, every ball is as small as its samples let it be.
@@ -236,4 +236,4 @@ void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser,
   proposal.spheres = equally_grown(Growth::power, Optimisation::spheres_of(shares), distances, node.samples);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -18,7 +18,7 @@
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Seed {
@@ -181,4 +181,4 @@ Proposals propose_spawn(const ReducerInput& node) {
   return {{"spawn", equally_grown(Growth::power, laid, distances, node.samples)}};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,7 +50,7 @@ BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const 
   return result;
 }
 
-Skin skin_of(const ByteSource& source, const Mesh& mesh) {
+Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
   const NpyArray array = read_npy_header(source, {2, 0, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];
@@ -79,7 +80,7 @@ Skin skin_of(const ByteSource& source, const Mesh& mesh) {
   return skin;
 }
 
-BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count) {
+BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_count) {
   const NpyArray array = read_npy_header(source, {4, 4, "(frames, bones, 3, 4)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <optional>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
@@ -252,4 +252,4 @@ AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const L
   return choice;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

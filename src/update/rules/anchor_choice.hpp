@@ -11,7 +11,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct AnchorChoice {
   std::vector<std::uint32_t> points;  ///< ascending
@@ -30,4 +30,4 @@ struct AnchorChoice {
 AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const LocalPoint> points,
                             std::span<const std::uint32_t> candidates);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 
 #include "update/rules/anchor_choice.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 Vec3f position(const LocalPoint& p) {
@@ -100,4 +100,4 @@ Vec3f Anchors::center(std::size_t k, std::span<const LocalPoint> points) const n
   return center;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

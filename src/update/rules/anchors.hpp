@@ -11,7 +11,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A centre c as a function of its anchors x, with weights w that add up to 1:
 ///   c = c0 + (sum w x - sum w x0) + (turned(e) - e)      x0: at rest
@@ -55,4 +55,4 @@ class Anchors {
   std::vector<float> weights_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -15,7 +15,7 @@
 #include "update/points/local_points.hpp"
 #include "update/points/ownership.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class ModalMotion;
 struct ModalPose;
@@ -112,4 +112,4 @@ class EngineList {
   std::vector<std::unique_ptr<RuleEngine>> engines_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

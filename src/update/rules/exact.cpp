@@ -10,7 +10,7 @@
 #include "update/points/outermost.hpp"
 #include "update/rules/engine_table.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 64;
@@ -170,4 +170,4 @@ std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

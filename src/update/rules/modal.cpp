@@ -32,7 +32,7 @@
 #include "update/points/rounding.hpp"
 #include "update/rules/engine_table.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
@@ -233,4 +233,4 @@ std::unique_ptr<RuleEngine> bind_modal(const Binding& binding) {
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

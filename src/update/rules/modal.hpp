@@ -10,7 +10,7 @@
 #include "update/rules/engine.hpp"
 #include "update/rules/mode_rows.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument unless the modes have the mesh's vertices, one displacement each, all finite.
 void require_modes(const Modes& modes, const Mesh& mesh);
@@ -84,4 +84,4 @@ class ModalRule final : public RuleEngine {
   std::vector<LinearModeRow> linear_rows_;  // likewise; none with ModalBound::shift
 };
 
-}  // namespace morula
+}  // namespace morula::detail

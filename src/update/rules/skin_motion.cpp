@@ -9,7 +9,7 @@
 
 #include "update/points/narrow.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // As for modes: with a rest body within largest_local_coordinate, all that is computed stays far inside the range of
@@ -76,4 +76,4 @@ BonePose SkinMotion::pose(const Skin& skin, std::span<const AffineTransform> tra
   return {transforms, origin_near(rest_origin_ + (guide - guide_rest_), size_)};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

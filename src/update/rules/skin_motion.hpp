@@ -8,7 +8,7 @@
 #include <morula/update/skin.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument unless the skin has the mesh's vertices, its influences name its bones, and the weights
 /// of every vertex that facets use are finite and add up to 1 within 1e-6.
@@ -55,4 +55,4 @@ class SkinMotion {
   double largest_weights_ = 1;  // largest sum of |weights| of a vertex
 };
 
-}  // namespace morula
+}  // namespace morula::detail

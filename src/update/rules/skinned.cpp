@@ -16,7 +16,7 @@
 #include "update/rules/mode_rows.hpp"
 #include "update/rules/skin_motion.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
@@ -129,4 +129,4 @@ std::unique_ptr<RuleEngine> bind_skinned(const Binding& binding) {
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail
