@@ -10,7 +10,7 @@
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
 #include "update/rules/modal.hpp"
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
 namespace morula {
 
@@ -23,10 +23,10 @@ struct Body::State {
   BindReport report{};
   UpdateStatus work{};  // of a good update: the same every time
   detail::EngineList engines{};
-  std::optional<detail::CornerWalk> raised{};   // conservative: the nodes of rules that do not cover by themselves
-  std::optional<detail::ModalMotion> motion{};  // of a body with modes
-  std::optional<detail::SkinMotion> skin{};     // of a body with a skin
-  RuleTraits::Follows follows{};                // what some level asks for; positions where none asks for anything else
+  std::optional<detail::CornerWalk> raised{};  // conservative: the nodes of rules that do not cover by themselves
+  std::optional<detail::ModalPoser> modal{};   // of a body with modes
+  std::optional<detail::SkinPoser> skin{};     // of a body with a skin
+  RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
   PosedTree posed{};         // what queries read; show() brings it up to date

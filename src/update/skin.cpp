@@ -4,7 +4,7 @@
 #include <morula/update/skin.hpp>
 
 #include "parallel/float_environment.hpp"
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
 namespace morula {
 using namespace detail;

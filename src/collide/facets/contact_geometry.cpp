@@ -28,8 +28,8 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 
-  const double growth = 0.5 * placed.margin + placed.growth(a, b);
-  const double grown_a = radius_a + growth, grown_b = radius_b + growth;
+  const double allowance = 0.5 * placed.margin + placed.allowance(a, b);
+  const double grown_a = radius_a + allowance, grown_b = radius_b + allowance;
   // Where centres coincide but for rounding, any direction is as good.
   const bool coincide = !(distance > 0x1p-20 * sum);
   if (coincide || distance <= std::abs(radius_a - radius_b)) {

@@ -5,7 +5,7 @@
 
 #include <morula/collide/contacts.hpp>
 
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 
 namespace morula::detail {
 

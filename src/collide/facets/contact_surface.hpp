@@ -30,9 +30,9 @@ class SurfaceScratch {
 };
 
 /// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
-/// closest_point() in the body's own frame, to positions that no rounding of a placement has touched; ties go to the
-/// lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and 16
-/// ns per facet of a leaf that is read.
+/// closest_point() in the body's own coordinates, to positions that no rounding of a placement has touched; ties go to
+/// the lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and
+/// 16 ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
 
 /// All facets of the node looked at.

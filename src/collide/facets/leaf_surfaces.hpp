@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The surface that the leaves of one body own, in the body's own frame: read once per leaf and batch of questions.
+// The surface that the leaves of one body own, in the body's own coordinates: read once per leaf and batch of
+// questions.
 #pragma once
 
 #include <cstdint>

@@ -56,7 +56,7 @@ class Hubbard {
     Reduced result;
     for (const Group& g : groups_)
       if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape(g.ball.center));
-    return equally_grown(Growth::power, result.balls, result.distances, node_.samples);
+    return equally_grown(GrowBy::power, result.balls, result.distances, node_.samples);
   }
 
  private:

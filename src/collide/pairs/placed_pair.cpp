@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 
 #include <algorithm>
 #include <limits>
