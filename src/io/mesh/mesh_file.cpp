@@ -56,7 +56,8 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
 }
 
 std::span<const MeshFileKind> mesh_file_kinds() {
-  static constexpr auto kinds = [] {
+  // Not constexpr: for GCC, under its sanitizers, the address of a function is not known to be none.
+  static const auto kinds = [] {
     std::array<MeshFileKind, mesh_formats.size()> list{};
     for (std::size_t i = 0; i < list.size(); ++i)
       list[i] = {mesh_formats[i].extension, mesh_formats[i].write != nullptr};
