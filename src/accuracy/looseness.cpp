@@ -13,6 +13,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 Box box_of(std::span<const Sphere> spheres) {

@@ -7,6 +7,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options,
                                   Workers& workers) {

@@ -8,7 +8,7 @@
 
 #include "geometry/scan_triangle.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Rows (lattice lines of equal y) that a thing meets: [begin, end), clamped to the lattice.
@@ -265,4 +265,4 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Insi
   return counts;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 
 #include "accuracy/voxel_lattice.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// How the crossings of a column with the facets are read.
 enum class Inside { unknown, nonzero_winding, odd_crossings };
@@ -28,4 +28,4 @@ struct VoxelCounts {
 VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
                          std::span<const Sphere> spheres, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

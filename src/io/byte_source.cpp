@@ -6,7 +6,7 @@
 
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 std::uintmax_t ByteSource::size() const {
   return bytes_ ? bytes_->size() : size_of_file(name_);
@@ -20,4 +20,4 @@ std::string ByteSource::read(std::uintmax_t offset, std::uintmax_t count) const 
   return std::string(bytes_->substr(offset, count));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace morula {
+namespace morula::detail {
 
 class ByteSource {
  public:
@@ -30,4 +30,4 @@ class ByteSource {
   std::optional<std::string_view> bytes_{};
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -19,6 +19,7 @@
 #include "specimens.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 constexpr const char* array_name = "array.npy";

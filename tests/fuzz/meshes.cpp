@@ -10,6 +10,7 @@
 #include "io/mesh/formats.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 bool same_bits(const Mesh& a, const Mesh& b) {

@@ -84,6 +84,15 @@ run(check_names fails
   "docs/tree.md: a link to cover.md#no-heading, no heading there"
   "docs/tree.md: src/update/corps.cpp")
 
+# Only a nested type of a public one stands in namespace morula itself.
+file(WRITE "${FOLDER}/src/update/state.hpp" "${licence}namespace morula::detail {\n\nnamespace inner {\nint x;\n}  // namespace inner\n"
+  "constexpr int list[] = {1, 2};\n\n}  // namespace morula::detail\nnamespace morula {\n\nstruct Body::State {\n  int x;\n};\n\n}  // namespace morula\n")
+run(check_namespaces passes "private headers, nothing of theirs")
+file(WRITE "${FOLDER}/src/update/open.hpp" "${licence}namespace morula {\n\nnamespace inner {\nint deep;\n}  // namespace inner\n"
+  "struct State {\n  int x;\n};\n\n}  // namespace morula\n")
+file(WRITE "${FOLDER}/src/update/loop.inl" "${licence}namespace morula {\nconst int list[] = {1};\n}  // namespace morula\n")
+run(check_namespaces fails "src/update/open.hpp: struct State {" "src/update/loop.inl: const int list   = {1};")
+
 string(REPEAT "word [a; b]\n" 834 many)
 file(WRITE "${FOLDER}/docs/tree.md" "${many}")
 run(check_pages fails "docs/tree.md has 2502 words, 2500 at most")

@@ -3,7 +3,7 @@
 // The page in a real browser: what it keeps. Its state in the address; pictures, films and models as files.
 import { readFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
-import { at, check, claim, equal } from './support.mjs';
+import { at, check, claim, equal, morula } from './support.mjs';
 import { open, settled, slide } from './browser.mjs';
 import { browser, close, compare, opened, picture, small, words, writeLimb } from './limb.mjs';
 import { readAddress, writeAddress } from '../../viewer/src/address.js';
@@ -94,5 +94,26 @@ await claim('what_is_shown_is_saved_as_files', () =>
     check(webm.length > 4000, `the film has ${webm.length} bytes`);
     equal(await page.locator('#frame').inputValue(), '6', 'the frame is as before');
   }));
+
+await claim('two_bodies_show_where_they_touch', async () => {
+  morula('sample capsule -o tool.obj --resolution 10');
+  morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --place-b 0,0.9,0 --page touch.html -o contacts.csv');
+  const rows = readFileSync(at('contacts.csv'), 'utf8').trim().split('\n').map((line) => line.split(','));
+  const column = (name) => rows[0].indexOf(name);
+  const frames = [...new Set(rows.slice(1).map((row) => row[column('frame_a')]))];
+  check(frames.length > 1, 'they touch in more than one frame');
+  const touching = rows.slice(1).filter((row) => row[column('frame_a')] === frames[0] && Number(row[column('surface_depth')]) > 0);
+  await opened('touch.html', {}, async (page) => {
+    equal(await page.title(), 'limb and tool · Morula', 'title');
+    const at_frame = await page.evaluate((name) => JSON.parse(document.getElementById('morula-manifest').textContent).motions[0].frames.findIndex((f) => f.startsWith(name)), frames[0]);
+    await slide(page, 'frame', at_frame);
+    check((await words(page, '#contacts-chip')).startsWith(`${touching.length.toLocaleString('en')} contact`), `${await words(page, '#contacts-chip')}: ${touching.length} rows have a depth`);
+    const marked = await picture(page);
+    await page.uncheck('#show-contacts');
+    check((await compare(marked, await picture(page))).changed > 0.0003, 'contacts are drawn');
+    await page.check('#show-contacts');
+    await page.screenshot({ path: at('touch.png') });
+  });
+});
 
 await close();

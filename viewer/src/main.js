@@ -75,7 +75,7 @@ function start() {
 
   const state = new State({
     scene: -1, frame: 0, level: -1, colour: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
-    body: true, spheres: true, bare: true, facets: false, opacity: 0.5,
+    body: true, spheres: true, bare: true, facets: false, contacts: true, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false,
   });
   let stage = null;
@@ -115,6 +115,8 @@ function start() {
       if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare'));
       if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
+      if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);
+      if (has('contacts')) stage.contacts.group.visible = state.get('contacts');
       if (has('body')) stage.body.group.visible = state.get('body');
       if (has('facets')) stage.body.facets(state.get('facets'));
       if (has('scene', 'sectionAxis', 'sectionAt', 'sectionFlip')) stage.cut(state.get('sectionAxis'), state.get('sectionAt'), state.get('sectionFlip'));

@@ -6,6 +6,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { PageError } from './decode.js';
 import { BodyView } from './body.js';
 import { SpheresView } from './spheres.js';
+import { ContactsView } from './contacts.js';
 import { styleValue } from './dom.js';
 
 const axes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
@@ -45,7 +46,8 @@ export class Stage {
     this.planes = [];
     this.body = new BodyView();
     this.spheres = new SpheresView(this.plane);
-    this.scene.add(this.body.group, this.spheres.group);
+    this.contacts = new ContactsView();
+    this.scene.add(this.body.group, this.spheres.group, this.contacts.group);
 
     this.onpick = () => {};
     this.onlook = () => {};
@@ -112,6 +114,7 @@ export class Stage {
 
   theme() {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
+    this.contacts.theme(new Color(styleValue('--ink')));
     // The spheres' shaders write colours as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
     this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));

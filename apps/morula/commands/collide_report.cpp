@@ -108,6 +108,7 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
                                               : "B");
   }
   if (!run.output.empty()) fmt::format_to(out, "written   {}\n", run.output);
+  if (!run.page.empty()) fmt::format_to(out, "written   {}: open it in a browser\n", run.page);
   return text;
 }
 
@@ -115,6 +116,7 @@ Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frame
   Json json{
       {"a", run.mesh_a}, {"b", run.mesh_b}, {"rule", run.rule}, {"threads", run.threads}, {"frames", Json::array()}};
   if (!run.budget.empty()) json["budget"] = run.budget;
+  if (!run.page.empty()) json["page"] = run.page;
   for (const CollidedFrame& f : frames) {
     Json frame{{"a", f.name_a},
                {"b", f.name_b},

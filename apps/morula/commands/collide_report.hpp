@@ -27,7 +27,7 @@ struct CollidedFrame {
 };
 
 struct CollideRun {
-  std::string mesh_a, mesh_b, rule, budget, output;
+  std::string mesh_a, mesh_b, rule, budget, output, page{};
   bool exact = false;
   bool built_a = false, built_b = false;
   unsigned threads = 1;

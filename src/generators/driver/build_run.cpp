@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace morula {
+namespace morula::detail {
 
 namespace {
 
@@ -94,4 +94,4 @@ std::optional<double> TimeEstimate::seconds_left() const {
   return left;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <morula/generators/build.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// Copied freely: copies share the clock and the way progress is told.
 class BuildRun : public BuildOptions {
@@ -66,4 +66,4 @@ class TimeEstimate {
   std::vector<Level> levels_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

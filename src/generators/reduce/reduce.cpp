@@ -6,7 +6,7 @@
 #include <limits>
 #include <morula/geometry/random.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Enough to steer a search; cover never depends on samples.
@@ -157,4 +157,4 @@ Divider divide_by(const FitInput& input, const BuildRun& run, Reducer reducer, c
   return ReducerDivider(input, run, std::move(reducer), settings, std::move(demand));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,7 +12,7 @@
 #include "generators/divide/node_fit.hpp"
 #include "generators/driver/top_down.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Points that steer a search; cover never depends on them.
 struct RegionSamples {
@@ -53,4 +53,4 @@ struct ReduceSettings {
 Divider divide_by(const FitInput& input, const BuildRun& run, Reducer reducer, const ReduceSettings& settings,
                   Demand demand = {});
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 
 #include "io/byte_reader.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
@@ -107,4 +107,4 @@ void StoredZip::commit() {
   file_.commit();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

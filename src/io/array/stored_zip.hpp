@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 /// CRC-32 of ISO 3309, as zip and PNG have it.
 class Crc32 {
@@ -49,4 +49,4 @@ class StoredZip {
   Crc32 crc_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 /// Positions of one frame after the other, out of one file.
 class FrameSource {
@@ -83,4 +83,4 @@ class FanBuilder {
   std::size_t corners_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

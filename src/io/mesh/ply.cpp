@@ -10,7 +10,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Rows of a text PLY: one line each.
@@ -213,4 +213,4 @@ std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> fa
   return bytes;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

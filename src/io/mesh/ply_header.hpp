@@ -10,7 +10,7 @@
 
 #include "io/text_scanner.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -48,4 +48,4 @@ struct PlyHeader {
 /// element, which has one integer list of vertices; all lists have integer lengths.
 PlyHeader read_ply_header(TextScanner& in);
 
-}  // namespace morula
+}  // namespace morula::detail

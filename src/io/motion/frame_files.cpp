@@ -11,6 +11,7 @@
 #include "io/whole_file.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;

@@ -9,6 +9,7 @@
 #include "io/motion/array_motion.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 [[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const std::string& needed) {
@@ -41,7 +42,7 @@ void write_coordinates(const std::filesystem::path& path, const ModalCoordinates
   write_whole(path, npy_bytes(coordinates.coordinates, std::array{coordinates.frame_count(), coordinates.mode_count}));
 }
 
-Modes modes_of(const ByteSource& source, const Mesh& mesh) {
+Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
   const NpyArray array = read_npy_header(source, {3, 3, "(modes, vertices, 3)"});
   if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
     fail_shape(
@@ -62,7 +63,7 @@ Modes modes_of(const ByteSource& source, const Mesh& mesh) {
   return modes;
 }
 
-ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count) {
+ModalCoordinates detail::coordinates_of(const ByteSource& source, std::size_t mode_count) {
   const NpyArray array = read_npy_header(source, {2, 0, "(frames, modes)"});
   if (array.shape[0] == 0 || array.shape[1] != mode_count)
     fail_shape(source, array, "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,");

@@ -14,6 +14,7 @@
 #include "io/whole_file.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,7 +112,7 @@ std::vector<Vec3> Motion::frame(std::size_t i) const {
   return motion_frame(files_[0], {.is_double = npy_is_double_, .data_offset = npy_data_offset_}, vertex_count_, i);
 }
 
-NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
+NpyArray detail::motion_array(const ByteSource& source, std::size_t vertex_count) {
   NpyArray array = read_npy_header(source, {3, 3, "(frames, vertices, 3)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
@@ -121,8 +122,8 @@ NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
   return array;
 }
 
-std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
-                               std::size_t frame) {
+std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
+                                       std::size_t frame) {
   const std::size_t numbers = 3 * vertex_count;
   const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
   std::vector<Vec3> positions(vertex_count);

@@ -14,6 +14,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,7 +77,7 @@ void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
               npy_bytes(values, std::array{frames.frame_count(), frames.bone_count, std::size_t{3}, std::size_t{4}}));
 }
 
-Skin skin_of(const ByteSource& source, const Mesh& mesh) {
+Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
   const NpyArray array = read_npy_header(source, {2, 0, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];
@@ -106,7 +107,7 @@ Skin skin_of(const ByteSource& source, const Mesh& mesh) {
   return skin;
 }
 
-BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count) {
+BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_count) {
   const NpyArray array = read_npy_header(source, {4, 4, "(frames, bones, 3, 4)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)

@@ -11,7 +11,7 @@
 #include "io/json_checks.hpp"
 #include "io/tree/formats.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // magic, version (uint32), length of the JSON header (uint32), size of the file (uint64), header, arrays, checksum.
@@ -243,4 +243,4 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

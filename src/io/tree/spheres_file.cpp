@@ -10,6 +10,7 @@
 #include "io/whole_file.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // no_node becomes -1.
