@@ -19,6 +19,7 @@
 #include "shared/console.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
+#include "shared/plots.hpp"
 #include "shared/progress.hpp"
 
 namespace morula::cli {
@@ -36,6 +37,7 @@ struct Options {
   double margin = 0;
   std::string output;
   std::string page;
+  std::string plot;
   unsigned threads = 0;
   bool json = false;
 };
@@ -114,6 +116,7 @@ int collide_command(const Options& o) {
     require_output_place(o.output);
     require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
+  require_plot_output(o.plot, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   if (!o.page.empty()) {
     if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
     if (const std::string ending = extension(o.page); ending != ".html" && ending != ".htm")
@@ -161,6 +164,7 @@ int collide_command(const Options& o) {
                        .built_a = a.tree_was_built(),
                        .built_b = b.tree_was_built(),
                        .threads = workers.thread_count()};
+  write_plot(o.plot, collide_plot(run, frames));
   if (o.json) {
     print_json(collide_json(run, frames));
   } else {
@@ -214,6 +218,7 @@ void add_collide(CLI::App& app, Run& run) {
       ->type_name("FILE");
   command->add_option("--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
       ->type_name("PAGE");
+  add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(
