@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <morula/io/modal_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <stdexcept>
 
 #include "io/motion/array_motion.hpp"
 
@@ -22,6 +25,21 @@ Modes read_modes(const std::filesystem::path& path, const Mesh& mesh) {
 
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count) {
   return coordinates_of(path, mode_count);
+}
+
+void write_modes(const std::filesystem::path& path, const Modes& modes) {
+  if (modes.displacements.size() != modes.mode_count * modes.vertex_count)
+    throw std::invalid_argument("the displacements are not one per mode and vertex");
+  std::vector<double> values;
+  values.reserve(3 * modes.displacements.size());
+  for (const Vec3& u : modes.displacements) values.insert(values.end(), {u.x, u.y, u.z});
+  write_whole(path, npy_bytes(values, std::array{modes.mode_count, modes.vertex_count, std::size_t{3}}));
+}
+
+void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates) {
+  if (coordinates.coordinates.size() != coordinates.frame_count() * coordinates.mode_count)
+    throw std::invalid_argument("the coordinates are not as many in every frame as there are modes");
+  write_whole(path, npy_bytes(coordinates.coordinates, std::array{coordinates.frame_count(), coordinates.mode_count}));
 }
 
 Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
