@@ -106,5 +106,19 @@ TEST(StudyTables, values_are_written_with_all_digits_and_quoted) {
   EXPECT_EQ(table_csv(table), "a,\"b, %\"\n\"x,y\",3\n0.1,\n");
 }
 
+TEST(Claims, to_the_bad_of_a_rule_are_better_where_they_fail) {
+  const Claim bad{.claim = "It leaves surface bare", .verdict = Verdict::fails, .adverse = true};
+  const Claim good{.claim = "It covers", .verdict = Verdict::fails, .guarantee = true};
+  EXPECT_EQ(word(bad), "better");
+  EXPECT_EQ(word(good), "fails");
+  EXPECT_EQ(word({.claim = "It leaves surface bare", .verdict = Verdict::holds, .adverse = true}), "holds");
+  const std::vector<Claim> both{bad, good};
+  const std::string whole = claims_text(both), quick = claims_text(both, true);
+  EXPECT_NE(whole.find("  better    It leaves surface bare\n"), std::string::npos) << whole;
+  EXPECT_EQ(whole.find("always"), std::string::npos) << whole;
+  EXPECT_NE(quick.find("  (better)  It leaves surface bare\n"), std::string::npos) << quick;
+  EXPECT_NE(quick.find("  fails     It covers (always)\n"), std::string::npos) << quick;
+}
+
 }  // namespace
 }  // namespace morula::study

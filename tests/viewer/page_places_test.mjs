@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The page in a real browser: on narrow screens, without a motion, below a study. Writes screenshots to look at.
-import { at, check, claim, equal } from './support.mjs';
+import { writeFileSync } from 'node:fs';
+import { at, check, claim, equal, morula } from './support.mjs';
 import { settled, slide } from './browser.mjs';
 import { close, opened, words, writeLimb, writeStill, writeStudy } from './limb.mjs';
 import { study } from './study_example.mjs';
@@ -34,6 +35,8 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
   opened('study.html', { width: 1440, height: 900 }, async (page) => {
     equal(await page.locator('.claim').count(), study.claims.length, 'claims');
     equal(await words(page, '.claim:first-of-type .verdict'), 'holds', 'verdict');
+    equal(await words(page, '#claim-bare .verdict'), 'better', 'a rule that is better than claimed');
+    equal(await page.getAttribute('#claim-bare', 'data-verdict'), 'better', 'and its colour');
     const box = await page.locator('#figure-fig2a .u-over').boundingBox();
     await page.locator('#figure-fig2a').scrollIntoViewIfNeeded();
     const now = (await page.locator('#figure-fig2a .u-over').boundingBox()) ?? box;
@@ -51,6 +54,17 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     await settled(page);
     await page.screenshot({ path: at('study-dark.png') });
   }));
+
+await claim('a_quick_study_decides_what_holds_for_every_body', async () => {
+  const quick = { ...study, settings: { ...study.settings, quick: true }, claims: study.claims.map((c) => ({ ...c, guarantee: c.id === 'exact' })) };
+  writeFileSync(at('quick.json'), JSON.stringify(quick));
+  morula('view limb.obj limb.morula -o quick.html --no-measure --study quick.json --title Quick');
+  await opened('quick.html', { width: 1440, height: 900 }, async (page) => {
+    equal(await words(page, '#claim-exact .verdict'), 'holds', 'what holds always');
+    equal(await words(page, '#claim-covers .verdict'), 'not decided', 'what a full study decides');
+    equal(await words(page, '.tally'), '1 holds\n1 not tested', 'tally');
+  });
+});
 
 for (const width of [390, 800]) {
   await claim(`a_study_on_${width}_pixels_has_the_body_on_top_and_long_parts_folded`, () =>

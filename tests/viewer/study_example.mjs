@@ -14,6 +14,7 @@ export const study = {
     { id: 'covers', source: 'paper', claim: 'Spheres keep containing the surface under every update.', verdict: 'fails', numbers: 'Approach 2 leaves 13.4 % of the surface bare in the worst frame.', figures: ['fig3'] },
     { id: 'cost', source: 'paper', claim: 'The cost of an update grows with the number of links.', verdict: 'partly', numbers: 'It does for leaves; inner nodes cost the same.', figures: ['fig4', 'nowhere'] },
     { id: 'exact', source: 'new', claim: 'The rule exact is bare nowhere, and tighter than the other rules under bending.', verdict: 'holds', numbers: '0.0824 object volumes, 0 bare.', figures: ['fig2a', 'fig3'] },
+    { id: 'bare', source: 'new', claim: 'Approach 1 leaves surface bare.', verdict: 'fails', adverse: true, numbers: 'In 0 of 24 cases.', figures: [] },
     { id: 'later', source: 'new', claim: 'Contacts are found in time.', verdict: 'untested', numbers: '', figures: [] },
   ],
   figures: [

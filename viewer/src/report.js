@@ -6,8 +6,10 @@ import { byId, element } from './dom.js';
 import { css, kindColour } from './colours.js';
 import { counted, figure } from './numbers.js';
 
-const verdicts = { holds: 'holds', partly: 'in part', fails: 'fails', untested: 'not tested' };
-const tallies = { holds: ['holds', 'hold'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
+const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', untested: 'not tested' };
+/** For the reader: where a claim to the bad of a rule fails, that is better than claimed. */
+const verdictOf = (claim) => (claim.adverse && claim.verdict === 'fails' ? 'better' : claim.verdict);
+const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
 const little = matchMedia('(max-width: 900px)');
 const longest = 40; // rows of a table that is not folded
 const list = (value) => (Array.isArray(value) ? value : []);
@@ -84,21 +86,28 @@ export class Report {
   claims() {
     const claims = list(this.study.claims);
     if (claims.length === 0) return [];
+    // A quick study decides what holds for every body; of the rest it has an impression.
+    const quick = this.study.settings?.quick === true;
+    const decides = (claim) => !quick || claim.guarantee === true || claim.verdict === 'untested';
+    const decided = claims.filter(decides);
     const count = Object.keys(verdicts)
-      .map((verdict) => [verdict, claims.filter((claim) => claim.verdict === verdict).length])
+      .map((verdict) => [verdict, decided.filter((claim) => verdictOf(claim) === verdict).length])
       .filter(([, n]) => n > 0);
     const figures = new Map(list(this.study.figures).map((spec) => [spec.id, spec.title]));
     const card = (claim) =>
-      element('article', { class: 'claim', 'data-verdict': claim.verdict, id: `claim-${claim.id}` },
-        element('span', { class: 'verdict' }, verdicts[claim.verdict] ?? claim.verdict),
+      element('article', { class: 'claim', 'data-verdict': decides(claim) ? verdictOf(claim) : 'untested', id: `claim-${claim.id}` },
+        element('span', { class: 'verdict' }, decides(claim) ? (verdicts[verdictOf(claim)] ?? claim.verdict) : 'not decided'),
         element('div', {},
           element('h3', {}, claim.claim),
           claim.numbers ? element('p', {}, claim.numbers) : null,
           element('p', { class: 'links' },
             ...list(claim.figures).filter((id) => figures.has(id)).map((id) => element('a', { href: `#figure-${id}` }, figures.get(id))))));
+    const note = quick
+      ? 'A quick study: a small body, few samples. It decides what holds for every body; for the other claims it has numbers, and a full study decides.'
+      : null;
     const groups = [['paper', 'Claims of the paper'], ['new', 'Claims of Morula']];
     return [
-      this.section('claims', 'Claims', null,
+      this.section('claims', 'Claims', note,
         element('p', { class: 'tally' }, ...count.map(([verdict, n]) => element('span', { 'data-verdict': verdict }, element('b', {}, String(n)), ` ${tallies[verdict][n === 1 ? 0 : 1]}`))),
         ...groups.flatMap(([source, title]) => {
           const its = claims.filter((claim) => (claim.source ?? 'new') === source);

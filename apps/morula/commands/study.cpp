@@ -182,6 +182,7 @@ study::Plan make_plan(const Options& o) {
   plan.branching = o.branching;
   plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
   plan.seed = o.seed;
+  plan.quick = o.quick;
   plan.sph_origin = parse_sph_origin(o.sph_origin);
   plan.cost_repeats = o.quick ? 3 : 9;
   if (o.quick) plan.needle_sides = 16;
@@ -236,7 +237,7 @@ int study_command(const Options& o) {
       print_json(Json::parse(study::study_json(study)));
     } else {
       fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
-                 study::claims_text(study.claims), o.output, seconds(watch.lap()), study.result.taken_from_cache,
+                 study::claims_text(study.claims, o.quick), o.output, seconds(watch.lap()), study.result.taken_from_cache,
                  study.result.cell_count(), study::contents_text(study));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");

@@ -29,7 +29,12 @@ struct Claim {
   std::string numbers{};               ///< what the verdict rests on, in words
   std::vector<std::string> figures{};  ///< ids of those that show it
   bool timed = false;                  ///< rests on times, which differ from run to run
+  bool adverse = false;    ///< says something bad of a rule or a generator: where it fails, that is better than claimed
+  bool guarantee = false;  ///< holds for every body and setting, so that a quick study can decide it, too
 };
+
+/// The verdict for people: as name(), but "better" for an adverse claim that fails.
+std::string_view word(const Claim& claim);
 
 /// Of one body. cost: of the first one, or nullptr.
 std::vector<Claim> make_claims(const Plan& plan, const Result& result, std::size_t body, const Cost* cost);

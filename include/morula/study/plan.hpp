@@ -114,6 +114,7 @@ struct Plan {
   int resolution = 192;  ///< of the paper's grid; of the fixed lattice, per diagonal at rest
   int branching = 8;
   int depth = 3;
+  bool quick = false;  ///< small bodies, few samples: what is said of the result, not what is done
   std::uint64_t seed = 1;
   std::size_t fresh_poses = 2;  ///< beside rest, of the medial tree; the last at the full amount
   double protrusion_tolerance = 0.05;

@@ -52,7 +52,7 @@ PageContent study_page(const Study& study, Workers& workers = serial_workers(), 
 std::vector<std::string> faults(const Plan& plan, const Result& result);
 
 /// For people: a claim and its verdict a line, then the numbers.
-std::string claims_text(std::span<const Claim> claims);
+std::string claims_text(std::span<const Claim> claims, bool quick = false);
 /// What write_study() writes, a line each.
 std::string contents_text(const Study& study);
 

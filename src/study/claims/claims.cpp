@@ -13,6 +13,10 @@ std::string_view name(Verdict verdict) {
   return names[static_cast<std::size_t>(verdict)];
 }
 
+std::string_view word(const Claim& claim) {
+  return claim.adverse && claim.verdict == Verdict::fails ? "better" : name(claim.verdict);
+}
+
 std::string_view name(ClaimOrigin origin) {
   return origin == ClaimOrigin::paper ? "paper" : "new";
 }

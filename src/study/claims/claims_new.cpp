@@ -44,6 +44,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
                 verdict_of(found.bare, found.total),
                 "",
                 {"fig2a-bare", "fig2b-bare"}};
+    claim.adverse = true;
     if (found.total > 0) {
       claim.numbers = fmt::format("In {} of {} cases, up to {} of the surface{}, with gaps up to {} of the diagonal.",
                                   found.bare, found.total, percent(found.worst),
@@ -60,6 +61,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
                 verdict_of(found.total - found.bare, found.total),
                 "",
                 {"fig2a-bare", "fig2b-bare"}};
+    claim.guarantee = true;
     if (found.total > 0)
       claim.numbers =
           fmt::format("Nothing is bare in {} of {} cases, in every sample.", found.total - found.bare, found.total);

@@ -119,6 +119,7 @@ Claim return_claim(const Evidence& evidence) {
               Verdict::untested,
               "",
               {}};
+  claim.guarantee = true;
   std::size_t count = 0;
   std::size_t total = 0;
   for (const Rule rule : {Rule::approach1, Rule::approach2}) {

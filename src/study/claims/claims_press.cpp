@@ -64,6 +64,7 @@ Claim lost_claim(const Evidence& evidence, Rule rule) {
   Claim claim =
       new_claim(std::string(name(rule)) + "-loses-crossings",
                 fmt::format("Contacts of {} lose facets that cross", title(rule)), rule_figures(evidence, "-lost"));
+  claim.adverse = true;
   std::size_t with = 0;
   std::size_t total = 0;
   double worst = 0;
@@ -87,6 +88,7 @@ Claim complete_claim(const Evidence& evidence) {
   Claim claim =
       new_claim("exact-keeps-crossings", "Contacts of exact lose no facets that cross, at any level and budget",
                 rule_figures(evidence, "-lost"));
+  claim.guarantee = true;
   std::size_t kept = 0;
   std::size_t total = 0;
   std::size_t crossings = 0;
@@ -131,6 +133,7 @@ Claim depth_claim(const Evidence& evidence) {
 
 Claim refine_claim(const Evidence& evidence) {
   Claim claim = new_claim("budgets-refine", "More budget never finishes fewer contacts", rule_figures(evidence, ""));
+  claim.guarantee = true;
   std::size_t refined = 0;
   std::size_t total = 0;
   const std::vector<PressQuery> queries = press_queries(evidence.plan());

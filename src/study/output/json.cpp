@@ -23,7 +23,8 @@ Json array_of(const std::vector<Item>& items, const Write& write) {
 /// What decides the figures: of the whole plan, without bodies, trees and threads.
 Json settings_json(const Plan& plan) {
   const auto rule_name = [](const FollowRule& rule) { return rule.name; };
-  return {{"samples", plan.samples},
+  return {{"quick", plan.quick},
+          {"samples", plan.samples},
           {"parameters", plan.parameters()},
           {"fresh_poses", plan.fresh_poses},
           {"levels", plan.levels()},
@@ -56,6 +57,8 @@ Json claim_json(const Claim& claim) {
             {"claim", claim.claim},     {"verdict", name(claim.verdict)},
             {"numbers", claim.numbers}, {"figures", claim.figures}};
   if (claim.timed) json["timed"] = true;
+  if (claim.adverse) json["adverse"] = true;
+  if (claim.guarantee) json["guarantee"] = true;
   return json;
 }
 

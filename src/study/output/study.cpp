@@ -82,14 +82,21 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
   return list;
 }
 
-std::string claims_text(std::span<const Claim> claims) {
+std::string claims_text(std::span<const Claim> claims, bool quick) {
   std::string text;
+  if (quick)
+    text +=
+        "A quick study decides what is marked \"always\". Its other verdicts, in brackets, are about a small body "
+        "with\n"
+        "few samples; those of a full study may be the opposite.\n\n";
   for (const ClaimOrigin origin : {ClaimOrigin::paper, ClaimOrigin::ours}) {
     text += origin == ClaimOrigin::paper ? "What the paper claims, and whether it holds here\n"
                                          : "\nWhat it did not measure\n";
     for (const Claim& claim : claims) {
       if (claim.origin != origin) continue;
-      text += fmt::format("  {:<9} {}\n", name(claim.verdict), claim.claim);
+      const bool decided = !quick || claim.guarantee || claim.verdict == Verdict::untested;
+      const std::string verdict = decided ? std::string(word(claim)) : fmt::format("({})", word(claim));
+      text += fmt::format("  {:<9} {}{}\n", verdict, claim.claim, quick && claim.guarantee ? " (always)" : "");
       if (!claim.numbers.empty()) text += fmt::format("            {}\n", claim.numbers);
     }
   }
