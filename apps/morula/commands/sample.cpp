@@ -22,6 +22,7 @@ struct Options {
   std::string name;
   std::string output;
   int resolution = 48;
+  unsigned threads = 0;
   bool json = false;
 };
 
@@ -58,8 +59,9 @@ void add_sample(CLI::App& app, Run& run) {
   command->add_option("-o,--output", o->output, "Mesh file: " + writable_mesh_list())->type_name("MESH")->required();
   command->add_option("--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
       ->type_name("N")
-      ->transform(signed_number())
+      ->transform(whole_number(3, 4096))
       ->capture_default_str();
+  add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer("Example:\n  morula sample limb -o limb.obj");
   command->callback([o, &run] { run = [o] { return sample_command(*o); }; });
