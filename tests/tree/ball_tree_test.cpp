@@ -67,7 +67,7 @@ TEST(BallTree, what_has_no_tree_is_refused) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{0, 0, infinity}, 1}}), std::invalid_argument);
   EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{0, 0, 0}, -1}}), std::invalid_argument);
-  EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{-1.7e308, 0, 0}, 1}, {{1.7e308, 0, 0}, 1}}),
+  EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{-1.7e308, -1.7e308, 0}, 1}, {{1.7e308, 1.7e308, 0}, 1}}),
                std::invalid_argument);
   EXPECT_THROW(tree_over_balls(random_balls(300, 1), 2), std::invalid_argument) << "eight levels hold 256";
   EXPECT_THROW(tree_over_balls(random_balls(3, 1), 65), std::invalid_argument);

@@ -8,9 +8,9 @@
 namespace morula {
 namespace {
 
-[[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const NpyShape& needed) {
-  throw FileError(source.name().string() + ": the array's shape is " + array.shape_text + ", but " +
-                  needed.known_words + " is needed");
+[[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const std::string& needed) {
+  throw FileError(source.name().string() + ": the array's shape is " + array.shape_text + ", but " + needed +
+                  " is needed");
 }
 
 }  // namespace
@@ -24,12 +24,11 @@ ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t
 }
 
 Modes modes_of(const ByteSource& source, const Mesh& mesh) {
-  const NpyShape needed{
-      {0, mesh.vertex_count(), 3},
-      "(modes, vertices, 3)",
-      "(modes, " + std::to_string(mesh.vertex_count()) + ", 3) for the vertices of the mesh, one mode or more,"};
-  const NpyArray array = read_npy_header(source, needed);
-  if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count()) fail_shape(source, array, needed);
+  const NpyArray array = read_npy_header(source, {{0, mesh.vertex_count(), 3}, "(modes, vertices, 3)"});
+  if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
+    fail_shape(
+        source, array,
+        "(modes, " + std::to_string(mesh.vertex_count()) + ", 3) for the vertices of the mesh, one mode or more,");
   Modes modes{mesh.vertex_count(), array.shape[0], {}};
   modes.displacements.reserve(modes.mode_count * modes.vertex_count);
   for (std::size_t j = 0; j < modes.mode_count; ++j) {
@@ -50,7 +49,7 @@ ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count
                         "(frames, modes)",
                         "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,"};
   const NpyArray array = read_npy_header(source, needed);
-  if (array.shape[0] == 0 || array.shape[1] != mode_count) fail_shape(source, array, needed);
+  if (array.shape[0] == 0 || array.shape[1] != mode_count) fail_shape(source, array, needed.known_words);
   ModalCoordinates result{mode_count, read_npy_values(source, array, 0, array.shape[0] * mode_count)};
   for (std::size_t i = 0; i < result.coordinates.size(); ++i)
     if (!std::isfinite(result.coordinates[i]))

@@ -149,8 +149,7 @@ ByteSource motion_in_archive(const ByteSource& archive) {
 }
 
 NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
-  NpyArray array = read_npy_header(
-      source, {{0, vertex_count, 3}, "(frames, vertices, 3)", "(frames, " + std::to_string(vertex_count) + ", 3)"});
+  NpyArray array = read_npy_header(source, {{0, vertex_count, 3}, "(frames, vertices, 3)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
   if (array.shape[1] != vertex_count)
