@@ -10,6 +10,10 @@ set(morula_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/morula")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/morula" "${PROJECT_BINARY_DIR}/include/morula"
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT development)
+# Notices of what is compiled in have to go where the code goes, be it the library or the command.
+foreach(component development runtime)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/licenses" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT ${component})
+endforeach()
 
 set(morula_installed_targets morula_core morula)
 if(MORULA_IO)

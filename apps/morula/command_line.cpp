@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "licenses.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/interrupt.hpp"
@@ -23,9 +24,7 @@ namespace morula::cli {
 namespace {
 
 int fail(int exit_code, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  say("morula: error: {}\n", message);
-  return exit_code;
+  return complain_text(exit_code, std::move(message));
 }
 
 std::vector<std::string> command_names(const CLI::App& app) {
@@ -56,9 +55,18 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}; see {}", error.what(), help);
 }
 
+/// Asked before anything is parsed, because what cannot be parsed is an error, too.
+bool wants_json(int argc, char** argv) {
+  return std::any_of(argv + 1, argv + std::max(argc, 1),
+                     [](const char* word) { return std::string(word) == "--json"; });
+}
+
 int run(int argc, char** argv, bool parse_only) {
+  write_messages_as_json(wants_json(argc, argv));
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
+  bool licenses = false;
+  app.add_flag("--licenses", licenses, "Print the licences of what is compiled in and exit");
   app.require_subcommand(1);
   app.get_formatter()->column_width(36);
   app.footer(
@@ -79,6 +87,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_view(app, run);
   add_medial(app, run);
   add_info(app, run);
+  add_repair(app, run);
   add_sample(app, run);
   add_convert(app, run);
   add_demo(app, run);
@@ -89,6 +98,10 @@ int run(int argc, char** argv, bool parse_only) {
     return fail(exit_bad_use, "no command; see morula --help");
   }
   const std::string first = argv[1];
+  if (first == "--licenses" && argc == 2) {
+    if (!parse_only) fmt::print("{}", license_texts());
+    return exit_done;
+  }
   if (first.rfind('-', 0) != 0) check_name("command", first, command_names(app));
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "accuracy/border_caps.hpp"
 #include "accuracy/usable_spheres.hpp"
 #include "accuracy/voxel_columns.hpp"
 #include "accuracy/voxel_lattice.hpp"
@@ -76,6 +77,47 @@ Looseness LoosenessMeter::measure(const PositionView& positions, std::span<const
     result.looseness = result.outside_volume / result.object_volume;
     result.missed_volume = volume_of(counts.inside - counts.in_both) / result.object_volume;
   }
+  return result;
+}
+
+Looseness LoosenessMeter::measure_open(const PositionView& positions, std::span<const Sphere> spheres,
+                                       const VoxelGrid& grid, Workers& workers) const {
+  if (closed_ || !oriented_) return measure(positions, spheres, grid, workers);
+  const StandardFloats standard;
+  if (positions.size() != vertex_count_)
+    throw std::invalid_argument("looseness: " + std::to_string(positions.size()) + " positions for a mesh of " +
+                                std::to_string(vertex_count_) + " vertices");
+  require_some_usable(spheres, "looseness");
+  const MeshView mesh(positions, facets_);
+  const Box object = box_of(mesh);
+  require_usable_scale(mesh);
+  const VoxelLattice lattice = voxel_lattice(grid, box_of(spheres), object);
+  std::vector<Vec3> closed_positions;
+  std::vector<Facet> closed_facets;
+  BorderCaps(mesh).close(mesh, closed_positions, closed_facets);
+  const MeshView closed(closed_positions, closed_facets);
+  const double sign = signed_volume(closed) < 0 ? -1 : 1;
+  const OpenVoxelCounts counts = count_open_voxels(lattice, closed, facets_.size(), sign, spheres, workers);
+
+  Looseness result;
+  result.voxel_edge = lattice.edge;
+  result.voxels = static_cast<std::size_t>(lattice.count[0]) * static_cast<std::size_t>(lattice.count[1]) *
+                  static_cast<std::size_t>(lattice.count[2]);
+  const double voxel_volume = lattice.edge * lattice.edge * lattice.edge;
+  const auto volume_of = [&](std::size_t voxels) { return static_cast<double>(voxels) * voxel_volume; };
+  result.union_volume = volume_of(counts.in_union);
+  constexpr std::size_t quarter = 0, half = 1, three_quarters = 2;
+  if (counts.inside[three_quarters] == 0) return result;
+  const auto looseness_at = [&](std::size_t threshold) {
+    return static_cast<double>(counts.in_union - counts.in_both[threshold]) /
+           static_cast<double>(counts.inside[threshold]);
+  };
+  result.object_volume = volume_of(counts.inside[half]);
+  result.outside_volume = volume_of(counts.in_union - counts.in_both[half]);
+  result.looseness = looseness_at(half);
+  result.missed_volume =
+      static_cast<double>(counts.inside[half] - counts.in_both[half]) / static_cast<double>(counts.inside[half]);
+  result.range = Looseness::Range{looseness_at(quarter), looseness_at(three_quarters)};
   return result;
 }
 

@@ -9,6 +9,37 @@
 namespace morula {
 using namespace detail;
 
+namespace {
+
+/// What all levels share.
+class Meter {
+ public:
+  Meter(const MeshView& mesh, const MeasureOptions& options, Workers& workers)
+      : mesh_(mesh), options_(options), workers_(workers), looseness_(mesh) {
+    if (options.with_protrusion && looseness_.has_volume()) object_.emplace(mesh, workers);
+  }
+
+  LevelMeasure measure(std::size_t level, std::span<const Sphere> spheres) const {
+    LevelMeasure m;
+    m.level = level;
+    m.spheres = spheres.size();
+    m.looseness = options_.open_by_winding ? looseness_.measure_open(mesh_.positions, spheres, options_.grid, workers_)
+                                           : looseness_.measure(mesh_.positions, spheres, options_.grid, workers_);
+    m.coverage = coverage(mesh_, spheres, workers_);
+    if (object_) m.protrusion = protrusion(*object_, spheres, options_.protrusion_tolerance, workers_);
+    return m;
+  }
+
+ private:
+  const MeshView& mesh_;
+  const MeasureOptions& options_;
+  Workers& workers_;
+  LoosenessMeter looseness_;
+  std::optional<SignedDistance> object_;
+};
+
+}  // namespace
+
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options,
                                   Workers& workers) {
   const StandardFloats standard;
@@ -17,21 +48,19 @@ std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, 
   if (const std::vector<std::string> faults = validate(tree); !faults.empty())
     throw std::invalid_argument("measure: the tree is broken: " + faults.front());
 
-  const LoosenessMeter meter(mesh);
-  std::optional<SignedDistance> object;
-  if (options.with_protrusion && meter.has_volume()) object.emplace(mesh, workers);
-
+  const Meter meter(mesh, options, workers);
   std::vector<LevelMeasure> measures;
-  for (std::size_t level = 0; level < tree.level_count(); ++level) {
-    const std::vector<Sphere> spheres = level_set_spheres(tree, level);
-    LevelMeasure& m = measures.emplace_back();
-    m.level = level;
-    m.spheres = spheres.size();
-    m.looseness = meter.measure(mesh.positions, spheres, options.grid, workers);
-    m.coverage = coverage(mesh, spheres, workers);
-    if (object) m.protrusion = protrusion(*object, spheres, options.protrusion_tolerance, workers);
-  }
+  for (std::size_t level = 0; level < tree.level_count(); ++level)
+    measures.push_back(meter.measure(level, level_set_spheres(tree, level)));
   return measures;
+}
+
+LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const MeasureOptions& options,
+                             Workers& workers) {
+  const StandardFloats standard;
+  require_usable(mesh);
+  require_usable_scale(mesh);
+  return Meter(mesh, options, workers).measure(0, spheres);
 }
 
 }  // namespace morula

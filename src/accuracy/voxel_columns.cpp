@@ -5,6 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <morula/geometry/triangle.hpp>
+#include <morula/query/triangle_bvh.hpp>
+#include <numbers>
 
 #include "geometry/scan_triangle.hpp"
 
@@ -104,6 +107,40 @@ Window window_of(std::span<const Sphere> balls, const VoxelLattice& lattice) {
   return {begin(0), std::max(begin(0), end(0)), begin(2), std::max(begin(2), end(2))};
 }
 
+/// The caps of an open surface in lattice coordinates, and where they matter.
+class CapField {
+ public:
+  CapField(const MeshView& caps, double sign) : bvh_(caps), sign_(sign) {
+    // A surface of area A at distance d is seen under a solid angle of A / d² at most; below π, a quarter of a turn, it
+    // leaves a whole number on its side of every threshold. A little more, for rounding.
+    squared_reach_ = 1.01 * surface_area(caps) / std::numbers::pi;
+  }
+
+  /// The part of a column in which caps may matter, [begin, end) within 0 … count.
+  std::array<int, 2> near_part(int x, int y, int count) const {
+    const Box& box = bvh_.bounding_box();
+    const double dx = std::max({box.lower.x - x, x - box.upper.x, 0.0});
+    const double dy = std::max({box.lower.y - y, y - box.upper.y, 0.0});
+    const double left = squared_reach_ - dx * dx - dy * dy;
+    if (!(left >= 0)) return {0, 0};
+    const double reach = std::sqrt(left);
+    const int begin = clamped(std::floor(box.lower.z - reach), count);
+    return {begin, std::max(begin, clamped(std::ceil(box.upper.z + reach) + 1, count))};
+  }
+  /// Of the open surface, given that of the closed one.
+  double winding(std::int32_t closed, int x, int y, int z) const {
+    constexpr double accuracy = 4;  // 0.005 of a turn
+    const Vec3 center{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    return sign_ * (closed - bvh_.winding_number(center, accuracy));
+  }
+  bool is_inside_far_away(std::int32_t closed) const { return sign_ * closed > 0; }
+
+ private:
+  TriangleBvh bvh_;
+  double sign_;
+  double squared_reach_;
+};
+
 class StripCounter {
  public:
   StripCounter(const VoxelLattice& lattice, const Window& window, int row_begin, int row_end)
@@ -165,7 +202,53 @@ class StripCounter {
     return counts;
   }
 
+  OpenVoxelCounts count_open(const CapField& caps) {
+    OpenVoxelCounts counts;
+    for (const std::uint64_t w : bits_) counts.in_union += static_cast<std::size_t>(std::popcount(w));
+    sort_crossings();
+    std::size_t next = 0;
+    for (int y = row_begin_; y < row_end_; ++y)
+      for (int x = 0; x < lattice_.count[0]; ++x) {
+        const std::size_t at = column_index(x, y);
+        const auto [near_begin, near_end] = caps.near_part(x, y, lattice_.count[2]);
+        std::int32_t winding = 0;
+        int z = 0;
+        // From one crossing to the next the closed surface's winding number stays.
+        while (true) {
+          const bool crosses = next < crossings_.size() && crossings_[next].column == at;
+          const int end = crosses ? crossings_[next].z : lattice_.count[2];
+          add_far(counts, caps, winding, x, y, z, std::min(end, near_begin));
+          add_near(counts, caps, winding, x, y, std::max(z, near_begin), std::min(end, near_end));
+          add_far(counts, caps, winding, x, y, std::max(z, near_end), end);
+          z = std::max(z, end);
+          if (!crosses) break;
+          winding += crossings_[next++].change;
+        }
+      }
+    return counts;
+  }
+
  private:
+  void add_far(OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin, int end) {
+    if (begin >= end || !caps.is_inside_far_away(winding)) return;
+    const std::size_t both = count_union(x, y, begin, end);
+    for (std::size_t t = 0; t < counts.inside.size(); ++t) {
+      counts.inside[t] += static_cast<std::size_t>(end - begin);
+      counts.in_both[t] += both;
+    }
+  }
+  void add_near(OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin, int end) {
+    for (int z = begin; z < end; ++z) {
+      const double turns = caps.winding(winding, x, y, z);
+      if (turns <= inside_thresholds.front()) continue;
+      const std::size_t both = count_union(x, y, z, z + 1);
+      for (std::size_t t = 0; t < counts.inside.size(); ++t) {
+        if (turns <= inside_thresholds[t]) break;
+        ++counts.inside[t];
+        counts.in_both[t] += both;
+      }
+    }
+  }
   static bool is_inside(std::int32_t winding, Inside inside) {
     return inside == Inside::nonzero_winding ? winding != 0 : winding % 2 != 0;
   }
@@ -222,10 +305,10 @@ int strip_height(const Window& window) {
       std::clamp<std::size_t>(most_words / std::max<std::size_t>(1, window.words_per_row()), 1, tallest));
 }
 
-}  // namespace
-
-VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
-                         std::span<const Sphere> spheres, Workers& workers) {
+/// Counts all strips of a lattice. facets: those of the surface that columns cross.
+template <class Counts, class Count>
+std::vector<Counts> count_strips(const VoxelLattice& lattice, const MeshView& mesh, bool with_facets,
+                                 std::span<const Sphere> spheres, Workers& workers, const Count& count) {
   std::vector<Sphere> balls;
   balls.reserve(spheres.size());
   for (const Sphere& s : spheres) balls.push_back({lattice.to_lattice(s.center), s.radius / lattice.edge});
@@ -237,30 +320,54 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Insi
                 clamped(std::floor(balls[i].center.y + balls[i].radius) + 1, lattice.count[1])};
   });
 
-  std::vector<Vec3> vertices(inside == Inside::unknown ? 0 : mesh.vertex_count());
+  std::vector<Vec3> vertices(with_facets ? mesh.vertex_count() : 0);
   for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] = lattice.to_lattice(mesh.positions[v]);
-  const StripLists facets_of(inside == Inside::unknown ? 0 : mesh.facet_count(), strip_count, height,
-                             [&](std::size_t f) {
-                               const double a = vertices[mesh.facets[f][0]].y, b = vertices[mesh.facets[f][1]].y,
-                                            c = vertices[mesh.facets[f][2]].y;
-                               return Rows{clamped(std::ceil(std::min({a, b, c})), lattice.count[1]),
-                                           clamped(std::ceil(std::max({a, b, c})), lattice.count[1])};
-                             });
+  const StripLists facets_of(with_facets ? mesh.facet_count() : 0, strip_count, height, [&](std::size_t f) {
+    const double a = vertices[mesh.facets[f][0]].y, b = vertices[mesh.facets[f][1]].y,
+                 c = vertices[mesh.facets[f][2]].y;
+    return Rows{clamped(std::ceil(std::min({a, b, c})), lattice.count[1]),
+                clamped(std::ceil(std::max({a, b, c})), lattice.count[1])};
+  });
 
-  std::vector<VoxelCounts> partial(static_cast<std::size_t>(strip_count));
+  std::vector<Counts> partial(static_cast<std::size_t>(strip_count));
   workers.run(partial.size(), [&](std::size_t strip) {
     const int row_begin = static_cast<int>(strip) * height;
     StripCounter counter(lattice, window, row_begin, std::min(row_begin + height, lattice.count[1]));
     for (const std::uint32_t i : balls_of[strip]) counter.add_sphere(balls[i].center, balls[i].radius);
     for (const std::uint32_t f : facets_of[strip])
       counter.add_facet({vertices[mesh.facets[f][0]], vertices[mesh.facets[f][1]], vertices[mesh.facets[f][2]]});
-    partial[strip] = counter.count(inside);
+    partial[strip] = count(counter);
   });
+  return partial;
+}
+
+}  // namespace
+
+VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
+                         std::span<const Sphere> spheres, Workers& workers) {
   VoxelCounts counts;
-  for (const VoxelCounts& p : partial) {
+  for (const VoxelCounts& p : count_strips<VoxelCounts>(lattice, mesh, inside != Inside::unknown, spheres, workers,
+                                                        [&](StripCounter& counter) { return counter.count(inside); })) {
     counts.in_union += p.in_union;
     counts.inside += p.inside;
     counts.in_both += p.in_both;
+  }
+  return counts;
+}
+
+OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& closed, std::size_t first_cap,
+                                  double sign, std::span<const Sphere> spheres, Workers& workers) {
+  std::vector<Vec3> vertices(closed.vertex_count());
+  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] = lattice.to_lattice(closed.positions[v]);
+  const CapField caps(MeshView(vertices, closed.facets.subspan(first_cap)), sign);
+  OpenVoxelCounts counts;
+  for (const OpenVoxelCounts& p : count_strips<OpenVoxelCounts>(
+           lattice, closed, true, spheres, workers, [&](StripCounter& counter) { return counter.count_open(caps); })) {
+    counts.in_union += p.in_union;
+    for (std::size_t t = 0; t < counts.inside.size(); ++t) {
+      counts.inside[t] += p.inside[t];
+      counts.in_both[t] += p.in_both[t];
+    }
   }
   return counts;
 }

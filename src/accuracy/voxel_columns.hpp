@@ -3,6 +3,7 @@
 // Counts voxels inside spheres and inside a mesh, column by column.
 #pragma once
 
+#include <array>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/parallel/workers.hpp>
@@ -27,5 +28,19 @@ struct VoxelCounts {
 /// may count either way.
 VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
                          std::span<const Sphere> spheres, Workers& workers);
+
+/// Winding numbers above which a voxel counts as inside: the figure's, and those between which it is uncertain.
+inline constexpr std::array<double, 3> inside_thresholds{0.25, 0.5, 0.75};
+
+struct OpenVoxelCounts {
+  std::size_t in_union = 0;
+  std::array<std::size_t, 3> inside{}, in_both{};  ///< by threshold
+};
+
+/// Of an open surface by its generalised winding number: that of the closed one, whose crossings are counted, less that
+/// of its caps, which are its last facets, from `first_cap` on. sign: −1 where the surface is inside out. Voxels so far
+/// from the caps that these cannot change a verdict are counted in runs; the others ask a tree over the caps.
+OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& closed, std::size_t first_cap,
+                                  double sign, std::span<const Sphere> spheres, Workers& workers);
 
 }  // namespace morula::detail

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
@@ -7,7 +8,10 @@
 #include <string>
 
 #include "io/byte_reader.hpp"
+#include "io/mesh/formats.hpp"
+#include "io/mesh/ply_header.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
@@ -25,6 +29,25 @@ void write_balls(const std::filesystem::path& path, std::span<const Sphere> ball
     store(bytes, radius);
   }
   write_whole(path, bytes);
+}
+
+std::vector<Sphere> read_balls(const std::filesystem::path& path) {
+  const StandardFloats standard;
+  if (lower_extension(path) != ".ply") throw FileError(path.string() + ": balls are read from .ply");
+  return read_ply_balls(path, read_whole(path));
+}
+
+bool is_ball_file(const std::filesystem::path& path) {
+  if (lower_extension(path) != ".ply") return false;
+  // No header of ours or of any program we know is longer.
+  constexpr std::uintmax_t longest_header = std::uintmax_t{1} << 18;
+  try {
+    const std::string start = read_part(path, 0, std::min(size_of_file(path), longest_header));
+    TextScanner in(path, start);
+    return holds_balls(read_ply_header(in));
+  } catch (const FileError&) {
+    return false;
+  }
 }
 
 }  // namespace morula

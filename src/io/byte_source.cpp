@@ -8,15 +8,30 @@
 
 namespace morula::detail {
 
+ByteSource ByteSource::part(std::filesystem::path name, std::uintmax_t offset, std::uintmax_t count) const {
+  ByteSource part = *this;
+  part.name_ = std::move(name);
+  if (bytes_) {
+    part.bytes_ = bytes_->substr(offset, count);
+  } else {
+    part.begin_ += offset;
+    part.count_ = count;
+  }
+  return part;
+}
+
 std::uintmax_t ByteSource::size() const {
-  return bytes_ ? bytes_->size() : size_of_file(name_);
+  if (count_) return *count_;
+  return bytes_ ? bytes_->size() : size_of_file(file_);
 }
 
 std::string ByteSource::read(std::uintmax_t offset, std::uintmax_t count) const {
-  if (!bytes_) return read_part(name_, offset, count);
-  if (offset > bytes_->size() || count > bytes_->size() - offset)
+  if (!bytes_ && !count_) return read_part(file_, offset, count);
+  const std::uintmax_t size = count_ ? *count_ : bytes_->size();
+  if (offset > size || count > size - offset)
     throw FileError(name_.string() + ": has fewer than " + std::to_string(offset) + " + " + std::to_string(count) +
                     " bytes");
+  if (count_) return read_part(file_, begin_ + offset, count);
   return std::string(bytes_->substr(offset, count));
 }
 

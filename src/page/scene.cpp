@@ -33,6 +33,14 @@ MeasureOptions measure_options(const Mesh& rest) {
   return options;
 }
 
+void measure_frame(PageScene& scene, const Mesh& rest, const std::vector<Vec3>& positions, const SphereTree& tree,
+                   Workers& workers) {
+  const Mesh mesh{positions, rest.facets};
+  scene.measured.push_back(measure(mesh, tree, measure_options(rest), workers));
+  if (inspect(rest).has_volume())
+    scene.empty_share.push_back(empty_shares(SignedDistance(mesh, workers), tree.spheres, workers));
+}
+
 }  // namespace
 
 PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
@@ -46,8 +54,6 @@ PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const Covere
                   .frames = {},
                   .measured = {},
                   .empty_share = {}};
-  const bool has_inside = inspect(rest).has_volume();
-  Mesh mesh = rest;
   for (std::size_t i = 0; i < motion.frames.size(); ++i) {
     if (progress) progress(static_cast<double>(i) / static_cast<double>(motion.frames.size()));
     if (!body.update(motion.frames[i], workers)) {
@@ -56,11 +62,22 @@ PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const Covere
     }
     scene.frames.emplace_back();
     body.copy_spheres(scene.frames.back());
-    if (!measured) continue;
-    mesh.positions = motion.frames[i];
-    scene.measured.push_back(measure(mesh, body.current_tree(), measure_options(rest), workers));
-    if (has_inside)
-      scene.empty_share.push_back(empty_shares(SignedDistance(mesh, workers), scene.frames.back(), workers));
+    if (measured) measure_frame(scene, rest, motion.frames[i], body.current_tree(), workers);
+  }
+  return scene;
+}
+
+PageScene show_spheres(const PageMotion& motion, const Mesh& rest, const std::string& tree, const std::string& label,
+                       const std::function<SphereTree(std::size_t)>& tree_of_frame, bool measured, Workers& workers,
+                       const std::function<void(double)>& progress) {
+  PageScene scene{
+      .motion = 0, .tree = tree, .rule = label, .rest = {}, .frames = {}, .measured = {}, .empty_share = {}};
+  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
+    if (progress) progress(static_cast<double>(i) / static_cast<double>(motion.frames.size()));
+    const SphereTree current = tree_of_frame(i);
+    if (i == 0) scene.rest = current;
+    scene.frames.push_back(current.spheres);
+    if (measured) measure_frame(scene, rest, motion.frames[i], current, workers);
   }
   return scene;
 }

@@ -192,6 +192,7 @@ TEST(Numbers, are_finite_and_written_as_such_in_every_option) {
       {"medial", "medial bar.obj -o out.ply"},
       {"info", "info bar.obj"},
       {"convert", "convert bar.obj out.off"},
+      {"repair", "repair bar.obj -o out.obj"},
       {"demo", "demo --quick -o out"},
       {"study", "study --quick -o out"},
   };

@@ -10,8 +10,8 @@
 namespace morula::test {
 namespace {
 
-const std::vector<std::string> commands{"build",  "measure", "deform", "update",  "collide", "view",
-                                        "medial", "info",    "sample", "convert", "demo",    "study"};
+const std::vector<std::string> commands{"build", "measure", "deform", "update",  "collide", "view", "medial",
+                                        "info",  "repair",  "sample", "convert", "demo",    "study"};
 
 /// Bad use: exit 2, one line on stderr that says what is wrong, nothing on stdout, nothing written.
 void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& reason) {

@@ -23,7 +23,9 @@ TEST(InfoCommand, says_what_a_mesh_is_good_for) {
 
   bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");
   const CommandResult open = bench.require("info open.obj");
-  EXPECT_NE(open.out.find("open: 4 boundary edges; looseness and protrusion cannot be answered"), std::string::npos)
+  EXPECT_NE(open.out.find(
+                "open: 4 boundary edges; looseness is measured by the winding number, protrusion cannot be answered"),
+            std::string::npos)
       << open.out;
   EXPECT_NE(open.out.find("1 vertex of no facet"), std::string::npos) << open.out;
   EXPECT_EQ(bench.run("info open.obj --check").exit_code, 1);

@@ -131,6 +131,46 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
   std::filesystem::remove(err);
 }
 
+TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 400");
+  bench.require("sample limb -o small.obj --resolution 24");
+  bench.require("build small.obj -o small.morula --method octree --depth 3");
+  bench.require("deform small.obj -o motion.npy --twist 90 --frames 1500");
+  bench.require("update small.obj small.morula motion.npy -o spheres.npz");
+  bench.write("old.csv", "an older result");
+  const auto before = bench.listing();
+  const std::filesystem::path err = bench.folder().string() + ".err";
+  const std::vector<std::vector<std::string>> commands{
+      {"measure", "small.obj", "spheres.npz", "--motion", "motion.npy", "--csv", "old.csv"},
+      {"collide", "small.obj", "small.obj", "--motion-a", "motion.npy", "--exact", "-o", "old.csv"},
+      {"collide", "limb.obj", "limb.obj", "-o", "new.csv"},
+      {"medial", "limb.obj", "-o", "balls.ply", "--samples", "5000000", "--kind", "voronoi"},
+      {"repair", "limb.obj", "-o", "new.obj", "--merge", "0.001", "--cap", "500"},
+      {"convert", "limb.obj", "new.ply"},
+      {"info", "limb.obj", "--json"},
+      {"sample", "limb", "-o", "new.obj", "--resolution", "1500"},
+  };
+  const std::vector<std::pair<int, int>> signals{{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const auto [signal, code] = signals[i % signals.size()];
+    Child child(bench, commands[i], err);
+    std::this_thread::sleep_for(std::chrono::milliseconds(120));
+    // A quick one may be done by then, and has then written what it was asked for.
+    const bool was_running = child.is_running();
+    if (was_running) child.send(signal);
+    const int ended = child.wait();
+    EXPECT_EQ(hidden_in(bench), 0u) << commands[i].front();
+    if (ended == 0) {
+      for (const char* name : {"new.ply", "new.obj", "new.csv", "balls.ply"}) std::filesystem::remove(bench / name);
+      continue;
+    }
+    EXPECT_EQ(ended, code) << commands[i].front();
+    EXPECT_EQ(bench.listing(), before) << commands[i].front();
+  }
+  std::filesystem::remove(err);
+}
+
 TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
   const Workbench bench;
   bench.require("sample limb -o body.obj --resolution 8");

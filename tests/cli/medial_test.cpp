@@ -90,7 +90,7 @@ TEST(MedialCommand, bad_use_writes_nothing) {
   refuses("bar.obj -o balls.obj", "balls are written as .ply");
   refuses("bar.obj -o nowhere/balls.ply", "there is no folder nowhere");
   refuses("bar.obj -o balls.ply --kind voronio", "did you mean voronoi?");
-  refuses("bar.obj -o balls.ply --samples 0", "give 1 to");
+  refuses("bar.obj -o balls.ply --samples 0", "is not a whole number from 1 to 10000000");
   refuses("missing.obj -o balls.ply", "missing.obj");
   EXPECT_EQ(bench.listing(), before);
 }

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/io/ball_file.hpp>
 #include <string>
 
 #include "../io/gltf_files.hpp"
@@ -27,6 +29,7 @@ namespace fs = std::filesystem;
 class Seeds {
  public:
   Seeds(const fs::path& folder, const char* name) : folder_(folder / name) { fs::create_directories(folder_); }
+  fs::path scratch(const char* name) const { return folder_ / name; }
   void add(const std::string& bytes) {
     const std::string number = std::to_string(count_++);
     std::ofstream(folder_ / (std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number), std::ios::binary)
@@ -92,6 +95,11 @@ void add_meshes(Seeds seeds) {
   seeds.add("1STCNOFF4 1 0\n0 0 0 1 1\n1 0 0 1 1\n1 1 0 1 1\n0 1 0 1 1\n4 0 1 2 3 255 0 0\n");
 }
 
+std::string file_bytes(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
     const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
@@ -102,6 +110,13 @@ void add_trees(Seeds seeds) {
       seeds.add(bases[1] + native);
       seeds.add(bases[2] + text);
       seeds.add(bases[3] + json);
+      const fs::path archive = seeds.scratch("tree.npz"), balls = seeds.scratch("balls.ply");
+      write_tree(archive, built.tree);
+      write_balls(balls, built.tree.spheres);
+      seeds.add(bases[3] + file_bytes(archive));
+      seeds.add(bases[3] + file_bytes(balls));
+      fs::remove(archive);
+      fs::remove(balls);
     }
   }
 }

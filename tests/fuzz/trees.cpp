@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Tree files: the first byte says which format, the others are the file. A tree that is read is valid and reads back as
-// it was; with a cover for our mesh it carries a body, and without one it is given a cover.
+// Tree files: the first byte says which format, the others are the file; archives and balls say it themselves. A tree
+// that is read is valid and reads back as it was; with a cover for our mesh it carries a body, and without one it is
+// given a cover.
 #include <array>
 #include <cmath>
 #include <morula/io/tree_file.hpp>
@@ -108,7 +109,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       try_tree("tree.sph", bytes, how >= 4);
       break;
     default:
-      try_tree("tree.json", bytes, how >= 4);
+      try_tree(bytes.rfind("PK", 0) == 0    ? "tree.npz"
+               : bytes.rfind("ply", 0) == 0 ? "tree.ply"
+                                            : "tree.json",
+               bytes, how >= 4);
   }
   return 0;
 }

@@ -258,11 +258,11 @@ TEST(HostileMotions, names_that_lead_to_no_frames) {
   folder.file("readme.txt", "nothing");
   refused(folder.path(), "no mesh file is there");
   refused(folder.path() / "*.obj", "no mesh file is there");
-  refused(folder.path() / "missing", "is not a motion");
+  refused(folder.path() / "missing", "there is no such folder");
   refused(folder.path() / "missing.obj", "there is no such file");
   refused(folder.path() / "missing.npy", "there is no such file");
   refused(folder.path() / "readme.txt", "is not a motion");
-  expect_file_error(folder.path() / "missing", 0, "the folder cannot be read",
+  expect_file_error(folder.path() / "missing", 0, "there is no such folder",
                     [&] { Motion(folder.path() / "missing" / "f*.obj", mesh); });
   write_mesh(folder.path() / "f0.obj", mesh);
   write_mesh(folder.path() / "f1.ply", mesh);

@@ -31,7 +31,7 @@ struct Options {
   std::string method{name(BuildOptions{}.method)};
   int branching = BuildOptions{}.branching;
   std::optional<int> depth;  // nothing: automatic
-  std::optional<std::int64_t> spheres;
+  std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion;
   std::uint64_t seed = BuildOptions{}.seed;
   std::string quality{name(BuildOptions{}.quality)};
@@ -54,7 +54,6 @@ void require_sense(const Options& o) {
         fmt::format("{} and --depth contradict each other: leave out one; the tree becomes as deep as needed",
                     o.spheres ? "--spheres" : "--max-protrusion"));
   }
-  if (o.spheres && *o.spheres < 1) throw UsageError(fmt::format("--spheres {}: give at least 1", *o.spheres));
   if (o.max_protrusion && !(*o.max_protrusion > 0)) {
     throw UsageError(fmt::format("--max-protrusion {}: give a length above 0, in mesh units", *o.max_protrusion));
   }
@@ -74,7 +73,7 @@ BuildOptions build_options(const Options& o) {
   return {.method = parse_method(o.method),
           .branching = o.branching,
           .depth = o.depth,
-          .spheres = static_cast<std::size_t>(o.spheres.value_or(0)),
+          .spheres = o.spheres.value_or(0),
           .max_protrusion = o.max_protrusion.value_or(0),
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
@@ -164,8 +163,8 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   const std::vector<std::string> faults = validate(mesh, built);
   seconds.check = watch.lap();
   if (!faults.empty()) {
-    say("morula: error: the tree of {} is broken: {}; nothing was written, please report it\n", o.mesh, faults.front());
-    return exit_check_failed;
+    return complain(exit_check_failed, "the tree of {} is broken: {}; nothing was written, please report it", o.mesh,
+                    faults.front());
   }
   std::vector<LevelFigures> figures;
   if (o.report) figures = measure_levels(mesh, built.tree, interrupt.token(), workers);
@@ -194,8 +193,7 @@ int build_command(const Options& o) {
   try {
     return build_unless_stopped(o, interrupt);
   } catch (const BuildStopped&) {
-    say("morula: interrupted; nothing was written\n");
-    return interrupt.exit_code();
+    return say_interrupted(interrupt.exit_code(), "; nothing was written");
   }
 }
 
@@ -214,29 +212,30 @@ void add_build(CLI::App& app, Run& run) {
   command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   command
       ->add_option("-o,--output", o->output,
-                   "Tree file: .morula (with its cover), .sph or .json; for a flat set also .ply")
+                   "Tree file: .morula (with its cover), .sph, .json or .npz; for a flat set also .ply")
       ->type_name("TREE")
       ->required();
   command->add_option("--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
+  command->add_option("--branching", o->branching, fmt::format("Most children of a node, 2 to {}", max_branching))
       ->type_name("N")
-      ->transform(signed_number())
+      ->transform(whole_number(2, max_branching))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
           "--depth", [o](const std::string& text) { o->depth = parse_depth(text); },
           "Levels below the root, 0 to 8, or auto: no more leaves than a quarter of the facets, nor than 512")
       ->type_name("N")
-      ->transform(CLI::Validator(
-          [check = signed_number()](std::string& text) { return text == "auto" ? std::string() : check(text); }, ""))
+      ->transform(CLI::Validator([check = whole_number(0, max_depth)](
+                                     std::string& text) { return text == "auto" ? std::string() : check(text); },
+                                 ""))
       ->default_str("auto");
   command
       ->add_option("--spheres", o->spheres,
                    "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
       ->type_name("N")
-      ->transform(signed_number());
+      ->transform(whole_number(1));
   command
       ->add_option("--max-protrusion", o->max_protrusion,
                    "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")

@@ -125,7 +125,9 @@ int collide_command(const Options& o) {
     require_not_input(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
   Workers workers = make_workers(o.threads);
-  Side a(o.a, rules, o.sph_origin, workers), b(o.b, rules, o.sph_origin, workers);
+  Side a(o.a, o.sph_origin), b(o.b, o.sph_origin);
+  a.prepare(rules, o.sph_origin, workers);
+  b.prepare(rules, o.sph_origin, workers);
   if (o.level) {
     const std::size_t levels = std::max(a.collider().tree().level_count(), b.collider().tree().level_count());
     if (*o.level >= levels)
@@ -176,11 +178,13 @@ int collide_command(const Options& o) {
 void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) {
   const std::string x(1, side.letter);
   command
-      .add_option("--tree-" + x, side.tree, fmt::format("Tree of {}; default: built now, in quality fast", mesh_name))
+      .add_option("--tree-" + x, side.tree,
+                  fmt::format("Tree of {}, or a flat set (.ply); default: built now, in quality fast", mesh_name))
       ->type_name("FILE");
   command
-      .add_option("--motion-" + x, side.motion,
-                  fmt::format("Positions of {}: folder of meshes, glob or .npy; it stays in its last frame", mesh_name))
+      .add_option(
+          "--motion-" + x, side.motion,
+          fmt::format("Positions of {}: folder of meshes, glob, .npy or .npz; it stays in its last frame", mesh_name))
       ->type_name("PATH");
   command.add_option("--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
       ->type_name("X,Y,Z")

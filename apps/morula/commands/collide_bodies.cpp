@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <morula/generators/build.hpp>
@@ -12,6 +13,8 @@
 #include <numbers>
 
 #include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
 #include "shared/options.hpp"
 
 namespace morula::cli {
@@ -36,20 +39,29 @@ RigidTransform parse_placement(const SideFiles& files) {
   return RigidTransform::from_axis(axis, degrees * std::numbers::pi / 180, place);
 }
 
-Side::Side(const SideFiles& files, const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers)
-    : files_(files), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
-  const RigidTransform placement = parse_placement(files);
+Side::Side(const SideFiles& files, const std::string& sph_origin)
+    : files_(files), placement_(parse_placement(files)), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
   if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
-  CoveredTree built = files.tree.empty()
+  const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
+  // Read again when its turn comes; a broken one is to be known before the other body has cost anything.
+  if (!files.tree.empty()) read_tree(files.tree, reading);
+}
+
+void Side::prepare(const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers) {
+  CoveredTree built = files_.tree.empty()
                           ? build(mesh_, {.quality = Quality::fast}, workers)
-                          : read_covered_tree(files.tree, mesh_, parse_sph_origin(sph_origin, &mesh_), workers);
+                          : read_covered_tree(files_.tree, mesh_, parse_sph_origin(sph_origin, &mesh_), workers);
+  double largest = 0;
+  for (const LevelGrowth& level : built.report.growth) largest = std::max(largest, level.largest_growth);
+  if (largest > 0)
+    note("spheres of {} grew by up to {}, so that they cover {}", files_.tree, figure(largest), files_.mesh);
   if (rules.size() > built.tree.level_count()) {
     throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
-                                 files.mesh, built.tree.level_count() - 1));
+                                 files_.mesh, built.tree.level_count() - 1));
   }
   body_.emplace(mesh_, std::move(built), UpdateOptions{.rules = rules, .details = {}}, workers);
   collider_.emplace(mesh_, *body_);
-  collider_->place(placement);
+  collider_->place(placement_);
 }
 
 std::string Side::frame_name(std::size_t frame) const {

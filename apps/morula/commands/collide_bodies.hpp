@@ -26,8 +26,10 @@ RigidTransform parse_placement(const SideFiles& files);
 /// One body, frame after frame. Neither copied nor moved: its collider borrows what is beside it.
 class Side {
  public:
-  /// Reads the mesh and its tree, or builds one. rule: of all levels.
-  Side(const SideFiles& files, const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers);
+  /// Reads everything, so that whatever is missing is known before there is any work.
+  Side(const SideFiles& files, const std::string& sph_origin);
+  /// Builds the tree where none was given, and the body. rules: by level.
+  void prepare(const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers);
   Side(const Side&) = delete;
   Side& operator=(const Side&) = delete;
 
@@ -44,6 +46,7 @@ class Side {
 
  private:
   SideFiles files_;
+  RigidTransform placement_;
   Mesh mesh_;
   std::optional<Motion> motion_;
   std::optional<Body> body_;

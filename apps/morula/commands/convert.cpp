@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <optional>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -22,6 +25,7 @@ struct Options {
   std::string output;
   std::string mesh;
   std::string sph_origin = "none";
+  std::optional<std::size_t> frame;
   unsigned threads = 0;
   bool json = false;
 };
@@ -47,15 +51,36 @@ int convert_mesh(const Options& o) {
   return report(o, mesh_line(o.output, mesh), nullptr);
 }
 
+SphereTree read_frame(const Options& o) {
+  const SphereFrames frames(o.input);
+  if (*o.frame >= frames.frame_count()) {
+    throw UsageError(fmt::format("--frame {}: {} has frames 0 to {}", *o.frame, o.input, frames.frame_count() - 1));
+  }
+  return frames.frame(*o.frame);
+}
+
+/// The leaves alone, or balls in another order of bytes.
+int write_leaves(const Options& o, std::span<const Sphere> balls) {
+  write_balls(o.output, balls);
+  return report(o, fmt::format("{}: {} without a tree", o.output, counted(balls.size(), "ball")), nullptr);
+}
+
 int convert_tree(const Options& o) {
-  require_tree_output(o.output);
+  const bool to_balls = extension(o.output) == ".ply";
+  if (to_balls) {
+    require_output_place(o.output);
+  } else {
+    require_tree_output(o.output);
+  }
+  if (to_balls && file_kind(o.input) == FileKind::balls) return write_leaves(o, read_balls(o.input));
   std::optional<Mesh> mesh;
   if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
-  TreeFile file = read_tree(o.input, reading);
+  TreeFile file = o.frame ? TreeFile{read_frame(o), std::nullopt, {}} : read_tree(o.input, reading);
+  if (to_balls) return write_leaves(o, level_set_spheres(file.tree, file.tree.level_count() - 1));
   if (extension(o.output) != ".morula") {
     write_tree(o.output, file.tree);
-    if (file.cover) say("morula: note: the cover stays behind: only .morula files hold it\n");
+    if (file.cover) note("the cover stays behind: only .morula files hold it");
     return report(o,
                   fmt::format("{}: {}, {}", o.output, counted(file.tree.node_count(), "sphere"),
                               counted(file.tree.level_count(), "level")),
@@ -70,7 +95,8 @@ int convert_tree(const Options& o) {
         "{} has spheres alone, and a .morula file proves that they cover a mesh: add --mesh MESH", o.input));
   }
   Workers workers = make_workers(o.threads);
-  const CoveredTree built = read_covered_tree(o.input, *mesh, reading, workers);
+  const CoveredTree built =
+      o.frame ? cover(*mesh, file.tree, workers) : read_covered_tree(o.input, *mesh, reading, workers);
   write_tree(o.output, built);
   return report(o,
                 fmt::format("{}: {}, {}", o.output, counted(built.tree.node_count(), "sphere"),
@@ -80,17 +106,30 @@ int convert_tree(const Options& o) {
 
 int convert_command(const Options& o) {
   require_not_input(o.output, {o.input, o.mesh});
-  switch (file_kind(o.input)) {
+  const FileKind kind = file_kind(o.input);
+  if (o.frame && kind != FileKind::sphere_frames) {
+    throw UsageError(fmt::format("--frame belongs to the .npz of an update, and {} is none: leave it out", o.input));
+  }
+  switch (kind) {
     case FileKind::mesh:
-      if (file_kind(o.output) == FileKind::tree) {
+      if (const std::string ending = extension(o.output);
+          ending == ".morula" || ending == ".sph" || ending == ".json" || ending == ".npz") {
         throw UsageError(fmt::format("{} is a mesh and {} a tree: morula build makes trees", o.input, o.output));
       }
       return convert_mesh(o);
-    case FileKind::tree:
+    case FileKind::sphere_frames:
+      if (!o.frame && SphereFrames(o.input).frame_count() > 1) {
+        throw UsageError(fmt::format("{}: holds the spheres of {} frames: say which one with --frame N", o.input,
+                                     SphereFrames(o.input).frame_count()));
+      }
       return convert_tree(o);
+    case FileKind::tree:
+    case FileKind::balls:
+      return convert_tree(o);
+    case FileKind::motion:
+      throw UsageError(fmt::format("{}: positions of frames; morula deform and numpy write those", o.input));
     default:
-      throw UsageError(
-          fmt::format("{}: neither a mesh ({}) nor a tree (.morula .sph .json)", o.input, readable_mesh_extensions()));
+      throw UsageError(fmt::format("{}: {}", o.input, known_kinds()));
   }
 }
 
@@ -99,13 +138,21 @@ int convert_command(const Options& o) {
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("convert", "Convert between mesh formats, or between tree formats");
-  command->add_option("IN", o->input, "Mesh or tree file")->required()->type_name("");
-  command->add_option("OUT", o->output, "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json) file")
+  command->add_option("IN", o->input, "Mesh or tree file, balls (.ply), or spheres of frames (.npz) with --frame")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option(
+          "OUT", o->output,
+          "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves")
       ->required()
       ->type_name("");
   command
       ->add_option("--mesh", o->mesh, "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
       ->type_name("MESH");
+  command->add_option("--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
+      ->type_name("N")
+      ->transform(whole_number());
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -41,6 +41,7 @@ struct Options {
   std::size_t frames = 25;
   bool one_way = false;
   std::string extension = "obj";
+  unsigned threads = 0;
   bool json = false;
 };
 
@@ -75,8 +76,9 @@ int deform_command(const Options& o, const CLI::App& command) {
   if (o.frames < 3 && !o.one_way) {
     throw UsageError("--frames 2, out and back, never leaves rest: give 3 or more, or --one-way");
   }
+  const bool is_npy = extension(o.output) == ".npy" && !std::filesystem::is_directory(o.output);
   const FileKind kind = file_kind(o.output);
-  if (kind == FileKind::mesh || kind == FileKind::tree) {
+  if (!is_npy && kind != FileKind::folder && kind != FileKind::unknown) {
     throw UsageError(fmt::format("{}: a motion is a folder of meshes or a .npy file; name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
@@ -87,7 +89,6 @@ int deform_command(const Options& o, const CLI::App& command) {
     if (format.is_written) written.emplace_back(format.extension.substr(1));
   }
   check_name("format", o.extension, written);
-  const bool is_npy = kind == FileKind::motion;
   if (is_npy) {
     require_output_place(o.output);
     require_not_input(o.output, {o.mesh});
@@ -178,6 +179,7 @@ void add_deform(CLI::App& app, Run& run) {
   command->add_option("--format", o->extension, "Of meshes in a folder: the extension of " + writable_mesh_list())
       ->type_name("NAME")
       ->capture_default_str();
+  add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(
       "Deformations are applied in the order given, each to what the one before left.\n"

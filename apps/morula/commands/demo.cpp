@@ -161,9 +161,9 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
 }
 
 int demo_command(const Options& o) {
+  require_folder_place(o.output);
   Workers workers = make_workers(o.threads);
   Demo demo{make_plan(o.quick), {}};
-  require_folder_place(o.output);
   WholeFolder stage(o.output);
   Stopwatch watch;
   study::Touch touch;
@@ -190,7 +190,7 @@ int demo_command(const Options& o) {
   }
   std::vector<std::string> faults = study::faults(demo.plan, demo.result);
   for (std::string& fault : touch_faults(touch)) faults.push_back(std::move(fault));
-  for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
+  for (const std::string& fault : faults) complain(exit_check_failed, "{}: please report it", fault);
   return faults.empty() ? exit_done : exit_check_failed;
 }
 

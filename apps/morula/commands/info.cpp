@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // morula info: what a mesh or a tree file is, in words, and whether it keeps its promises.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
 #include <morula/geometry/inspect.hpp>
+#include <morula/io/ball_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/parallel/stopwatch.hpp>
 
 #include "shared/command.hpp"
 #include "shared/figures.hpp"
@@ -35,8 +39,9 @@ std::vector<std::string> consequences(const MeshReport& r) {
   } else if (r.closed) {
     notes.push_back(why_no_inside(r) + ": looseness counts crossings, protrusion cannot be answered");
   } else {
-    notes.push_back(fmt::format("open: {}; looseness and protrusion cannot be answered; trees still cover",
-                                counted(r.boundary_edges, "boundary edge")));
+    notes.push_back(fmt::format(
+        "open: {}; looseness is measured by the winding number, protrusion cannot be answered; trees still cover",
+        counted(r.boundary_edges, "boundary edge")));
   }
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* meaning) {
     if (count > 0) notes.push_back(fmt::format("{}: {}", counted(count, one, many), meaning));
@@ -53,11 +58,22 @@ std::vector<std::string> consequences(const MeshReport& r) {
   return notes;
 }
 
+/// What repair() would better, and how to ask for it; empty where there is nothing.
+std::string repair_line(const std::string& file, const MeshReport& r) {
+  std::vector<std::string> gains;
+  if (r.duplicate_vertices > 0 && !r.closed) gains.emplace_back("merges repeated positions");
+  if (r.misoriented_edges > 0 || (r.has_volume() && r.volume < 0)) gains.emplace_back("orients facets");
+  if (!r.closed) gains.emplace_back("caps holes of up to N edges with --cap N");
+  if (gains.empty()) return {};
+  return fmt::format("morula repair {} -o OUT {}", file, fmt::join(gains, ", "));
+}
+
 int mesh_info(const Options& o) {
   if (!o.mesh.empty()) throw UsageError("--mesh belongs to a tree file, and this is a mesh: leave it out");
   const Mesh mesh = read_mesh(o.file);
   const MeshReport r = inspect(mesh);
-  const std::vector<std::string> notes = consequences(r);
+  std::vector<std::string> notes = consequences(r);
+  if (std::string line = repair_line(o.file, r); !line.empty()) notes.push_back(std::move(line));
   if (o.json) {
     const auto vector = [](const Vec3& v) { return Json{v.x, v.y, v.z}; };
     print_json({{"file", o.file},
@@ -177,15 +193,86 @@ int tree_info(const Options& o) {
   return faults.empty() ? exit_done : exit_check_failed;
 }
 
+void require_no_tree_options(const Options& o, const char* what) {
+  if (!o.mesh.empty())
+    throw UsageError(fmt::format("--mesh belongs to a tree file, and this is {}: leave it out", what));
+}
+
+int balls_info(const Options& o) {
+  require_no_tree_options(o, "balls without a tree");
+  const std::vector<Sphere> balls = read_balls(o.file);
+  std::vector<double> radii;
+  Box box;
+  for (const Sphere& ball : balls) {
+    radii.push_back(ball.radius);
+    box.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
+    box.add(ball.center + Vec3{ball.radius, ball.radius, ball.radius});
+  }
+  std::sort(radii.begin(), radii.end());
+  const Vec3 size = balls.empty() ? Vec3{} : box.extent();
+  if (o.json) {
+    Json json{{"file", o.file}, {"kind", "balls"}, {"balls", balls.size()}, {"radius", nullptr}, {"box", nullptr}};
+    if (!balls.empty()) {
+      json["radius"] = {{"smallest", radii.front()}, {"median", median(radii)}, {"largest", radii.back()}};
+      const auto vector = [](const Vec3& v) { return Json{v.x, v.y, v.z}; };
+      json["box"] = {{"lower", vector(box.lower)}, {"upper", vector(box.upper)}};
+    }
+    print_json(json);
+    return exit_done;
+  }
+  fmt::print("{}: {} without a tree\n", o.file, counted(balls.size(), "ball"));
+  if (balls.empty()) return exit_done;
+  fmt::print("\nradius    smallest {}, median {}, largest {}\n", figure(radii.front()), figure(median(radii)),
+             figure(radii.back()));
+  fmt::print("box       {} x {} x {}\n\n", figure(size.x), figure(size.y), figure(size.z));
+  fmt::print("- measured as they are; where a tree is needed, one is made over them and given a cover\n");
+  return exit_done;
+}
+
+int frames_info(const Options& o) {
+  require_no_tree_options(o, "spheres of a motion");
+  const SphereFrames frames(o.file);
+  const SphereTree tree = frames.frame(0);
+  // Every frame is read, so that --check means all of them.
+  if (o.check)
+    for (std::size_t i = 1; i < frames.frame_count(); ++i) frames.frame(i);
+  if (o.json) {
+    Json json{{"file", o.file},
+              {"kind", "spheres of frames"},
+              {"frames", frames.frame_count()},
+              {"nodes", tree.node_count()},
+              {"leaves", tree.leaf_count()},
+              {"branching", tree.branching},
+              {"levels", level_json(tree)}};
+    if (o.check) json["faults"] = Json::array();
+    print_json(json);
+    return exit_done;
+  }
+  fmt::print("{}: {} of a tree of {}, {}, branching {}\n\nIn the first frame\n{}\n", o.file,
+             counted(frames.frame_count(), "frame"), counted(tree.node_count(), "sphere"),
+             counted(tree.level_count(), "level"), tree.branching, level_table(tree));
+  fmt::print("- measure and view take them together with the motion; convert --frame N takes one out\n");
+  if (o.check) fmt::print("check      the arrays are sound in every frame\n");
+  return exit_done;
+}
+
 int info_command(const Options& o) {
   switch (file_kind(o.file)) {
+    case FileKind::balls:
+      return balls_info(o);
+    case FileKind::sphere_frames:
+      return frames_info(o);
+    case FileKind::motion:
+      throw UsageError(
+          fmt::format("{}: positions of frames, which mean nothing without their mesh; morula view and "
+                      "morula update take both",
+                      o.file));
     case FileKind::mesh:
       return mesh_info(o);
     case FileKind::tree:
       return tree_info(o);
     default:
-      throw UsageError(
-          fmt::format("{}: neither a mesh ({}) nor a tree (.morula .sph .json)", o.file, readable_mesh_extensions()));
+      throw UsageError(fmt::format("{}: {}", o.file, known_kinds()));
   }
 }
 
@@ -194,7 +281,9 @@ int info_command(const Options& o) {
 void add_info(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a mesh or a tree file is, and what it is good for");
-  command->add_option("FILE", o->file, "Mesh or tree file")->required()->type_name("");
+  command->add_option("FILE", o->file, "Mesh, tree, balls (.ply) or spheres of frames (.npz)")
+      ->required()
+      ->type_name("");
   command->add_flag(
       "--check", o->check,
       "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // morula measure: how loose the levels of a tree are, and whether they cover, for one mesh or frame by frame.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
 #include <morula/accuracy/measure.hpp>
+#include <morula/io/ball_file.hpp>
 #include <morula/io/csv.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 
@@ -44,6 +47,7 @@ MeasureOptions measure_options(const Options& o, const Mesh& rest) {
   if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
   MeasureOptions options;
   options.with_protrusion = !o.no_protrusion;
+  options.open_by_winding = true;
   options.grid.resolution = o.resolution;
   if (o.grid == "fixed") {
     options.grid.kind = VoxelGrid::Kind::fixed;
@@ -52,35 +56,70 @@ MeasureOptions measure_options(const Options& o, const Mesh& rest) {
   return options;
 }
 
+/// What stands in the place of a tree: a tree file, a folder of them, an archive of frames, or balls without a tree.
+class MeasuredFiles {
+ public:
+  explicit MeasuredFiles(const std::string& path) : path_(path), kind_(file_kind(path)) {
+    if (kind_ == FileKind::sphere_frames) {
+      archive_.emplace(path);
+    } else if (kind_ == FileKind::folder) {
+      files_ = trees_in(path);
+    } else if (kind_ == FileKind::motion) {
+      throw UsageError(fmt::format("{}: holds positions, not spheres; give it with --motion", path));
+    } else {
+      files_ = {path};
+    }
+  }
+
+  std::size_t count() const { return archive_ ? archive_->frame_count() : files_.size(); }
+  bool are_several() const { return kind_ == FileKind::folder || (archive_ && count() > 1); }
+  std::string name(std::size_t i) const { return archive_ ? fmt::format("{} frame {}", path_, i) : files_[i].string(); }
+  /// note: of a tree that was built for another mesh.
+  std::vector<LevelMeasure> measure(std::size_t i, const Mesh& mesh, const ReadTreeOptions& reading, bool note_other,
+                                    const MeasureOptions& options, Workers& workers) const {
+    if (kind_ == FileKind::balls) {
+      const std::vector<Sphere> balls = read_balls(path_);
+      if (balls.empty()) throw UsageError(fmt::format("{}: holds no balls to measure", path_));
+      return {measure_spheres(mesh, balls, options, workers)};
+    }
+    if (archive_) return morula::measure(mesh, archive_->frame(i), options, workers);
+    const TreeFile file = read_tree(files_[i], reading);
+    if (note_other && file.cover && file.report.mesh_hash != mesh_hash(mesh)) {
+      note("{} was built for another mesh than this one; measured as it is", path_);
+    }
+    return morula::measure(mesh, file.tree, options, workers);
+  }
+
+ private:
+  std::string path_;
+  FileKind kind_;
+  std::vector<std::filesystem::path> files_;
+  std::optional<SphereFrames> archive_;
+};
+
 std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options,
                                           Workers& workers) {
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
-  const bool several = file_kind(o.trees) == FileKind::folder;
-  const std::vector<std::filesystem::path> trees =
-      several ? trees_in(o.trees) : std::vector<std::filesystem::path>{o.trees};
+  const MeasuredFiles trees(o.trees);
   std::optional<Motion> motion;
   if (!o.motion.empty()) motion.emplace(o.motion, rest);
-  if (!motion && several) {
+  if (!motion && trees.are_several()) {
     throw UsageError(fmt::format("{} holds {}: give their positions with --motion, or name one of them", o.trees,
-                                 counted(trees.size(), "tree")));
+                                 counted(trees.count(), "tree")));
   }
-  if (motion && motion->frame_count() != trees.size()) {
+  if (motion && motion->frame_count() != trees.count()) {
     throw UsageError(fmt::format("{} in {} but {} in {}: one tree per frame is needed",
-                                 counted(motion->frame_count(), "frame"), o.motion, counted(trees.size(), "tree"),
+                                 counted(motion->frame_count(), "frame"), o.motion, counted(trees.count(), "tree"),
                                  o.trees));
   }
   Progress progress("measuring");
   std::vector<MeasuredFrame> frames;
   Mesh mesh = rest;
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    progress.update(static_cast<double>(i) / static_cast<double>(trees.size()));
+  for (std::size_t i = 0; i < trees.count(); ++i) {
+    progress.update(static_cast<double>(i) / static_cast<double>(trees.count()));
     if (motion) mesh.positions = motion->frame(i);
-    const TreeFile file = read_tree(trees[i], reading);
-    if (!motion && file.cover && file.report.mesh_hash != mesh_hash(mesh)) {
-      say("morula: note: {} was built for another mesh than {}; measured as it is\n", o.trees, o.mesh);
-    }
-    frames.push_back(
-        {motion ? motion->frame_name(i) : o.mesh, trees[i].string(), measure(mesh, file.tree, options, workers)});
+    frames.push_back({motion ? motion->frame_name(i) : o.mesh, trees.name(i),
+                      trees.measure(i, mesh, reading, !motion, options, workers)});
   }
   return frames;
 }
@@ -92,6 +131,15 @@ void print_text(const Options& o, const Mesh& rest, const std::vector<MeasuredFr
   const MeshReport report = inspect(rest);
   const bool no_looseness =
       std::any_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return !level.looseness.looseness; });
+  if (std::any_of(worst.begin(), worst.end(), [](const LevelMeasure& level) { return level.looseness.range; })) {
+    std::vector<std::string> ranges;
+    for (const LevelMeasure& level : worst) {
+      if (const auto& range = level.looseness.range)
+        ranges.push_back(fmt::format("level {} {} to {}", level.level, figure(range->low), figure(range->high)));
+    }
+    fmt::print("{}: inside is where it winds around a point more than half a turn, and looseness is uncertain:\n{}.\n",
+               why_no_inside(report), fmt::join(ranges, "; "));
+  }
   if (no_looseness) {
     fmt::print("n/a: {}, so inside and outside are not defined; bare area and gap do not need them.\n",
                why_no_inside(report));
@@ -170,10 +218,12 @@ void add_measure(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("measure", "Measure looseness, cover and protrusion of every level");
   command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("TREE", o->trees, "Tree file, or with --motion a folder of them, one per frame")
+  command
+      ->add_option("TREE", o->trees,
+                   "Tree file, or balls (.ply); with --motion a folder of trees, or the .npz of update, one per frame")
       ->required()
       ->type_name("");
-  command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob or .npy")
+  command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob, .npy or .npz")
       ->type_name("MOTION");
   command
       ->add_option("--grid", o->grid,

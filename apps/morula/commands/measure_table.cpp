@@ -71,6 +71,10 @@ std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames) {
       w.spheres = std::max(w.spheres, level.spheres);
       raise(w.looseness.looseness, level.looseness.looseness);
       raise(w.looseness.missed_volume, level.looseness.missed_volume);
+      if (const auto& range = level.looseness.range) {
+        const Looseness::Range known = w.looseness.range.value_or(*range);
+        w.looseness.range = {std::max(known.low, range->low), std::max(known.high, range->high)};
+      }
       w.coverage.covered = w.coverage.covered && level.coverage.covered;
       w.coverage.bare_area = std::max(w.coverage.bare_area, level.coverage.bare_area);
       w.coverage.gap = std::max(w.coverage.gap, level.coverage.gap);

@@ -49,9 +49,6 @@ MedialBalls medial_balls(const Options& o, const Mesh& mesh, Workers& workers) {
 
 int medial_command(const Options& o) {
   check_name("kind", o.kind, {"shrinking", "voronoi"});
-  if (o.samples < 1 || o.samples > most_samples) {
-    throw UsageError(fmt::format("--samples {}: give 1 to {}", o.samples, most_samples));
-  }
   if (extension(o.output) != ".ply") throw UsageError(fmt::format("{}: balls are written as .ply", o.output));
   require_output_place(o.output);
   require_not_input(o.output, {o.mesh});
@@ -118,7 +115,7 @@ void add_medial(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_option("--samples", o->samples, "Points spread over the surface")
       ->type_name("N")
-      ->transform(signed_number())
+      ->transform(whole_number(1, most_samples))
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Of the points; equal seeds give equal balls")
       ->type_name("N")

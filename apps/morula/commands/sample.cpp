@@ -28,6 +28,7 @@ struct Options {
   std::uint64_t modes = 4;
   std::uint64_t frames = 25;
   bool modes_given = false, frames_given = false;
+  unsigned threads = 0;
   bool json = false;
 };
 
@@ -113,7 +114,7 @@ void add_sample(CLI::App& app, Run& run) {
       ->required();
   command->add_option("--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
       ->type_name("N")
-      ->transform(signed_number())
+      ->transform(whole_number(3, 4096))
       ->capture_default_str();
   CLI::Option* const modes = command->add_option("--modes", o->modes, "How many bending modes")
                                  ->type_name("N")
@@ -123,6 +124,7 @@ void add_sample(CLI::App& app, Run& run) {
                                   ->transform(whole_number(1, 1000000));
   modes->capture_default_str();
   frames->capture_default_str();
+  add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(
       "Example:\n  morula sample limb -o limb.obj\n  morula sample limb-modes -o modes.npy\n"

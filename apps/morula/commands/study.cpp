@@ -8,7 +8,9 @@
 #include <memory>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/study/study.hpp>
 #include <scenes/scenes.hpp>
@@ -70,6 +72,13 @@ void add_bodies(const Options& o, study::Plan& plan) {
     names.push_back(body.name);
     if (same > 0) body.name += fmt::format("-{}", same + 1);
   }
+}
+
+/// Everything that is read later, read once now: hours of cells must not end at a file that was never there.
+void require_sound_inputs(const study::Plan& plan) {
+  for (const study::NamedMesh& body : plan.bodies) require_usable_scale(body.mesh);
+  for (const study::Source& source : plan.sources)
+    if (!source.file.empty()) read_tree(source.file);
 }
 
 /// The body of a tree file named MESH-METHOD.sph: one of --mesh, or of the corpus.
@@ -203,14 +212,15 @@ study::Plan make_plan(const Options& o) {
 }
 
 int study_command(const Options& o) {
+  const fs::path folder = o.output;
+  // Folders on the way are made, if there are none.
+  const fs::path above = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
+  if (above.empty() || fs::is_directory(above)) require_folder_place(folder);
+  if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
   const study::Plan plan = make_plan(o);
+  require_sound_inputs(plan);
   Workers workers = make_workers(o.threads);
   const Interrupt interrupt;
-  const fs::path folder = o.output;
-  if (fs::exists(folder) && !fs::is_directory(folder)) {
-    throw UsageError(fmt::format("{}: is a file; name a folder", o.output));
-  }
-  if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
   const study::Cache cache(folder / "cells");
   Stopwatch watch;
   try {
@@ -246,12 +256,12 @@ int study_command(const Options& o) {
       }
     }
     const std::vector<std::string> faults = study::faults(plan, study.result);
-    for (const std::string& fault : faults) say("morula: error: {}: please report it\n", fault);
+    for (const std::string& fault : faults) complain(exit_check_failed, "{}: please report it", fault);
     return faults.empty() ? exit_done : exit_check_failed;
   } catch (const study::Stopped&) {
-    say("morula: interrupted; finished cells are kept in {}: the same command goes on from there\n",
-        (folder / "cells").string());
-    return interrupt.exit_code();
+    return say_interrupted(interrupt.exit_code(),
+                           fmt::format("; finished cells are kept in {}: the same command goes on from there",
+                                       (folder / "cells").string()));
   }
 }
 

@@ -259,9 +259,8 @@ int update_command(const Options& given) {
     print_text(o, built, body, outcome, output, workers.thread_count());
   }
   if (outcome.frames_not_covered == 0) return exit_done;
-  say("morula: error: the certificate fails in {}, worst in frame {} by {}: please report it\n",
-      counted(outcome.frames_not_covered, "frame"), outcome.worst_frame, figure(outcome.worst_excess));
-  return exit_check_failed;
+  return complain(exit_check_failed, "the certificate fails in {}, worst in frame {} by {}: please report it",
+                  counted(outcome.frames_not_covered, "frame"), outcome.worst_frame, figure(outcome.worst_excess));
 }
 
 }  // namespace
@@ -270,14 +269,16 @@ void add_update(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("update", "Move the spheres of a tree along with a motion of its mesh");
   command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
+  command
+      ->add_option("TREE", o->tree,
+                   "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), which get a cover first")
       ->required()
       ->type_name("");
   command
-      ->add_option(
-          "MOTION", o->files.motion,
-          "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, or .gltf and .glb, whose animation is "
-          "played")
+      ->add_option("MOTION", o->files.motion,
+                   "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, .npz, or .gltf and .glb, whose "
+                   "animation is "
+                   "played")
       ->type_name("");
   command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")

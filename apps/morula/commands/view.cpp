@@ -10,6 +10,7 @@
 #include <iterator>
 #include <memory>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/page/page.hpp>
@@ -35,6 +36,7 @@ struct Options {
   std::string title;
   std::string sph_origin = "none";
   bool measure = true;
+  bool rule_given = false;
   unsigned threads = 0;
   bool json = false;
 };
@@ -76,7 +78,33 @@ std::string read_study(const std::string& path) {
   return text;
 }
 
-void print_result(const Options& o, const PageContent& content, const CoveredTree& built, std::size_t bytes) {
+/// Spheres that are shown as they are: of every frame, or balls without a motion that they would have to follow.
+bool shows_given_spheres(const Options& o) {
+  const FileKind kind = file_kind(o.tree);
+  return kind == FileKind::sphere_frames || (kind == FileKind::balls && o.motion.empty());
+}
+
+PageScene given_spheres(const Options& o, const Mesh& mesh, const PageMotion& motion, Workers& workers) {
+  Progress progress("measuring");
+  const auto tell = [&](double share) { progress.update(share); };
+  if (file_kind(o.tree) == FileKind::balls) {
+    const SphereTree tree = read_tree(o.tree).tree;
+    return show_spheres(
+        motion, mesh, file_name(o.tree), "balls as they are", [&](std::size_t) { return tree; }, o.measure, workers,
+        tell);
+  }
+  const SphereFrames frames(o.tree);
+  if (frames.frame_count() != motion.frames.size()) {
+    throw UsageError(fmt::format("{} in {} but {} of spheres in {}: give the motion that they were updated for",
+                                 counted(motion.frames.size(), "frame"), o.motion.empty() ? o.mesh : o.motion,
+                                 counted(frames.frame_count(), "frame"), o.tree));
+  }
+  return show_spheres(
+      motion, mesh, file_name(o.tree), "spheres as they are", [&](std::size_t i) { return frames.frame(i); }, o.measure,
+      workers, tell);
+}
+
+void print_result(const Options& o, const PageContent& content, const BuildReport& report, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
   for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
@@ -89,15 +117,15 @@ void print_result(const Options& o, const PageContent& content, const CoveredTre
               {"frames", motion.frames.size()},
               {"vertices", motion.frames.front().size()},
               {"facets", motion.facets.size()},
-              {"spheres", built.tree.node_count()},
+              {"spheres", content.scenes.front().rest.node_count()},
               {"bytes", bytes}};
-    if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
+    if (!report.growth.empty()) json["growth"] = growth_json(report);
     print_json(json);
     return;
   }
-  if (!built.report.growth.empty()) fmt::print("{}\n", growth_text(built.report));
+  if (!report.growth.empty()) fmt::print("{}\n", growth_text(report));
   fmt::print("shown    {}, {}, {}\n", counted(motion.facets.size(), "facet"),
-             counted(built.tree.node_count(), "sphere"), counted(motion.frames.size(), "frame"));
+             counted(content.scenes.front().rest.node_count(), "sphere"), counted(motion.frames.size(), "frame"));
   fmt::print("rule     {}\n", fmt::join(rules, "; "));
   fmt::print("written  {}, {} MB: open it in a browser\n", o.output, figure(1e-6 * static_cast<double>(bytes)));
 }
@@ -116,7 +144,14 @@ int view_command(const Options& o) {
   PageContent content;
   content.study = read_study(o.study);
   const Mesh mesh = read_mesh(o.mesh);
-  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  const bool as_given = shows_given_spheres(o);
+  if (as_given && o.rule_given) {
+    throw UsageError(
+        fmt::format("--rule says how a tree follows a motion, and {} is shown as it is: leave it out", o.tree));
+  }
+  if (as_given) rules.clear();
+  const CoveredTree built =
+      as_given ? CoveredTree{} : read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].size() > built.tree.level_count()) {
       throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],
@@ -124,6 +159,7 @@ int view_command(const Options& o) {
     }
   }
   content.motions.push_back(read_motion(o, mesh));
+  if (as_given) content.scenes.push_back(given_spheres(o, mesh, content.motions.front(), workers));
   for (const std::vector<Rule>& list : rules) {
     Progress progress(o.measure ? "updating and measuring" : "updating");
     content.scenes.push_back(follow_motion(content.motions.front(), mesh, built, file_name(o.tree), list, o.measure,
@@ -134,7 +170,7 @@ int view_command(const Options& o) {
   const std::string page = make_page(content);
   write_whole(o.output, page);
   note_written(o.output);
-  print_result(o, content, built, page.size());
+  print_result(o, content, built.report, page.size());
   return exit_done;
 }
 
@@ -145,10 +181,14 @@ void add_view(CLI::App& app, Run& run) {
   o->rules = {"exact"};
   CLI::App* command = app.add_subcommand("view", "Write a page that shows a body and its spheres in motion");
   command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("TREE", o->tree, "Its tree: .morula; or .sph and .json, which get a cover first")
+  command
+      ->add_option(
+          "TREE", o->tree,
+          "Its tree: .morula; or .sph, .json and .npz, which get a cover first; or the .npz of update, or balls (.ply)")
       ->required()
       ->type_name("");
-  command->add_option("MOTION", o->motion, "Positions: folder of meshes, glob or .npy; without it the body at rest")
+  command
+      ->add_option("MOTION", o->motion, "Positions: folder of meshes, glob, .npy or .npz; without it the body at rest")
       ->type_name("");
   command->add_option("-o,--output", o->output, "Page: one .html file that needs no network")
       ->type_name("PAGE")
@@ -173,7 +213,10 @@ void add_view(CLI::App& app, Run& run) {
       "Example:\n"
       "  morula view liver.obj liver.morula motion/ -o liver.html\n"
       "  morula view liver.obj liver.morula motion/ -o liver.html --rule exact --rule approach2");
-  command->callback([o, &run] { run = [o] { return view_command(*o); }; });
+  command->callback([o, command, &run] {
+    o->rule_given = command->count("--rule") > 0;
+    run = [o] { return view_command(*o); };
+  });
 }
 
 }  // namespace morula::cli

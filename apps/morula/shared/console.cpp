@@ -6,8 +6,11 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace morula::cli {
@@ -23,7 +26,34 @@ Written& written() {
   return all;
 }
 
+std::atomic<bool> as_json{false};
+
+std::string json_line(const nlohmann::ordered_json& json) {
+  // Names of files need not be text in UTF-8.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
+
+void write_messages_as_json(bool yes) {
+  as_json = yes;
+}
+
+void note_text(const std::string& text) {
+  say_text(as_json ? json_line({{"note", text}}) : "morula: note: " + text + "\n");
+}
+
+int complain_text(int exit_code, std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  say_text(as_json ? json_line({{"error", text}, {"exit_code", exit_code}}) : "morula: error: " + text + "\n");
+  return exit_code;
+}
+
+int say_interrupted(int exit_code, const std::string& what_is_left) {
+  const std::string text = "interrupted" + what_is_left;
+  say_text(as_json ? json_line({{"error", text}, {"exit_code", exit_code}}) : "morula: " + text + "\n");
+  return exit_code;
+}
 
 void say_text(const std::string& text) noexcept {
   std::fwrite(text.data(), 1, text.size(), stderr);

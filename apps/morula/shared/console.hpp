@@ -17,6 +17,24 @@ void say(fmt::format_string<Args...> format, Args&&... args) {
   say_text(fmt::format(format, std::forward<Args>(args)...));
 }
 
+/// Are notes and errors from now on one line of JSON each, as asked for with --json:
+/// {"note": "…"} or {"error": "…", "exit_code": 2}?
+void write_messages_as_json(bool yes);
+/// "morula: note: …", on stderr.
+void note_text(const std::string& text);
+template <class... Args>
+void note(fmt::format_string<Args...> format, Args&&... args) {
+  note_text(fmt::format(format, std::forward<Args>(args)...));
+}
+/// "morula: error: …", on stderr, in one line; returns the exit code.
+int complain_text(int exit_code, std::string text);
+template <class... Args>
+int complain(int exit_code, fmt::format_string<Args...> format, Args&&... args) {
+  return complain_text(exit_code, fmt::format(format, std::forward<Args>(args)...));
+}
+/// "morula: interrupted…", on stderr; returns the exit code.
+int say_interrupted(int exit_code, const std::string& what_is_left);
+
 /// Makes sure that the three standard streams are open: a file that is written must not become one of them. False when
 /// stdout was closed.
 bool open_standard_streams();

@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <morula/io/ball_file.hpp>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <system_error>
 
@@ -21,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> tree_extensions{".morula", ".sph", ".json"};
+const std::set<std::string> tree_extensions{".morula", ".sph", ".json", ".npz"};
+const std::set<std::string> frame_tree_extensions{".morula", ".sph", ".json"};
 
 const MeshFileKind* mesh_kind(const std::string& ending) {
   for (const MeshFileKind& kind : mesh_file_kinds()) {
@@ -42,10 +45,20 @@ std::string extension(const fs::path& path) {
 FileKind file_kind(const fs::path& path) {
   if (fs::is_directory(path)) return FileKind::folder;
   const std::string ending = extension(path);
+  if (ending == ".ply" && is_ball_file(path)) return FileKind::balls;
+  if (ending == ".npz" && fs::exists(path)) {
+    if (!holds_spheres(path)) return FileKind::motion;
+    return SphereFrames(path).is_motion() ? FileKind::sphere_frames : FileKind::tree;
+  }
   if (tree_extensions.count(ending) != 0) return FileKind::tree;
   if (ending == ".npy") return FileKind::motion;
   if (mesh_kind(ending) != nullptr) return FileKind::mesh;
   return FileKind::unknown;
+}
+
+std::string known_kinds() {
+  return fmt::format("neither a mesh ({}) nor a tree (.morula .sph .json .npz) nor balls (.ply)",
+                     readable_mesh_extensions());
 }
 
 void require_output_place(const fs::path& path) {
@@ -54,22 +67,27 @@ void require_output_place(const fs::path& path) {
   if (!folder.empty() && !fs::is_directory(folder)) {
     throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
+  // Begun and given up: only trying tells all that may be in the way.
+  const WholeFile tried(path);
 }
 
 void require_folder_place(const fs::path& path) {
   if (fs::exists(path)) {
     if (!fs::is_directory(path)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
+    const WholeFolder tried(path);
     return;
   }
   const fs::path folder = (path.has_filename() ? path : path.parent_path()).parent_path();
   if (!folder.empty() && !fs::is_directory(folder)) {
     throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
+  const WholeFolder tried(path);
 }
 
 void require_tree_output(const fs::path& path) {
   if (tree_extensions.count(extension(path)) == 0) {
-    throw UsageError(fmt::format("{}: trees are written as .morula (with their cover), .sph or .json", path.string()));
+    throw UsageError(
+        fmt::format("{}: trees are written as .morula (with their cover), .sph, .json or .npz", path.string()));
   }
   require_output_place(path);
 }
@@ -83,7 +101,7 @@ void require_mesh_output(const fs::path& path) {
 }
 
 std::vector<fs::path> trees_in(const fs::path& folder) {
-  std::vector<fs::path> trees = frame_files(folder, "*", tree_extensions);
+  std::vector<fs::path> trees = frame_files(folder, "*", frame_tree_extensions);
   if (trees.empty()) throw UsageError(fmt::format("{}: no tree files (.sph, .json, .morula) in it", folder.string()));
   for (const fs::path& tree : trees) {
     if (extension(tree) != extension(trees.front())) {

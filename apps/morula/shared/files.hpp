@@ -11,14 +11,17 @@
 
 namespace morula::cli {
 
-enum class FileKind { mesh, tree, motion, folder, unknown };
-/// By extension, folders by looking.
+enum class FileKind { mesh, tree, balls, sphere_frames, motion, folder, unknown };
+/// By extension; folders, and what is in a .ply or .npz, by looking.
 FileKind file_kind(const std::filesystem::path& path);
 /// Lower case, with the dot.
 std::string extension(const std::filesystem::path& path);
 
-/// Throws UsageError unless the extension is one of those written and the file can be made there: long work must not
-/// end in a typing mistake.
+/// "neither a mesh (.obj …) nor a tree (.morula …) nor balls": of a file that is none of those that a command takes.
+std::string known_kinds();
+
+/// Throws UsageError unless the extension is one of those written and the file can be made there, which is tried: long
+/// work must not end in a typing mistake, or in a folder that may not be written to.
 void require_tree_output(const std::filesystem::path& path);
 void require_mesh_output(const std::filesystem::path& path);
 void require_output_place(const std::filesystem::path& path);

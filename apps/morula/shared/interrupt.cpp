@@ -37,8 +37,7 @@ Current& current() {
 [[noreturn]] void end_now(int signal) {
   abandon_unfinished();
   const std::string written = written_so_far();
-  say("morula: interrupted{}\n", written.empty() ? "; nothing unfinished was left behind" : written);
-  _exit(128 + signal);
+  _exit(say_interrupted(128 + signal, written.empty() ? "; nothing unfinished was left behind" : written));
 }
 
 }  // namespace

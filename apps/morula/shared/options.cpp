@@ -79,8 +79,8 @@ void add_threads(CLI::App& command, unsigned& threads) {
 Workers make_workers(unsigned threads) {
   Workers workers(threads);
   if (workers.thread_count() < threads) {
-    say("morula: note: --threads {}: only {} to be had, here or in this build; the result is the same\n", threads,
-        workers.thread_count());
+    note("--threads {}: only {} to be had, here or in this build; the result is the same", threads,
+         workers.thread_count());
   }
   return workers;
 }
@@ -110,19 +110,11 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   return CLI::Validator(
       [least, most](std::string& text) {
         const std::optional<std::uint64_t> value = parse_number<std::uint64_t>(without_plus(text));
-        if (!value || *value < least || *value > most)
-          return fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
-        text = std::to_string(*value);
-        return std::string();
-      },
-      "");
-}
-
-CLI::Validator signed_number() {
-  return CLI::Validator(
-      [](std::string& text) {
-        const std::optional<std::int64_t> value = parse_number<std::int64_t>(without_plus(text));
-        if (!value) return fmt::format("'{}' is not a whole number", text);
+        if (!value || *value < least || *value > most) {
+          const bool open = most == std::numeric_limits<std::uint64_t>::max();
+          return open ? fmt::format("'{}' is not a whole number of {} or more", text, least)
+                      : fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
+        }
         text = std::to_string(*value);
         return std::string();
       },
@@ -130,7 +122,7 @@ CLI::Validator signed_number() {
 }
 
 void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print the result as JSON");
+  command.add_flag("--json", json, "Print the result as JSON, and notes and errors as a line of JSON each, on stderr");
 }
 
 void add_sph_origin(CLI::App& command, std::string& origin) {

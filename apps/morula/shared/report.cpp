@@ -105,13 +105,19 @@ std::string mesh_line(const std::string& name, const Mesh& mesh) {
 }
 
 Json looseness_json(const Looseness& l) {
-  return {{"looseness", optional_json(l.looseness)},
-          {"missed_volume", optional_json(l.missed_volume)},
-          {"outside_volume", l.looseness ? Json(l.outside_volume) : Json(nullptr)},
-          {"object_volume", l.looseness ? Json(l.object_volume) : Json(nullptr)},
-          {"union_volume", l.union_volume},
-          {"voxels", l.voxels},
-          {"voxel_edge", l.voxel_edge}};
+  Json json{{"looseness", optional_json(l.looseness)},
+            {"missed_volume", optional_json(l.missed_volume)},
+            {"outside_volume", l.looseness ? Json(l.outside_volume) : Json(nullptr)},
+            {"object_volume", l.looseness ? Json(l.object_volume) : Json(nullptr)},
+            {"union_volume", l.union_volume},
+            {"voxels", l.voxels},
+            {"voxel_edge", l.voxel_edge}};
+  if (l.range) {
+    json["inside"] = "winding number";
+    json["looseness_low"] = l.range->low;
+    json["looseness_high"] = l.range->high;
+  }
+  return json;
 }
 
 Json coverage_json(const Coverage& c) {

@@ -24,10 +24,15 @@ struct MeasureOptions {
   VoxelGrid grid{};
   bool with_protrusion = true;
   double protrusion_tolerance = 1e-2;  ///< share of each radius
+  bool open_by_winding = false;        ///< looseness of open meshes by LoosenessMeter::measure_open
 };
 
 /// One entry per level. tree: in mesh coordinates, at rest or of a frame whose positions the mesh has.
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options = {},
                                   Workers& workers = serial_workers());
+
+/// The same of spheres that are in no tree, as one level, 0. At least one.
+LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const MeasureOptions& options = {},
+                             Workers& workers = serial_workers());
 
 }  // namespace morula

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <morula/geometry/sphere.hpp>
 #include <span>
+#include <vector>
 
 namespace morula {
 
@@ -13,5 +14,13 @@ namespace morula {
 /// all. Throws FileError for another extension and for files that cannot be written, std::invalid_argument for balls
 /// that are not finite.
 void write_balls(const std::filesystem::path& path, std::span<const Sphere> balls);
+
+/// Balls of a PLY of any kind (ascii, little or big endian; other properties and elements are skipped): vertices with a
+/// property `radius`, without faces. Throws FileError, also for radii that are negative or not finite.
+std::vector<Sphere> read_balls(const std::filesystem::path& path);
+
+/// Does the header of this .ply promise balls rather than a mesh? False for all other files, missing and broken ones
+/// included.
+bool is_ball_file(const std::filesystem::path& path);
 
 }  // namespace morula

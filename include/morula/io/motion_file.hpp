@@ -26,9 +26,9 @@ class Motion {
  public:
   /// path: a folder of meshes or a glob such as "out/frame*.obj" (frames in name order, digits compared as numbers),
   /// one mesh file (a single frame; of glTF its animation, posed by nodes, skins and morph targets), or a NumPy .npy
-  /// array of float32 or float64, shape (frames, vertices, 3), C order. Throws FileError when nothing matches, a
-  /// numbered frame is missing in between (frame_files.hpp), or the array has another shape or type, or an option is
-  /// out of range for the animation.
+  /// array of float32 or float64, shape (frames, vertices, 3), C order, or a .npz with such an array, which is its only
+  /// one or has the name `positions`. Throws FileError when nothing matches, a numbered frame is missing in between
+  /// (frame_files.hpp), or the array has another shape or type, or an option is out of range for the animation.
   Motion(const std::filesystem::path& path, const Mesh& mesh, const MotionOptions& options = {});
 
   std::size_t frame_count() const { return frame_count_; }
@@ -44,10 +44,7 @@ class Motion {
                          std::span<const Facet> facets) const;
 
   std::vector<std::filesystem::path> files_;           // one per frame, or the one that holds all
-  std::shared_ptr<const detail::FrameSource> source_;  // of a file that holds an animation
-  bool is_npy_ = false;
-  bool npy_is_double_ = false;
-  std::size_t npy_data_offset_ = 0;
+  std::shared_ptr<const detail::FrameSource> source_;  // of a file that holds an animation or an array
   std::size_t frame_count_ = 0;
   std::size_t vertex_count_ = 0;
   std::vector<Facet> facets_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The spheres of all frames of a motion in one NumPy archive.
+// The spheres of all frames of a motion in one NumPy archive, and those of a single tree.
 #pragma once
 
 #include <memory>
@@ -40,5 +40,32 @@ class SphereFramesWriter {
   std::unique_ptr<detail::StoredZip> archive_;
   std::string chunk_;
 };
+
+/// Reads what SphereFramesWriter and write_tree wrote, or any archive of stored arrays that says the same: `spheres` of
+/// shape (frames, nodes, 4) or (nodes, 4), float32 or float64, the tree's four arrays, integers of 32 or 64 bits, and
+/// `branching` (1,), without which it is the largest number of children. Frames are read one at a time.
+class SphereFrames {
+ public:
+  /// Throws FileError for anything else, sizes that disagree, and arrays that are no tree.
+  explicit SphereFrames(const std::filesystem::path& path);
+  ~SphereFrames();
+  SphereFrames(SphereFrames&&) noexcept;
+  SphereFrames& operator=(SphereFrames&&) noexcept;
+
+  std::size_t frame_count() const;
+  std::size_t node_count() const;
+  /// `spheres` has an axis of frames, be it of one.
+  bool is_motion() const;
+  /// A valid tree, the same in all frames but for its spheres. Throws FileError for spheres that are not finite or have
+  /// a negative radius.
+  SphereTree frame(std::size_t i) const;
+
+ private:
+  struct Arrays;
+  std::unique_ptr<const Arrays> arrays_;
+};
+
+/// Is this an .npz with an array `spheres`? False for all other files, missing and broken ones included.
+bool holds_spheres(const std::filesystem::path& path);
 
 }  // namespace morula

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Sphere trees on disk: native .morula with its cover, .sph and .json with spheres alone. Formats: docs/formats.md.
+// Sphere trees on disk: native .morula with its cover, .sph, .json and .npz with spheres alone. Formats:
+// docs/formats.md.
 #pragma once
 
 #include <filesystem>
@@ -24,7 +25,9 @@ struct ReadTreeOptions {
   Vec3 sph_origin{0, 0, 0};
 };
 
-/// Reads .morula, .sph or .json by extension. Sizes, ranges, finiteness and (native) the checksum are checked.
+/// Reads .morula, .sph, .json or .npz by extension, and balls without a tree, .ply, under a tree made of them
+/// (tree_over_balls). Sizes, ranges, finiteness and (native, .npz) checksums are checked. An .npz of several frames is
+/// refused: SphereFrames reads those.
 /// In a .sph, radius ≤ 0 marks an unused slot, nodes below an unused one are ignored, and text after the last node is
 /// accepted. Throws FileError.
 TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options = {});
@@ -34,10 +37,11 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
 CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options = {},
                               Workers& workers = serial_workers());
 
-/// Writes .morula (bits round-trip), .sph (spheres in mesh coordinates; refused above ten million slots) or .json.
+/// Writes .morula (bits round-trip), .sph (spheres in mesh coordinates; refused above ten million slots), .json or
+/// .npz.
 /// Written whole or not at all.
 void write_tree(const std::filesystem::path& path, const CoveredTree& built);
-/// Spheres alone: .sph or .json.
+/// Spheres alone: .sph, .json or .npz.
 void write_tree(const std::filesystem::path& path, const SphereTree& tree);
 
 }  // namespace morula

@@ -61,6 +61,14 @@ PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const Covere
                         const std::vector<Rule>& rules, bool measured, Workers& workers = serial_workers(),
                         const std::function<void(double)>& progress = {});
 
+/// Spheres that are there already, as scene of motion 0: nothing is updated.
+///
+/// tree: what to call it. label: what stands in the place of a rule. tree_of_frame: asked for each frame in turn; trees
+/// alike but for their spheres.
+PageScene show_spheres(const PageMotion& motion, const Mesh& rest, const std::string& tree, const std::string& label,
+                       const std::function<SphereTree(std::size_t)>& tree_of_frame, bool measured,
+                       Workers& workers = serial_workers(), const std::function<void(double)>& progress = {});
+
 /// Was this library built with the page?
 bool has_page();
 /// Why it was not, in words that end a sentence; empty when it was.

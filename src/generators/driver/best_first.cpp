@@ -184,6 +184,18 @@ class BestFirst {
     return built;
   }
 
+  /// Where both limits were given: the one that ended the division.
+  std::string which_limit(std::size_t sticking_out) const {
+    const std::string length = short_number(run_.max_protrusion), most = std::to_string(run_.spheres);
+    if (sticking_out == 0)
+      return "the protrusion ended it: with " + std::to_string(leaves_) + " of at most " + most +
+             " spheres none sticks out by more than " + length;
+    if (leaves_ >= run_.spheres)
+      return "the number of spheres ended it: all " + most + " are used, and some stick out by more than " + length;
+    return "neither limit ended it: no sphere that sticks out by more than " + length +
+           " can be divided further within " + most + " spheres";
+  }
+
   void write_notes(const std::vector<std::uint32_t>& leaves) {
     std::size_t dead_ends = 0, lowest = 0, others = 0, sticking_out = 0;
     for (const std::uint32_t i : leaves) {
@@ -200,6 +212,8 @@ class BestFirst {
                               std::to_string(grown_) + " spheres, " + std::to_string(waiting_.size()) +
                               " of them undivided, on levels up to " + std::to_string(deepest_));
     }
+    if (run_.max_protrusion > 0 && run_.spheres > 0 && !out_of_time_)
+      report_.notes.push_back(which_limit(sticking_out));
     if (run_.max_protrusion > 0 && sticking_out > 0) {
       report_.complete = false;
       std::string note = std::to_string(sticking_out) + " spheres stick out by more than " +

@@ -3,8 +3,12 @@
 #include "io/array/npy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <limits>
 #include <morula/io/mesh_file.hpp>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include "io/byte_reader.hpp"
@@ -118,6 +122,67 @@ bool holds(const std::vector<std::uint64_t>& shape, std::uint64_t count) {
   return count == 1;
 }
 
+struct TypeName {
+  NpyType type;
+  std::string_view descr;
+  bool is_integer;
+};
+constexpr std::array type_names{
+    TypeName{NpyType::float32, "'<f4'", false}, TypeName{NpyType::float64, "'<f8'", false},
+    TypeName{NpyType::int32, "'<i4'", true},    TypeName{NpyType::uint32, "'<u4'", true},
+    TypeName{NpyType::int64, "'<i8'", true},    TypeName{NpyType::uint64, "'<u8'", true},
+};
+
+std::optional<NpyType> type_of(std::string_view descr, bool integers) {
+  for (const TypeName& name : type_names)
+    if (name.descr == descr && name.is_integer == integers) return name.type;
+  return std::nullopt;
+}
+
+// The order of axes that gives these sizes, as NumPy's words for it: ".transpose(0, 2, 1)". Nothing where none does, or
+// where they are in that order already. Reshaping such an array would scramble its numbers.
+std::string transposition(const std::vector<std::uint64_t>& shape, const std::vector<std::uint64_t>& sizes) {
+  if (shape.size() != sizes.size() || shape.size() < 2) return {};
+  std::vector<std::size_t> axes(shape.size());
+  std::iota(axes.begin(), axes.end(), std::size_t{0});
+  const auto fit = [&] {
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      if (sizes[i] != 0 && shape[axes[i]] != sizes[i]) return false;
+    return true;
+  };
+  if (fit()) return {};
+  // In ascending order, so that the axes in front stay where they are if that is possible.
+  while (std::next_permutation(axes.begin(), axes.end())) {
+    if (!fit()) continue;
+    if (axes.size() == 2) return ".T";
+    std::string text = ".transpose(";
+    for (std::size_t i = 0; i < axes.size(); ++i) text += (i > 0 ? ", " : "") + std::to_string(axes[i]);
+    return text + ")";
+  }
+  return {};
+}
+
+void require_shape(const std::string& file, const NpyArray& array, const NpyShape& needed) {
+  const auto but = [&](std::string_view words) {
+    return file + ": the array's shape is " + array.shape_text + ", but " + std::string(words) + " is needed";
+  };
+  const std::string problem = but(needed.words);
+  if (array.shape.size() != needed.sizes.size())
+    throw FileError(problem + "; save an array with these axes, in this order");
+  std::string line = transposition(array.shape, needed.sizes);
+  const bool last_fits = needed.sizes.back() == 0 || array.shape.back() == needed.sizes.back();
+  if (line.empty() && !last_fits) {
+    // Of another mesh as well; but the last axis shows the order.
+    std::vector<std::uint64_t> last(needed.sizes.size(), 0);
+    last.back() = needed.sizes.back();
+    line = transposition(array.shape, last);
+    if (line.empty()) throw FileError(problem + "; save an array with these axes, in this order");
+  }
+  if (!line.empty())
+    throw FileError(but(needed.known_words.empty() ? needed.words : needed.known_words) +
+                    "; the axes are in another order, so transpose it: numpy.save(FILE, array" + line + ")");
+}
+
 template <class Value>
 std::string array_bytes(std::string_view descr, std::span<const Value> values, std::span<const std::size_t> shape) {
   std::string bytes = npy_start(descr, shape);
@@ -126,9 +191,12 @@ std::string array_bytes(std::string_view descr, std::span<const Value> values, s
   return bytes;
 }
 
-}  // namespace
+struct Header {
+  Dictionary dictionary;
+  std::size_t data_offset;
+};
 
-NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
+Header read_header(const ByteSource& source) {
   const std::string file = source.name().string();
   const std::uintmax_t size = source.size();
   constexpr std::size_t longest_start =
@@ -146,23 +214,33 @@ NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
   const std::size_t begin = start.size() - in.bytes_left();
   in.skip(length, "the .npy header");
   const std::string_view text = std::string_view(start).substr(begin, length);
-  const Dictionary dictionary = DictionaryParser(file, text).parse();
+  return {DictionaryParser(file, text).parse(), begin + length};
+}
 
+}  // namespace
+
+std::size_t npy_dimensions(const ByteSource& source) {
+  return tuple(read_header(source).dictionary.shape).size();
+}
+
+NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
+  const std::string file = source.name().string();
+  const auto [dictionary, data_offset] = read_header(source);
   NpyArray array;
-  array.is_double = dictionary.descr == "'<f8'";
-  if (!array.is_double && dictionary.descr != "'<f4'")
+  const std::optional<NpyType> type = type_of(dictionary.descr, needed.integers);
+  if (!type)
     throw FileError(file + ": the array's type is " + in_quotes(dictionary.descr) +
-                    ", but '<f4' or '<f8' is needed; save array.astype('<f8')");
+                    (needed.integers ? ", but '<i4' or '<i8' is needed; save array.astype('<i4')"
+                                     : ", but '<f4' or '<f8' is needed; save array.astype('<f8')"));
+  array.type = *type;
   if (dictionary.fortran_order != "False")
     throw FileError(file + ": the array is in Fortran order; save numpy.ascontiguousarray(array)");
   array.shape = tuple(dictionary.shape);
   array.shape_text = in_quotes(dictionary.shape);
-  if (array.shape.size() != needed.dimensions || (needed.last != 0 && array.shape.back() != needed.last))
-    throw FileError(file + ": the array's shape is " + array.shape_text + ", but " + std::string(needed.words) +
-                    " is needed; reshape it");
-  array.data_offset = begin + length;
+  require_shape(file, array, needed);
+  array.data_offset = data_offset;
 
-  const std::uint64_t data = size - array.data_offset;
+  const std::uint64_t data = source.size() - array.data_offset;
   if (data % array.scalar_size() != 0 || !holds(array.shape, data / array.scalar_size()))
     throw FileError(file + ": " + std::to_string(data) + " bytes follow the header, which is not what shape " +
                     array.shape_text + " takes; the file was cut short, or holds more than one array");
@@ -176,7 +254,33 @@ std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& ar
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     const char* const at = bytes.data() + i * scalar;
-    values[i] = array.is_double ? load<double>(at) : static_cast<double>(load<float>(at));
+    values[i] = array.type == NpyType::float64 ? load<double>(at) : static_cast<double>(load<float>(at));
+  }
+  return values;
+}
+
+std::vector<std::uint32_t> read_npy_indices(const ByteSource& source, const NpyArray& array, const std::string& what,
+                                            bool minus_one_is_none) {
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  const std::string bytes = source.read(array.data_offset, source.size() - array.data_offset);
+  const std::size_t scalar = array.scalar_size();
+  std::vector<std::uint32_t> values(bytes.size() / scalar);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const char* const at = bytes.data() + i * scalar;
+    std::int64_t value = 0;
+    if (array.type == NpyType::int32) value = load<std::int32_t>(at);
+    if (array.type == NpyType::uint32) value = load<std::uint32_t>(at);
+    if (array.type == NpyType::int64) value = load<std::int64_t>(at);
+    if (array.type == NpyType::uint64)
+      value = static_cast<std::int64_t>(std::min<std::uint64_t>(load<std::uint64_t>(at), std::uint64_t{1} << 62));
+    if (value == -1 && minus_one_is_none) {
+      values[i] = none;
+    } else if (value < 0 || value >= none) {
+      throw FileError(source.name().string() + ": number " + std::to_string(i) + " of " + what + " is " +
+                      std::to_string(value) + ", which is no index");
+    } else {
+      values[i] = static_cast<std::uint32_t>(value);
+    }
   }
   return values;
 }

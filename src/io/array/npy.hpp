@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// NumPy's array files, as far as the library needs them: float32 or float64 in C order; int32 is only written.
+// NumPy's array files, as far as the library needs them: float32 or float64, or integers of 32 or 64 bits, in C order.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,43 @@
 
 namespace morula::detail {
 
+enum class NpyType { float32, float64, int32, uint32, int64, uint64 };
+
 struct NpyArray {
-  bool is_double = false;
+  NpyType type = NpyType::float64;
   std::vector<std::uint64_t> shape{};
   std::string shape_text{};  ///< as the file has it, in quotes
   std::size_t data_offset = 0;
 
-  std::size_t scalar_size() const { return is_double ? 8 : 4; }
+  std::size_t scalar_size() const {
+    return type == NpyType::float32 || type == NpyType::int32 || type == NpyType::uint32 ? 4 : 8;
+  }
 };
 
 /// What an array has to look like.
 struct NpyShape {
-  std::size_t dimensions;
-  std::uint64_t last;      ///< size of the last dimension; 0: any
-  std::string_view words;  ///< for messages: "(frames, vertices, 3)"
+  /// Of every dimension; 0: any. The last is checked; those before it are for whoever knows what to say of them, and
+  /// for telling that the axes are in another order.
+  std::vector<std::uint64_t> sizes;
+  std::string_view words;     ///< for messages: "(frames, vertices, 3)"
+  std::string known_words{};  ///< the same with the sizes that are known: "(frames, 100, 3)"; empty: as above
+  bool integers = false;      ///< else floating point
 };
 
-/// Reads the header, versions 1 to 3, and checks that the file has exactly the size it promises. Throws FileError.
+/// Reads the header, versions 1 to 3, and checks that the file has exactly the size it promises. Throws FileError; for
+/// an array that would fit with its axes in another order the message has the line that transposes it.
 NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed);
+
+/// How many axes the array has, whatever it is of. Throws FileError when there is no header to say so.
+std::size_t npy_dimensions(const ByteSource& source);
 
 /// `count` numbers, the first of them after `first` others. Throws FileError when the file has changed meanwhile.
 std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& array, std::uint64_t first,
                                     std::size_t count);
+/// All numbers of an array of integers; those that do not fit 32 bits are refused, −1 becomes `no_node` where it is
+/// allowed. `what` is for messages: "array parent".
+std::vector<std::uint32_t> read_npy_indices(const ByteSource& source, const NpyArray& array, const std::string& what,
+                                            bool minus_one_is_none);
 
 /// Everything that comes before the numbers in a file of version 1. descr: "<f8" or "<i4".
 std::string npy_start(std::string_view descr, std::span<const std::size_t> shape);

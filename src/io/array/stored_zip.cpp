@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/array/stored_zip.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
 #include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
 
 namespace morula::detail {
 namespace {
@@ -105,6 +107,127 @@ void StoredZip::commit() {
   assert(written_ + end.size() <= largest);
   file_.write(end);
   file_.commit();
+}
+
+namespace {
+
+constexpr std::uint32_t central_header = 0x02014b50, end_of_directory = 0x06054b50;
+constexpr std::uint32_t end_of_directory_64 = 0x06064b50, locator_64 = 0x07064b50;
+constexpr std::size_t end_size = 22, locator_size = 20, end_size_64 = 56, local_size = 30, central_size = 46;
+constexpr std::uint32_t elsewhere = 0xffffffffu;  // a 64-bit field has the number
+
+[[noreturn]] void fail(const ByteSource& archive, const std::string& problem) {
+  throw FileError(archive.name().string() + ": " + problem);
+}
+
+/// Where the directory is, and how many bytes of it there are.
+struct Directory {
+  std::uint64_t begin, size;
+};
+
+Directory find_directory(const ByteSource& archive) {
+  const std::uint64_t size = archive.size();
+  constexpr std::uint64_t longest_comment = 0xffff;
+  const std::string tail_text =
+      archive.read(size - std::min(size, end_size + longest_comment), std::min(size, end_size + longest_comment));
+  const std::string_view tail = tail_text;
+  if (size < end_size) fail(archive, "is not a NumPy archive: too short; write one with numpy.savez");
+  for (std::size_t at = tail.size() - end_size;; --at) {
+    const char* const end = tail.data() + at;
+    if (load<std::uint32_t>(end) == end_of_directory && load<std::uint16_t>(end + 20) == tail.size() - at - end_size) {
+      Directory found{load<std::uint32_t>(end + 16), load<std::uint32_t>(end + 12)};
+      std::uint64_t limit = size - tail.size() + at;
+      const bool wide = found.begin == elsewhere || found.size == elsewhere || load<std::uint16_t>(end + 10) == 0xffff;
+      if (wide && limit >= locator_size) {
+        const std::string locator = archive.read(limit - locator_size, locator_size);
+        const std::uint64_t place = load<std::uint64_t>(locator.data() + 8);
+        if (load<std::uint32_t>(locator.data()) == locator_64) {
+          if (place > limit || limit - place < end_size_64) fail(archive, "the end of the archive lies outside of it");
+          const std::string wide_end = archive.read(place, end_size_64);
+          if (load<std::uint32_t>(wide_end.data()) != end_of_directory_64)
+            fail(archive, "the archive's 64-bit end is not where it is said to be");
+          found = {load<std::uint64_t>(wide_end.data() + 48), load<std::uint64_t>(wide_end.data() + 40)};
+          limit = place;
+        }
+      }
+      if (found.begin > limit || found.size > limit - found.begin)
+        fail(archive, "the archive's directory reaches past its end; the file was cut short");
+      return found;
+    }
+    if (at == 0) break;
+  }
+  fail(archive, "is not a NumPy archive, or was cut short: it has no directory; write one with numpy.savez");
+}
+
+/// Sizes and offsets that do not fit 32 bits are in an extra field, in this order, those alone.
+void take_wide_numbers(std::string_view extra, std::uint64_t& size, std::uint64_t& compressed, std::uint64_t& offset) {
+  while (extra.size() >= 4) {
+    const auto kind = load<std::uint16_t>(extra.data());
+    const std::size_t length = load<std::uint16_t>(extra.data() + 2);
+    if (length > extra.size() - 4) return;
+    std::string_view field = extra.substr(4, length);
+    extra.remove_prefix(4 + length);
+    if (kind != 1) continue;
+    for (std::uint64_t* const number : {&size, &compressed, &offset}) {
+      if (*number != elsewhere || field.size() < 8) continue;
+      *number = load<std::uint64_t>(field.data());
+      field.remove_prefix(8);
+    }
+    return;
+  }
+}
+
+}  // namespace
+
+std::vector<ZipEntry> zip_entries(const ByteSource& archive) {
+  const Directory where = find_directory(archive);
+  const std::string bytes = archive.read(where.begin, where.size);
+  std::string_view directory = bytes;
+  std::vector<ZipEntry> entries;
+  while (!directory.empty()) {
+    if (directory.size() < central_size || load<std::uint32_t>(directory.data()) != central_header)
+      fail(archive, "the archive's directory is damaged at entry " + std::to_string(entries.size()));
+    const char* const at = directory.data();
+    const std::size_t name_size = load<std::uint16_t>(at + 28), extra_size = load<std::uint16_t>(at + 30),
+                      comment_size = load<std::uint16_t>(at + 32);
+    if (name_size + extra_size + comment_size > directory.size() - central_size)
+      fail(archive, "the archive's directory is cut short at entry " + std::to_string(entries.size()));
+    const std::string name(directory.substr(central_size, name_size));
+    const auto flags = load<std::uint16_t>(at + 8), method = load<std::uint16_t>(at + 10);
+    std::uint64_t compressed = load<std::uint32_t>(at + 20), size = load<std::uint32_t>(at + 24),
+                  offset = load<std::uint32_t>(at + 42);
+    take_wide_numbers(directory.substr(central_size + name_size, extra_size), size, compressed, offset);
+    if ((flags & 1) != 0) fail(archive, in_quotes(name) + " in it is encrypted");
+    if (method != 0)
+      fail(archive, in_quotes(name) + " in it is compressed; save the arrays with numpy.savez, not savez_compressed");
+    if (compressed != size) fail(archive, in_quotes(name) + " in it has two sizes");
+    // Its own header repeats the name, and may have another extra field.
+    if (offset > where.begin || where.begin - offset < local_size)
+      fail(archive, in_quotes(name) + " in it lies outside of the archive");
+    const std::string local = archive.read(offset, local_size);
+    const std::uint64_t before =
+        local_size + std::uint64_t{load<std::uint16_t>(local.data() + 26)} + load<std::uint16_t>(local.data() + 28);
+    if (load<std::uint32_t>(local.data()) != local_header || before > where.begin - offset ||
+        size > where.begin - offset - before)
+      fail(archive, in_quotes(name) + " in it reaches past the archive's directory; the file was cut short");
+    entries.push_back({name, offset + before, size, load<std::uint32_t>(at + 16)});
+    directory.remove_prefix(central_size + name_size + extra_size + comment_size);
+  }
+  return entries;
+}
+
+ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry) {
+  const std::string quoted = in_quotes(entry.name);
+  return archive.part(archive.name().string() + ": " + quoted.substr(1, quoted.size() - 2), entry.offset, entry.size);
+}
+
+void require_sound(const ByteSource& archive, const ZipEntry& entry) {
+  constexpr std::uint64_t piece = std::uint64_t{1} << 20;
+  Crc32 sum;
+  for (std::uint64_t done = 0; done < entry.size; done += piece)
+    sum.add(archive.read(entry.offset + done, std::min(piece, entry.size - done)));
+  if (sum.value() != entry.crc)
+    fail(archive, in_quotes(entry.name) + " in it is damaged: its checksum differs; write or copy the file again");
 }
 
 }  // namespace morula::detail

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Zip archives whose files are stored as they are, uncompressed: what numpy.savez writes (PKWARE APPNOTE 6.3, 4.3).
+// Zip archives whose files are stored as they are, uncompressed: what numpy.savez writes and we do (PKWARE APPNOTE 6.3,
+// 4.3).
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,9 @@
 #include <morula/io/whole_output.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "io/byte_source.hpp"
 
 namespace morula::detail {
 
@@ -48,5 +52,20 @@ class StoredZip {
   std::uint64_t offset_ = 0, size_ = 0;
   Crc32 crc_;
 };
+
+/// A file of an archive that is read.
+struct ZipEntry {
+  std::string name;
+  std::uint64_t offset;  ///< of its bytes in the archive
+  std::uint64_t size;
+  std::uint32_t crc;
+};
+/// The files of an archive, with its 64-bit sizes too, as its directory lists them; every one lies inside the archive.
+/// Throws FileError, also for files that are compressed or encrypted.
+std::vector<ZipEntry> zip_entries(const ByteSource& archive);
+/// The bytes of one of them; messages name it "ARCHIVE: NAME".
+ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry);
+/// Throws FileError unless the bytes have the sum that the directory promises. Reads them a piece at a time.
+void require_sound(const ByteSource& archive, const ZipEntry& entry);
 
 }  // namespace morula::detail

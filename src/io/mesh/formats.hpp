@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/sphere.hpp>
 #include <morula/io/motion_file.hpp>
 #include <span>
 #include <string>
@@ -37,6 +38,9 @@ using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::pat
 ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf;
 MeshBytes obj_text, off_text, ply_bytes;
 OpenFrames open_gltf_frames;
+
+/// The balls of a PLY. Throws FileError, also where it holds none.
+std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::string_view bytes);
 
 struct MeshFormat {
   std::string_view extension;  ///< lower case, with the dot

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -117,8 +118,12 @@ std::uint64_t list_length(Rows& rows, const PlyProperty& property) {
   return static_cast<std::uint64_t>(length);
 }
 
+// Of balls; meshes have no use for them.
+constexpr std::string_view radius_name = "radius";
+
+// radii: of balls; null for a mesh.
 template <class Rows>
-void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh) {
+void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh, std::vector<double>* radii) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
     rows.begin_row(row, element);
     Vec3 position;
@@ -127,6 +132,8 @@ void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh) {
         rows.skip(property.type, list_length(rows, property));
       else if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
         position[property.name[0] - 'x'] = rows.value(property.type, "a coordinate");
+      else if (radii != nullptr && property.name == radius_name)
+        radii->push_back(rows.value(property.type, "a radius"));
       else
         rows.skip(property.type, 1);
     }
@@ -165,14 +172,14 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
 }
 
 template <class Rows>
-Mesh read_elements(Rows rows, const PlyHeader& header) {
+Mesh read_elements(Rows rows, const PlyHeader& header, std::vector<double>* radii = nullptr) {
   Mesh mesh;
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty()) continue;  // its rows take no space
     const std::uint64_t at_most = rows.bytes_left() / shortest_row(element, header.is_text) + 1;
     if (element.name == "vertex") {
       mesh.positions.reserve(std::min(element.count, at_most));
-      read_vertices(rows, element, mesh);
+      read_vertices(rows, element, mesh, radii);
     } else if (element.name == "face") {
       mesh.facets.reserve(std::min(element.count, at_most));
       read_faces(rows, element, header.vertex_count, mesh);
@@ -197,6 +204,39 @@ Mesh read_ply(const std::filesystem::path& path, std::string_view bytes) {
   if (header.is_text) return read_elements(TextRows(in), header);
   const std::string_view data = in.after_line();
   return read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header);
+}
+
+bool holds_balls(const PlyHeader& header) {
+  bool has_radius = false;
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "face" && element.count > 0) return false;
+    if (element.name != "vertex") continue;
+    const auto is_radius = [](const PlyProperty& p) { return p.name == radius_name && !p.is_list; };
+    has_radius = std::count_if(element.properties.begin(), element.properties.end(), is_radius) == 1;
+  }
+  return has_radius;
+}
+
+std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::string_view bytes) {
+  TextScanner in(path, bytes);
+  const PlyHeader header = read_ply_header(in);
+  if (!holds_balls(header))
+    throw FileError(path.string() + ": holds no balls: these are vertices with a property 'radius', without faces");
+  std::vector<double> radii;
+  Mesh centers;
+  if (header.is_text) {
+    centers = read_elements(TextRows(in), header, &radii);
+  } else {
+    const std::string_view data = in.after_line();
+    centers =
+        read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header, &radii);
+  }
+  std::vector<Sphere> balls(centers.positions.size());
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    balls[i] = {centers.positions[i], radii[i]};
+    if (!(radii[i] >= 0)) throw FileError(path.string() + ": ball " + std::to_string(i) + " has a negative radius");
+  }
+  return balls;
 }
 
 std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> facets) {

@@ -48,4 +48,7 @@ struct PlyHeader {
 /// element, which has one integer list of vertices; all lists have integer lengths.
 PlyHeader read_ply_header(TextScanner& in);
 
+/// Vertices have one scalar property `radius`, and there are no faces.
+bool holds_balls(const PlyHeader& header);
+
 }  // namespace morula::detail

@@ -17,6 +17,9 @@ NpyArray motion_array(const ByteSource& source, std::size_t vertex_count);
 std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
                                std::size_t frame);
 
+/// The array of a .npz that is a motion: its only one, or the one called `positions`. Throws FileError.
+ByteSource motion_in_archive(const ByteSource& archive);
+
 /// As read_modes and read_coordinates.
 Modes modes_of(const ByteSource& source, const Mesh& mesh);
 ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count);

@@ -7,6 +7,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "io/whole_file.hpp"
 
@@ -123,6 +124,8 @@ std::vector<fs::path> frame_files(const fs::path& folder, std::string_view patte
         entries->is_regular_file(ignored))
       files.push_back(file);
   }
+  if (error == std::errc::no_such_file_or_directory)
+    throw FileError(folder.string() + ": there is no such folder; check the name, or where you are");
   if (error) throw FileError(folder.string() + ": the folder cannot be read (" + error.message() + ")");
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());

@@ -43,7 +43,7 @@ void write_coordinates(const std::filesystem::path& path, const ModalCoordinates
 }
 
 Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
-  const NpyArray array = read_npy_header(source, {3, 3, "(modes, vertices, 3)"});
+  const NpyArray array = read_npy_header(source, {{0, mesh.vertex_count(), 3}, "(modes, vertices, 3)"});
   if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
     fail_shape(
         source, array,
@@ -64,9 +64,11 @@ Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
 }
 
 ModalCoordinates detail::coordinates_of(const ByteSource& source, std::size_t mode_count) {
-  const NpyArray array = read_npy_header(source, {2, 0, "(frames, modes)"});
-  if (array.shape[0] == 0 || array.shape[1] != mode_count)
-    fail_shape(source, array, "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,");
+  const NpyShape needed{{0, mode_count},
+                        "(frames, modes)",
+                        "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,"};
+  const NpyArray array = read_npy_header(source, needed);
+  if (array.shape[0] == 0 || array.shape[1] != mode_count) fail_shape(source, array, needed.known_words);
   ModalCoordinates result{mode_count, read_npy_values(source, array, 0, array.shape[0] * mode_count)};
   for (std::size_t i = 0; i < result.coordinates.size(); ++i)
     if (!std::isfinite(result.coordinates[i]))

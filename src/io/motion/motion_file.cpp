@@ -8,6 +8,7 @@
 #include <morula/io/motion_file.hpp>
 #include <set>
 
+#include "io/array/stored_zip.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/motion/array_motion.hpp"
@@ -18,6 +19,26 @@ using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The frames of an array, read one at a time.
+class ArrayFrames final : public FrameSource {
+ public:
+  ArrayFrames(ByteSource source, const Mesh& mesh)
+      : source_(std::move(source)),
+        array_(motion_array(source_, mesh.vertex_count())),
+        facets_(mesh.facets),
+        vertex_count_(mesh.vertex_count()) {}
+  std::size_t frame_count() const override { return array_.shape[0]; }
+  std::vector<Vec3> frame(std::size_t i) const override { return motion_frame(source_, array_, vertex_count_, i); }
+  const std::vector<Facet>& facets() const override { return facets_; }
+  std::size_t vertex_count() const override { return vertex_count_; }
+
+ private:
+  ByteSource source_;
+  NpyArray array_;
+  std::vector<Facet> facets_;
+  std::size_t vertex_count_;
+};
 
 std::set<std::string> mesh_extensions() {
   std::set<std::string> extensions;
@@ -61,28 +82,26 @@ Motion::Motion(const fs::path& path, const Mesh& mesh, const MotionOptions& opti
   } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != std::string::npos) {
     files_ = frames_in(path.parent_path(), name, path);
   } else {
-    is_npy_ = lower_extension(path) == ".npy";
-    const MeshFormat* const format = mesh_format(lower_extension(path));
-    if (!is_npy_ && format == nullptr)
+    const std::string extension = lower_extension(path);
+    const MeshFormat* const format = mesh_format(extension);
+    const bool is_array = extension == ".npy" || extension == ".npz";
+    if (!is_array && format == nullptr) {
+      if (!fs::exists(path, ignored))
+        throw FileError(path.string() + ": there is no such folder, and no file of this name; check the name, or " +
+                        "where you are");
       throw FileError(path.string() +
                       ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
-                      "ending in .npy " + readable_mesh_extensions());
+                      "ending in .npy .npz " + readable_mesh_extensions());
+    }
     size_of_file(path);
     files_ = {path};
-    if (format != nullptr && format->open_frames != nullptr) source_ = format->open_frames(path, options);
+    if (is_array)
+      source_ = std::make_shared<ArrayFrames>(extension == ".npz" ? motion_in_archive(path) : ByteSource(path), mesh);
+    else if (format->open_frames != nullptr)
+      source_ = format->open_frames(path, options);
+    if (source_ && !is_array) require_frames_of(path, source_->vertex_count(), source_->facets());
   }
-  frame_count_ = files_.size();
-  if (source_) {
-    require_frames_of(path, source_->vertex_count(), source_->facets());
-    frame_count_ = source_->frame_count();
-    return;
-  }
-  if (!is_npy_) return;
-
-  const NpyArray array = motion_array(path, vertex_count_);
-  npy_is_double_ = array.is_double;
-  npy_data_offset_ = array.data_offset;
-  frame_count_ = array.shape[0];
+  frame_count_ = source_ ? source_->frame_count() : files_.size();
 }
 
 void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, std::span<const Facet> facets) const {
@@ -103,17 +122,32 @@ void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, s
 std::vector<Vec3> Motion::frame(std::size_t i) const {
   assert(i < frame_count_);
   if (source_) return source_->frame(i);
-  if (!is_npy_) {
-    Mesh mesh = read_mesh(files_[i]);
-    require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
-    return std::move(mesh.positions);
-  }
+  Mesh mesh = read_mesh(files_[i]);
+  require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
+  return std::move(mesh.positions);
+}
 
-  return motion_frame(files_[0], {.is_double = npy_is_double_, .data_offset = npy_data_offset_}, vertex_count_, i);
+ByteSource detail::motion_in_archive(const ByteSource& archive) {
+  std::vector<ZipEntry> arrays;
+  std::string names;
+  for (ZipEntry& entry : zip_entries(archive)) {
+    if (lower_extension(entry.name) != ".npy") continue;
+    const std::string name = entry.name.substr(0, entry.name.size() - 4);
+    if (name == "positions") return zip_part(archive, entry);
+    names += (names.empty() ? "" : ", ") + in_quotes(name);
+    arrays.push_back(std::move(entry));
+  }
+  if (arrays.size() == 1) return zip_part(archive, arrays.front());
+  const std::string file = archive.name().string();
+  if (arrays.empty()) throw FileError(file + ": holds no arrays; write one with numpy.savez(FILE, positions=array)");
+  for (const ZipEntry& entry : arrays)
+    if (entry.name == "spheres.npy")
+      throw FileError(file + ": holds spheres, not positions of vertices; it stands where a tree is asked for");
+  throw FileError(file + ": holds the arrays " + names + ", and none is called 'positions'; save it under this name");
 }
 
 NpyArray detail::motion_array(const ByteSource& source, std::size_t vertex_count) {
-  NpyArray array = read_npy_header(source, {3, 3, "(frames, vertices, 3)"});
+  NpyArray array = read_npy_header(source, {{0, vertex_count, 3}, "(frames, vertices, 3)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
   if (array.shape[1] != vertex_count)
@@ -138,7 +172,7 @@ std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray&
 
 std::string Motion::frame_name(std::size_t i) const {
   assert(i < frame_count_);
-  if (is_npy_ || source_) return files_[0].filename().string() + " frame " + std::to_string(i);
+  if (source_) return files_[0].filename().string() + " frame " + std::to_string(i);
   return files_[i].filename().string();
 }
 

@@ -78,7 +78,7 @@ void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
 }
 
 Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
-  const NpyArray array = read_npy_header(source, {2, 0, "(vertices, bones)"});
+  const NpyArray array = read_npy_header(source, {{mesh.vertex_count(), 0}, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];
   if (array.shape[0] != mesh.vertex_count() || bone_count == 0 || bone_count > 0xffffff)
@@ -108,7 +108,7 @@ Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
 }
 
 BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_count) {
-  const NpyArray array = read_npy_header(source, {4, 4, "(frames, bones, 3, 4)"});
+  const NpyArray array = read_npy_header(source, {{0, bone_count, 3, 4}, "(frames, bones, 3, 4)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)
     throw FileError(name + ": the array's shape is " + array.shape_text + ", but (frames, " +

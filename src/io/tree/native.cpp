@@ -3,13 +3,13 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "geometry/hash.hpp"
 #include "io/array/array_table.hpp"
 #include "io/byte_reader.hpp"
 #include "io/json_checks.hpp"
 #include "io/tree/formats.hpp"
+#include "io/tree/sphere_archive.hpp"
 
 namespace morula::detail {
 namespace {
@@ -119,29 +119,10 @@ SphereTree read_nodes(const std::filesystem::path& path, const JsonFile& file, c
   const std::vector<std::uint32_t> level_begin = arrays.indices("level_begin", 1);
   const std::size_t nodes = numbers.size() / 4;
   if (child_count.size() != nodes) file.fail("spheres and child_count differ in length");
-  if (level_begin.size() < 2 || level_begin.size() > max_depth + 2 || level_begin.front() != 0 || level_begin[1] != 1 ||
-      level_begin.back() != nodes)
-    file.fail("level_begin does not lead from a single root to the last node in at most " +
-              std::to_string(max_depth + 1) + " levels");
   std::vector<Sphere> spheres(nodes);
   for (std::size_t i = 0; i < nodes; ++i)
     spheres[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, numbers[4 * i + 3]};
-
-  SphereTree tree;
-  tree.branching = branching;
-  std::span<const std::uint32_t> parents;  // child counts of the level above
-  for (std::size_t level = 0; level + 1 < level_begin.size(); ++level) {
-    const std::uint32_t begin = level_begin[level], end = level_begin[level + 1];
-    if (begin >= end || end > nodes) file.fail("level " + std::to_string(level) + " is empty or out of order");
-    if (level > 0 && std::accumulate(parents.begin(), parents.end(), std::uint64_t{0}) != end - begin)
-      file.fail("the child counts above level " + std::to_string(level) + " do not add up to its nodes");
-    tree.append_level(parents, std::span(spheres).subspan(begin, end - begin));
-    parents = std::span(child_count).subspan(begin, end - begin);
-  }
-  for (const std::uint32_t count : parents)
-    if (count != 0) file.fail("a node of the last level has children");
-  require_valid(path, tree);
-  return tree;
+  return tree_of_counts(path, spheres, child_count, level_begin, branching);
 }
 
 Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const nlohmann::json& mesh) {

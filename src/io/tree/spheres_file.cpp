@@ -7,7 +7,10 @@
 #include "io/array/npy.hpp"
 #include "io/array/stored_zip.hpp"
 #include "io/byte_reader.hpp"
+#include "io/tree/formats.hpp"
+#include "io/tree/sphere_archive.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
@@ -64,11 +67,75 @@ void SphereFramesWriter::finish() {
     throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the file is incomplete");
   archive_->end();
-  archive_->add("level_begin.npy", index_array(tree_.level_begin));
-  archive_->add("parent.npy", index_array(tree_.parent));
-  archive_->add("first_child.npy", index_array(tree_.first_child));
-  archive_->add("child_count.npy", index_array(tree_.child_count));
+  add_structure(*archive_, tree_);
   archive_->commit();
+}
+
+namespace detail {
+
+void add_structure(StoredZip& archive, const SphereTree& tree) {
+  archive.add("level_begin.npy", index_array(tree.level_begin));
+  archive.add("parent.npy", index_array(tree.parent));
+  archive.add("first_child.npy", index_array(tree.first_child));
+  archive.add("child_count.npy", index_array(tree.child_count));
+}
+
+void write_tree_archive(const std::filesystem::path& path, const SphereTree& tree) {
+  const std::uint64_t nodes = tree.node_count();
+  if (nodes > (StoredZip::largest - (1u << 16)) / 72)
+    throw FileError(path.string() + ": " + std::to_string(nodes) +
+                    " spheres do not fit the 4 GiB of an archive; write a .morula");
+  std::vector<double> numbers;
+  numbers.reserve(4 * tree.node_count());
+  for (const Sphere& s : tree.spheres) numbers.insert(numbers.end(), {s.center.x, s.center.y, s.center.z, s.radius});
+  StoredZip archive(path);
+  archive.add("spheres.npy", npy_bytes(numbers, std::array<std::size_t, 2>{tree.node_count(), 4}));
+  add_structure(archive, tree);
+  archive.add("branching.npy", index_array(std::array{tree.branching}));
+  archive.commit();
+}
+
+}  // namespace detail
+
+struct SphereFrames::Arrays {
+  SphereArchive archive;
+};
+
+SphereFrames::~SphereFrames() = default;
+SphereFrames::SphereFrames(SphereFrames&&) noexcept = default;
+SphereFrames& SphereFrames::operator=(SphereFrames&&) noexcept = default;
+
+SphereFrames::SphereFrames(const std::filesystem::path& path) {
+  const StandardFloats standard;
+  if (lower_extension(path) != ".npz") throw FileError(path.string() + ": spheres of frames are read from .npz");
+  arrays_ = std::make_unique<const Arrays>(Arrays{SphereArchive(path)});
+}
+
+std::size_t SphereFrames::frame_count() const {
+  return arrays_->archive.frame_count();
+}
+std::size_t SphereFrames::node_count() const {
+  return arrays_->archive.node_count();
+}
+bool SphereFrames::is_motion() const {
+  return arrays_->archive.is_motion();
+}
+SphereTree SphereFrames::frame(std::size_t i) const {
+  const StandardFloats standard;
+  if (i >= frame_count())
+    throw std::invalid_argument("frame " + std::to_string(i) + " of " + std::to_string(frame_count()));
+  return arrays_->archive.frame(i);
+}
+
+bool holds_spheres(const std::filesystem::path& path) {
+  if (lower_extension(path) != ".npz") return false;
+  try {
+    for (const ZipEntry& entry : zip_entries(path))
+      if (entry.name == "spheres.npy") return true;
+  } catch (const FileError&) {
+    return false;
+  }
+  return false;
 }
 
 }  // namespace morula

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/geometry/scale.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/tree/ball_tree.hpp>
 #include <stdexcept>
 
+#include "io/mesh/formats.hpp"
 #include "io/tree/formats.hpp"
+#include "io/tree/sphere_archive.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -12,11 +15,24 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr const char* known_extensions = ".morula .sph .json";
+constexpr const char* known_extensions = ".morula .sph .json .npz";
 
 [[noreturn]] void fail_unknown(const std::filesystem::path& path, const std::string& extension) {
   throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                   " says no known tree format; use one of " + known_extensions);
+}
+
+bool is_tree_extension(std::string_view extension) {
+  return extension == ".morula" || extension == ".sph" || extension == ".json" || extension == ".npz";
+}
+
+SphereTree tree_of_ply(const std::filesystem::path& path, std::string_view bytes) {
+  const std::vector<Sphere> balls = read_ply_balls(path, bytes);
+  try {
+    return tree_over_balls(balls);
+  } catch (const std::invalid_argument& problem) {
+    throw FileError(path.string() + ": " + problem.what());
+  }
 }
 
 void require_writable(const SphereTree& tree) {
@@ -37,7 +53,9 @@ void detail::require_valid(const std::filesystem::path& path, const SphereTree& 
 TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options) {
   const StandardFloats standard;
   const std::string extension = lower_extension(path);
-  if (extension != ".morula" && extension != ".sph" && extension != ".json") fail_unknown(path, extension);
+  if (extension.empty() && !std::filesystem::exists(path))
+    throw FileError(path.string() + ": there is no such file or folder; check the name, or where you are");
+  if (!is_tree_extension(extension) && extension != ".ply") fail_unknown(path, extension);
   if (!is_finite(options.sph_origin)) throw std::invalid_argument("sph_origin has a coordinate that is not finite");
   return tree_of_bytes(path, read_whole(path), options);
 }
@@ -47,7 +65,10 @@ TreeFile detail::tree_of_bytes(const std::filesystem::path& path, std::string_vi
   const std::string extension = lower_extension(path);
   if (extension == ".morula") return read_native(path, bytes);
   TreeFile file;
-  file.tree = extension == ".sph" ? read_sph(path, bytes, options.sph_origin) : read_json_tree(path, bytes);
+  file.tree = extension == ".sph"   ? read_sph(path, bytes, options.sph_origin)
+              : extension == ".npz" ? read_npz_tree(ByteSource(path, bytes))
+              : extension == ".ply" ? tree_of_ply(path, bytes)
+                                    : read_json_tree(path, bytes);
   return file;
 }
 
@@ -95,8 +116,9 @@ void write_tree(const std::filesystem::path& path, const SphereTree& tree) {
     throw FileError(path.string() +
                     ": a .morula file holds a tree with its cover, but there are spheres alone; make a cover for a " +
                     "mesh first, or write .sph or .json");
-  if (extension != ".sph" && extension != ".json") fail_unknown(path, extension);
+  if (!is_tree_extension(extension)) fail_unknown(path, extension);
   require_writable(tree);
+  if (extension == ".npz") return write_tree_archive(path, tree);
   write_whole(path, extension == ".sph" ? sph_text(path, tree) : json_tree_text(tree));
 }
 

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Notices of what others wrote and is compiled in.
+#pragma once
+
+#include <string>
+
+namespace morula::cli {
+
+/// Morula's own licence in a line, then the notices of all libraries that this program was built with, one after the
+/// other: what --licenses prints.
+std::string license_texts();
+
+}  // namespace morula::cli
