@@ -241,10 +241,10 @@ std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const S
                     {"contacts/frame", static_cast<double>(contacts) / static_cast<double>(frames)}};
   constexpr double mib = 1 << 20;
   if (heap_before && heap_after) {
-    const double growth = (static_cast<double>(*heap_after) - static_cast<double>(*heap_before)) / mib;
-    result.figures.push_back({"heap grew by MiB", growth});
+    const double gained = (static_cast<double>(*heap_after) - static_cast<double>(*heap_before)) / mib;
+    result.figures.push_back({"heap grew by MiB", gained});
     // What is kept per frame in this report, and vectors of contacts that reach a new largest size.
-    result.expect(growth < 1, "the heap grows");
+    result.expect(gained < 1, "the heap grows");
   }
   if (memory_before) {
     const double before = static_cast<double>(*memory_before) / mib;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A soft body of Bullet's falls on another one: with Bullet's own collisions, and with Morula's contacts and two
 // responses, by penalty forces and by positions (PBD). All runs are watched by exact tests. docs/collide_recipes.md
-// shows this text.
+// explains them.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

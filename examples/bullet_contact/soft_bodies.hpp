@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bullet's world and soft bodies, each with the Morula body that follows its nodes. docs/collide_recipes.md shows this
-// text.
+// Bullet's world and soft bodies, each with the Morula body that follows its nodes.
 #pragma once
 
 #include <BulletSoftBody/btSoftBody.h>

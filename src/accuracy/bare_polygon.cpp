@@ -6,7 +6,7 @@
 #include <cmath>
 #include <morula/geometry/trigonometry.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 double cross(const Vec2& a, const Vec2& b) {
@@ -75,4 +75,4 @@ double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygo
   return area_outside_disc(scratch, squared > 0 ? std::sqrt(squared) : 0.0);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 struct Vec2 {
   double x, y;
@@ -31,4 +31,4 @@ struct FacetPlane {
 double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygon, const Sphere& sphere,
                            std::vector<Vec2>& scratch);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr auto lower_bound_first = [](const auto& a, const auto& b) { return a.upper < b.upper; };
@@ -84,4 +84,4 @@ double LargestGap::upper() const {
   return std::max(best_, waiting);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <morula/query/power_diagram.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Collects convex pieces of the surface and finds the largest gap(x) = min_i |x − c_i| − r_i on them.
 ///
@@ -49,4 +49,4 @@ class LargestGap {
   std::vector<Piece> pieces_;  // heap, highest bound first
 };
 
-}  // namespace morula
+}  // namespace morula::detail

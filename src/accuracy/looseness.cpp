@@ -14,6 +14,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 Box box_of(std::span<const Sphere> spheres) {
@@ -93,11 +94,10 @@ Looseness LoosenessMeter::measure_open(const PositionView& positions, std::span<
   const VoxelLattice lattice = voxel_lattice(grid, box_of(spheres), object);
   std::vector<Vec3> closed_positions;
   std::vector<Facet> closed_facets;
-  detail::BorderCaps(mesh).close(mesh, closed_positions, closed_facets);
+  BorderCaps(mesh).close(mesh, closed_positions, closed_facets);
   const MeshView closed(closed_positions, closed_facets);
   const double sign = signed_volume(closed) < 0 ? -1 : 1;
-  const detail::OpenVoxelCounts counts =
-      detail::count_open_voxels(lattice, closed, facets_.size(), sign, spheres, workers);
+  const OpenVoxelCounts counts = count_open_voxels(lattice, closed, facets_.size(), sign, spheres, workers);
 
   Looseness result;
   result.voxel_edge = lattice.edge;

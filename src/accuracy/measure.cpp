@@ -7,6 +7,8 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
+
 namespace {
 
 /// What all levels share.

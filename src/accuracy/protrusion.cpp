@@ -12,6 +12,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 void require_usable_tolerance(double tolerance) {

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument, naming the first offender, unless all centres and radii are finite and of usable scale
 /// and no radius is negative.
@@ -31,4 +31,4 @@ inline void require_some_usable(std::span<const Sphere> spheres, const char* mea
   require_usable(spheres, measure);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 
 #include "geometry/scan_triangle.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Rows (lattice lines of equal y) that a thing meets: [begin, end), clamped to the lattice.
@@ -202,8 +202,8 @@ class StripCounter {
     return counts;
   }
 
-  detail::OpenVoxelCounts count_open(const CapField& caps) {
-    detail::OpenVoxelCounts counts;
+  OpenVoxelCounts count_open(const CapField& caps) {
+    OpenVoxelCounts counts;
     for (const std::uint64_t w : bits_) counts.in_union += static_cast<std::size_t>(std::popcount(w));
     sort_crossings();
     std::size_t next = 0;
@@ -229,8 +229,7 @@ class StripCounter {
   }
 
  private:
-  void add_far(detail::OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin,
-               int end) {
+  void add_far(OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin, int end) {
     if (begin >= end || !caps.is_inside_far_away(winding)) return;
     const std::size_t both = count_union(x, y, begin, end);
     for (std::size_t t = 0; t < counts.inside.size(); ++t) {
@@ -238,14 +237,13 @@ class StripCounter {
       counts.in_both[t] += both;
     }
   }
-  void add_near(detail::OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin,
-                int end) {
+  void add_near(OpenVoxelCounts& counts, const CapField& caps, std::int32_t winding, int x, int y, int begin, int end) {
     for (int z = begin; z < end; ++z) {
       const double turns = caps.winding(winding, x, y, z);
-      if (turns <= detail::inside_thresholds.front()) continue;
+      if (turns <= inside_thresholds.front()) continue;
       const std::size_t both = count_union(x, y, z, z + 1);
       for (std::size_t t = 0; t < counts.inside.size(); ++t) {
-        if (turns <= detail::inside_thresholds[t]) break;
+        if (turns <= inside_thresholds[t]) break;
         ++counts.inside[t];
         counts.in_both[t] += both;
       }
@@ -357,8 +355,6 @@ VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Insi
   return counts;
 }
 
-namespace detail {
-
 OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& closed, std::size_t first_cap,
                                   double sign, std::span<const Sphere> spheres, Workers& workers) {
   std::vector<Vec3> vertices(closed.vertex_count());
@@ -376,6 +372,4 @@ OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& c
   return counts;
 }
 
-}  // namespace detail
-
-}  // namespace morula
+}  // namespace morula::detail

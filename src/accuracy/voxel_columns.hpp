@@ -11,7 +11,7 @@
 
 #include "accuracy/voxel_lattice.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// How the crossings of a column with the facets are read.
 enum class Inside { unknown, nonzero_winding, odd_crossings };
@@ -29,8 +29,6 @@ struct VoxelCounts {
 VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
                          std::span<const Sphere> spheres, Workers& workers);
 
-namespace detail {
-
 /// Winding numbers above which a voxel counts as inside: the figure's, and those between which it is uncertain.
 inline constexpr std::array<double, 3> inside_thresholds{0.25, 0.5, 0.75};
 
@@ -45,6 +43,4 @@ struct OpenVoxelCounts {
 OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& closed, std::size_t first_cap,
                                   double sign, std::span<const Sphere> spheres, Workers& workers);
 
-}  // namespace detail
-
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // A box side that is a whole number of edges but for rounding must not get a layer of its own.
@@ -51,4 +51,4 @@ VoxelLattice voxel_lattice(const VoxelGrid& grid, const Box& spheres, const Box&
   return lattice;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

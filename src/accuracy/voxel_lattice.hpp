@@ -7,7 +7,7 @@
 #include <morula/accuracy/looseness.hpp>
 #include <morula/geometry/box.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// A finite piece of a cubic lattice: voxel (i, j, k) has its centre at lattice coordinates (i, j, k),
 /// 0 ≤ i < count[0] and so on.
@@ -31,4 +31,4 @@ inline constexpr int most_voxels_along_a_side = 8192;
 /// `level` takes a longer edge and `fixed` throws std::invalid_argument, as it does for a bad grid.
 VoxelLattice voxel_lattice(const VoxelGrid& grid, const Box& spheres, const Box& mesh);
 
-}  // namespace morula
+}  // namespace morula::detail

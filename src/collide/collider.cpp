@@ -8,6 +8,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.pose()) {}
 

@@ -13,6 +13,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 struct ContactQuery::State {
   CollideOptions options;

@@ -6,6 +6,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options) {
   const StandardFloats standard;

@@ -13,6 +13,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // A half line from a point along an axis, there or back.

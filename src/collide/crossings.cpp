@@ -14,6 +14,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 /// Some boxes of a node, copied next to each other.

@@ -15,24 +15,25 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t no_facet = 0xffffffffu;
 
-struct NodePair {
+struct WaitingPair {
   double bound;  // gap_below of the spheres, negative where they overlap
   std::uint32_t a, b;
 };
 // For a heap with the nearest on top; ties by index.
-bool comes_later(const NodePair& x, const NodePair& y) {
+bool comes_later(const WaitingPair& x, const WaitingPair& y) {
   if (x.bound != y.bound) return x.bound > y.bound;
   return x.a != y.a ? x.a > y.a : x.b > y.b;
 }
 
 // Memory that outlives queries.
 struct Scratch {
-  std::vector<NodePair> waiting;
+  std::vector<WaitingPair> waiting;
   WorldFacets facets_a, facets_b;
   std::vector<std::uint32_t> near_a, near_b;
   std::array<std::uint64_t, 512> recent;  // pairs of facets
@@ -73,7 +74,7 @@ class Search {
     while (!waiting_.empty() && !is_done()) {
       if (!has_budget()) break;
       std::pop_heap(waiting_.begin(), waiting_.end(), comes_later);
-      const NodePair pair = waiting_.back();
+      const WaitingPair pair = waiting_.back();
       waiting_.pop_back();
       expand(pair);
     }
@@ -132,7 +133,7 @@ class Search {
     return !tree_a_.is_leaf(node_a) && (tree_b_.is_leaf(node_b) || sphere_a.radius >= sphere_b.radius);
   }
 
-  void expand(const NodePair& pair) {
+  void expand(const WaitingPair& pair) {
     if (tree_a_.is_leaf(pair.a) && tree_b_.is_leaf(pair.b)) return look_at_facets(pair);
     const Sphere sphere_a = spheres_a_(pair.a), sphere_b = spheres_b_(pair.b);
     if (splits_a(pair.a, sphere_a, pair.b, sphere_b)) {
@@ -147,7 +148,7 @@ class Search {
   }
 
   // All pairs of facets that may be as near as the best so far.
-  void look_at_facets(const NodePair& pair) {
+  void look_at_facets(const WaitingPair& pair) {
     // Sound for any direction: that it is not the newest any more after the first find does no harm.
     const Slab slab = slab_;
     const double reach_a = facets_a_.reach(pair.a, version_, [&](const Triangle& t) { return slab.end(t, 1); });
@@ -267,7 +268,7 @@ class Search {
   const SphereTree& tree_b_;
   PlacedSpheres spheres_a_, spheres_b_;
   const DistanceOptions& options_;
-  std::vector<NodePair>& waiting_;
+  std::vector<WaitingPair>& waiting_;
   WorldFacets& facets_a_;
   WorldFacets& facets_b_;
   std::vector<std::uint32_t>& near_a_;

@@ -8,6 +8,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 bool any_leaves(const TreePair& trees, std::uint32_t a, std::uint32_t b, std::uint32_t depth) {

@@ -7,8 +7,9 @@
 #include <string>
 
 namespace morula {
+using namespace detail;
 
-Status status_of(const Collider& collider, std::uint8_t body, Needs needs) {
+Status detail::status_of(const Collider& collider, std::uint8_t body, Needs needs) {
   using Code = Status::Code;
   if (!collider.pose().current) return {Code::body_not_current, body};
   if (needs.all_spheres && !collider.pose().complete) return {Code::body_not_complete, body};
@@ -23,20 +24,20 @@ Status askable(const Collider& collider, std::uint8_t body) {
   return {};
 }
 
-Status status_of_pair(const Collider& a, const Collider& b, Needs needs) {
+Status detail::status_of_pair(const Collider& a, const Collider& b, Needs needs) {
   if (const Status status = status_of(a, 0, needs); !status) return status;
   return status_of(b, 1, needs);
 }
 
-void require_good(const Status& status) {
+void detail::require_good(const Status& status) {
   if (!status) throw std::invalid_argument(message(status));
 }
 
-void require_bodies(const Collider& a, const Collider& b, Needs needs) {
+void detail::require_bodies(const Collider& a, const Collider& b, Needs needs) {
   require_good(status_of_pair(a, b, needs));
 }
 
-void require_usable(const CollideOptions& options) {
+void detail::require_usable(const CollideOptions& options) {
   if (!(std::isfinite(options.margin) && options.margin >= 0))
     throw std::invalid_argument("margin is " + std::to_string(options.margin) + ": it must be finite and not negative");
   if (options.budget.tests() < 0)
@@ -44,7 +45,7 @@ void require_usable(const CollideOptions& options) {
                                 (options.budget.is_time() ? " ns" : " pair tests"));
 }
 
-bool has_level(const Collider& a, const Collider& b, const std::optional<std::uint32_t>& level) {
+bool detail::has_level(const Collider& a, const Collider& b, const std::optional<std::uint32_t>& level) {
   return !level || *level < std::max(a.tree().level_count(), b.tree().level_count());
 }
 

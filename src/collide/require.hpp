@@ -6,7 +6,7 @@
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contacts.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// What a query needs of a body, besides an update that was not refused.
 struct Needs {
@@ -26,4 +26,4 @@ void require_usable(const CollideOptions& options);
 /// Has one of both trees such a level?
 bool has_level(const Collider& a, const Collider& b, const std::optional<std::uint32_t>& level);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr double most_turning_degrees = 36000;  // sin_cos is exact enough up to 1000 radians; this is 628
@@ -59,17 +60,17 @@ struct Describe {
 
 }  // namespace
 
-void require_in_range(const Deformation& deformation) {
+void detail::require_in_range(const Deformation& deformation) {
   std::visit(RequireInRange{}, deformation);
 }
 
-std::string format_number(double value) {
+std::string detail::format_number(double value) {
   char text[32];
   const std::to_chars_result end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6);
   return std::string(text, end.ptr);
 }
 
-std::string axis_name(int axis) {
+std::string detail::axis_name(int axis) {
   return std::string(1, "xyz"[axis]);
 }
 

@@ -6,7 +6,7 @@
 #include <morula/deform/deformation.hpp>
 #include <string>
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument naming the deformation, the parameter, its value and the range.
 void require_in_range(const Deformation& deformation);
@@ -17,4 +17,4 @@ std::string format_number(double value);
 /// "x", "y" or "z".
 std::string axis_name(int axis);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 struct Entry {
@@ -146,13 +147,22 @@ std::span<const Quality> all_qualities() {
   return quality_names.values;
 }
 
+int automatic_depth(std::size_t facet_count, int branching) {
+  constexpr std::size_t most_leaves = 512, facets_per_leaf = 4;
+  const auto children = static_cast<std::size_t>(branching);
+  const std::size_t most = std::min(most_leaves, facet_count / facets_per_leaf);
+  int depth = 1;
+  for (std::size_t leaves = children; depth < max_depth && leaves <= most / children; leaves *= children) ++depth;
+  return depth;
+}
+
 CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   const StandardFloats standard;
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
     throw std::invalid_argument("build: branching " + std::to_string(options.branching) + " is not in 2…64");
-  if (options.depth < 0 || options.depth > max_depth)
-    throw std::invalid_argument("build: depth " + std::to_string(options.depth) + " is not in 0…8");
+  if (options.depth && (*options.depth < 0 || *options.depth > max_depth))
+    throw std::invalid_argument("build: depth " + std::to_string(*options.depth) + " is not in 0…8");
   require_used(options);
   constexpr std::size_t most_spheres = 100'000'000;
   if (options.spheres > most_spheres)

@@ -11,7 +11,7 @@
 #include "generators/reduce/optimise.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 bool reduces_medial_balls(Reduction r) {
@@ -65,14 +65,14 @@ std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<
 Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions) {
   const BallSet set = adaptive_medial(node);
   const auto grown = [&](const Reduced& reduced) {
-    return equally_grown(Growth::power, reduced.balls, reduced.distances, node.samples);
+    return equally_grown(GrowBy::power, reduced.balls, reduced.distances, node.samples);
   };
   Proposals proposals;
   for (const Reduction r : reductions) {
     std::vector<Sphere> spheres;
     if (r == Reduction::merge) spheres = grown(merge(set, node.branching, node.shape));
     if (r == Reduction::burst) spheres = grown(burst(set, node.branching, node.shape));
-    if (r == Reduction::expand) spheres = expand(set, node.branching, Growth::power);
+    if (r == Reduction::expand) spheres = expand(set, node.branching, GrowBy::power);
     if (!spheres.empty()) proposals.push_back({name(r), std::move(spheres)});
   }
   return proposals;
@@ -114,4 +114,4 @@ CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& worke
                        thorough);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

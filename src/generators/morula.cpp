@@ -22,7 +22,7 @@
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // How much work goes where; levels of children 1, 2, and all below.
@@ -253,4 +253,4 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   return top_down(mesh, second_run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 #include "generators/driver/top_down.hpp"
 #include "generators/fit/partition.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Axes nearly as long as the longest are halved, so that cells become cubes; a cube falls into eight.
@@ -131,4 +131,4 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

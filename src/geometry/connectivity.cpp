@@ -6,6 +6,7 @@
 #include "geometry/disjoint_sets.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 bool repeats_an_index(const Facet& f) {

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 class DisjointSets {
  public:
@@ -27,4 +27,4 @@ class DisjointSets {
   std::vector<std::uint32_t> parents_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

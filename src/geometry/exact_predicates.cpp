@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 __extension__ typedef unsigned __int128 Product;
@@ -180,4 +180,4 @@ TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const
   return {sign, value};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <morula/geometry/triangle.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// Two coordinates of points in space: those left when one axis is dropped.
 struct Projection {
@@ -65,4 +65,4 @@ class TrianglePlane {
   Vec3 normal_, permanent_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 void farthest_along(std::span<const Vec3f> directions, const PointColumns& points, std::span<std::uint32_t> found) {
   const std::size_t count = points.x.size();
@@ -29,4 +29,4 @@ void farthest_along(std::span<const Vec3f> directions, const PointColumns& point
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

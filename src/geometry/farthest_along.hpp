@@ -7,7 +7,7 @@
 #include <morula/geometry/vector.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// Points in columns, at least one, all of them finite.
 struct PointColumns {
@@ -18,4 +18,4 @@ struct PointColumns {
 /// Cost: points × directions, in registers.
 void farthest_along(std::span<const Vec3f> directions, const PointColumns& points, std::span<std::uint32_t> found);
 
-}  // namespace morula
+}  // namespace morula::detail

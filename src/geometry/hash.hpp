@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <morula/geometry/sphere.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 class Hasher {
  public:
@@ -32,4 +32,4 @@ class Hasher {
   std::uint64_t state_ = 0xcbf29ce484222325u;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,6 +10,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 void inspect_edges(const MeshView& mesh, const Connectivity& connectivity, MeshReport& report) {

@@ -9,6 +9,7 @@
 #include "geometry/own_units.hpp"
 
 namespace morula {
+using namespace detail;
 
 void require_usable(const MeshView& mesh) {
   if (mesh.facets.empty()) throw std::invalid_argument("the mesh has no facets");
@@ -38,13 +39,13 @@ double largest_coordinate(const MeshView& mesh) {
   return largest;
 }
 
-double surface_area(const OwnUnits& own) {
+double detail::surface_area(const OwnUnits& own) {
   double sum = 0;
   for (std::size_t f = 0; f < own.mesh().facet_count(); ++f) sum += area(own.mesh().corners(f));
   return std::ldexp(sum, 2 * own.exponent());
 }
 
-double signed_volume(const OwnUnits& own) {
+double detail::signed_volume(const OwnUnits& own) {
   // About the box centre, so that far from the origin nothing cancels.
   const Vec3 origin = own.box().center();
   double six_times = 0;

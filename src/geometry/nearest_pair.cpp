@@ -11,7 +11,7 @@
 #include "geometry/exact_predicates.hpp"
 #include "geometry/triangles_meet.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Where the largest |coordinate| is at least this, and differences are no smaller than its rounding, fourth powers of
@@ -265,4 +265,4 @@ double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& 
   return width - 0x1p-50 * std::abs(width) - 0x1p-49 * std::sqrt(farthest) - 0x1p-560;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <morula/geometry/triangle.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 struct NearestPair {
   Barycentric a{}, b{};
@@ -33,4 +33,4 @@ double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& 
 /// Parameter of the point of [p, q] nearest to x.
 double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x);
 
-}  // namespace morula
+}  // namespace morula::detail

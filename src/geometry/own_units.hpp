@@ -8,7 +8,7 @@
 #include <morula/geometry/mesh_view.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Meshes of ordinary size stay as they are and need no copy: scaling by a power of two changes no digit. Others have
 /// their vertices about the box's centre.
@@ -49,4 +49,4 @@ class OwnUnits {
 double surface_area(const OwnUnits& own);
 double signed_volume(const OwnUnits& own);
 
-}  // namespace morula
+}  // namespace morula::detail

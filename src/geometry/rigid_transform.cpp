@@ -9,6 +9,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 namespace {
 
@@ -54,15 +55,15 @@ RigidTransform inverse(const RigidTransform& t) {
   return back;
 }
 
-RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p) {
+RigidTransform relative_to(const RigidTransform& base, const RigidTransform& p) {
   const StandardFloats standard;
   RigidTransform t;
-  const RigidTransform back = inverse(frame);
+  const RigidTransform back = inverse(base);
   const RigidTransform columns = inverse({p.rows, {}});  // its rows are p's columns
   for (std::size_t row = 0; row < 3; ++row)
     t.rows[row] = {dot(back.rows[row], columns.rows[0]), dot(back.rows[row], columns.rows[1]),
                    dot(back.rows[row], columns.rows[2])};
-  t.translation = frame.turn_back(p.translation - frame.translation);
+  t.translation = base.turn_back(p.translation - base.translation);
   return t;
 }
 

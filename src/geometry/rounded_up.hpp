@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace morula {
+namespace morula::detail {
 
 /// The least float that is not below x.
 inline float rounded_up(double x) {
@@ -14,4 +14,4 @@ inline float rounded_up(double x) {
   return static_cast<double>(nearest) < x ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -14,10 +14,11 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::array<std::string_view, 7> body_names{"bar", "capsule", "limb", "torus", "blob", "plate", "two"};
+constexpr std::array<std::string_view, 8> body_names{"bar", "capsule", "limb", "torus", "blob", "plate", "two", "tool"};
 
 // Two facets for the square a b c d, cut along the shorter diagonal. Equal ones are cut a–c, whatever their rounding.
 void add_square(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
@@ -178,6 +179,19 @@ Mesh blob(int resolution) {
   });
 }
 
+// A probe: its handle at negative x, its tip at positive x. Radii change with level ends, so that nothing creases.
+Mesh tool(int resolution) {
+  const int quarter = std::max(1, (resolution + 4) / 8), along = std::max(1, 2 * resolution);
+  constexpr double straight = 2.8, handle = 0.14, shaft = 0.1, tip = 0.05;
+  return rounded_tube(quarter, along, [](const Vec3& d, double a) {
+    const auto step = [&](double from, double to) {
+      return smooth_step(std::clamp((a - from) / (to - from), 0.0, 1.0));
+    };
+    const double radius = handle - (handle - shaft) * step(0.3, 0.4) - (shaft - tip) * step(0.7, 0.95);
+    return Vec3{straight * (a - 0.5) + radius * d.z, radius * d.x, radius * d.y};
+  });
+}
+
 // Two links of a chain: they hold each other but do not touch, 0.4 apart at the nearest.
 Mesh two(int resolution) {
   Mesh mesh = torus(std::max(8, resolution), 0.3);  // with fewer edges, links cut their corners and each other
@@ -216,6 +230,7 @@ Mesh sample_body(std::string_view name, int resolution) {
   if (name == "plate")
     return box({resolution, std::max(1, resolution / 40), std::max(1, (resolution + 1) / 2)}, {4, 0.1, 2});
   if (name == "two") return two(resolution);
+  if (name == "tool") return tool(resolution);
   std::string known;
   for (const std::string_view body : body_names) known += (known.empty() ? "" : ", ") + std::string(body);
   throw std::invalid_argument("no sample body is called '" + std::string(name) + "'; known are " + known);

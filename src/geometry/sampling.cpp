@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 std::vector<SurfacePoint> sample_surface(const MeshView& mesh, std::size_t count, std::uint64_t seed) {
   const StandardFloats standard;

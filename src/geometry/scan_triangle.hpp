@@ -7,7 +7,7 @@
 #include <cmath>
 #include <morula/geometry/triangle.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// Lines run along axis w at u = i + offset, v = j + offset; rows of equal v.
 struct LineLattice {
@@ -64,4 +64,4 @@ void scan_triangle(const Triangle& t, const LineLattice& lines, const Cross& cro
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

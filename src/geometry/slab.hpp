@@ -8,7 +8,7 @@
 #include <limits>
 #include <morula/geometry/triangle.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 // How far facets reach across the line through the best points so far: what is farther apart along it than these points
 // is farther apart. Sharper than spheres, and one subtraction per pair.
@@ -45,4 +45,4 @@ class Slab {
   double size_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

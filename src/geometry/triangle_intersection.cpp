@@ -13,6 +13,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using Side = TrianglePlane::Side;
@@ -220,7 +221,7 @@ struct CrossedPair {
 
 }  // namespace
 
-bool triangles_meet(const Triangle& a, const Triangle& b) {
+bool detail::triangles_meet(const Triangle& a, const Triangle& b) {
   const Sides b_sides = sides_of(TrianglePlane(a), b);
   if (on_one_side(b_sides)) return false;
   const Sides a_sides = sides_of(TrianglePlane(b), a);

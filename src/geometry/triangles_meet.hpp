@@ -5,8 +5,8 @@
 
 #include <morula/geometry/triangle.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 bool triangles_meet(const Triangle& a, const Triangle& b);
 
-}  // namespace morula
+}  // namespace morula::detail

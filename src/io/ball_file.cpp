@@ -14,6 +14,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 void write_balls(const std::filesystem::path& path, std::span<const Sphere> balls) {
   if (lower_extension(path) != ".ply") throw FileError(path.string() + ": balls are written as .ply");

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace morula {
+namespace morula::detail {
 
 static_assert(std::endian::native == std::endian::little || std::endian::native == std::endian::big);
 
@@ -69,4 +69,4 @@ class ByteReader {
   std::size_t base_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

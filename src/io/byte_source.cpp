@@ -6,7 +6,7 @@
 
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 ByteSource ByteSource::part(std::filesystem::path name, std::uintmax_t offset, std::uintmax_t count) const {
   ByteSource part = *this;
@@ -35,4 +35,4 @@ std::string ByteSource::read(std::uintmax_t offset, std::uintmax_t count) const 
   return std::string(bytes_->substr(offset, count));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace morula {
+namespace morula::detail {
 
 class ByteSource {
  public:
@@ -37,4 +37,4 @@ class ByteSource {
   std::optional<std::uintmax_t> count_{};
 };
 
-}  // namespace morula
+}  // namespace morula::detail

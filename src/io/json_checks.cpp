@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace morula {
+namespace morula::detail {
 
 JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(path.string()) {
   try {
@@ -34,4 +34,4 @@ void JsonFile::fail(const std::string& problem) const {
   throw FileError(name_ + ": " + problem);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

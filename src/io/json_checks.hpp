@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 class JsonFile {
  public:
@@ -27,4 +27,4 @@ class JsonFile {
   nlohmann::json root_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

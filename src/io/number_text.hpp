@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string>
 
-namespace morula {
+namespace morula::detail {
 
 template <class Number>
 void append_number(std::string& text, Number value) {
@@ -15,4 +15,4 @@ void append_number(std::string& text, Number value) {
   text.append(digits, written.ptr);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 bool is_blank(char c) {
@@ -133,4 +133,4 @@ void TextScanner::fail_at(std::size_t line, const std::string& problem) const {
   throw FileError(path_.string() + ":" + std::to_string(line) + ": " + problem);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

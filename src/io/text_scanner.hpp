@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-namespace morula {
+namespace morula::detail {
 
 /// Stands before the first line; next_line() steps onto it. Words are separated by blanks; carriage returns are blanks,
 /// so all line ends work. Every complaint is a FileError "FILE:LINE: what is wrong; remedy".
@@ -62,4 +62,4 @@ class TextScanner {
   Syntax syntax_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

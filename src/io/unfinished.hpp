@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <mutex>
 
-namespace morula {
+namespace morula::detail {
 
 /// Held while a name appears, is replaced or disappears: whoever abandons the rest then sees all of it or nothing.
 std::unique_lock<std::mutex> lock_unfinished();
@@ -16,4 +16,4 @@ void note_unfinished(const std::filesystem::path& path);
 void forget_unfinished(const std::filesystem::path& path) noexcept;
 bool is_unfinished(const std::filesystem::path& path);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <system_error>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -69,4 +69,4 @@ std::string in_quotes(std::string_view text) {
   return result + (text.size() > longest ? "…'" : "'");
 }
 
-}  // namespace morula
+}  // namespace morula::detail

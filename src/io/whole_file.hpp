@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 /// Size in bytes. Throws FileError when the file is missing, a folder, anything else but a regular file, or unreadable.
 std::uintmax_t size_of_file(const std::filesystem::path& path);
@@ -26,4 +26,4 @@ std::string lower_extension(const std::filesystem::path& path);
 /// Text from a file or a name as a message may show it: in quotes, no control characters, not endless.
 std::string in_quotes(std::string_view text);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -23,6 +23,7 @@
 #include "io/unfinished.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,16 +145,16 @@ bool stays_where_it_is(const fs::path& folder) {
 
 }  // namespace
 
-std::unique_lock<std::mutex> lock_unfinished() {
+std::unique_lock<std::mutex> detail::lock_unfinished() {
   return std::unique_lock(registry().mutex);
 }
-void note_unfinished(const fs::path& path) {
+void detail::note_unfinished(const fs::path& path) {
   registry().paths.insert(path);
 }
-void forget_unfinished(const fs::path& path) noexcept {
+void detail::forget_unfinished(const fs::path& path) noexcept {
   registry().paths.erase(path);
 }
-bool is_unfinished(const fs::path& path) {
+bool detail::is_unfinished(const fs::path& path) {
   return registry().paths.count(path) != 0;
 }
 

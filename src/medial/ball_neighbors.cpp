@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaf_size = 8;
@@ -114,4 +114,4 @@ void connect_overlapping(MedialBalls& medial, std::size_t count, Workers& worker
   set_neighbors(medial, std::move(pairs));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

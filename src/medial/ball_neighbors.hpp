@@ -6,7 +6,7 @@
 #include <morula/medial/medial_balls.hpp>
 #include <utility>
 
-namespace morula {
+namespace morula::detail {
 
 /// Fills neighbor_begin and neighbors from pairs of balls, given in one direction or both and any number of times.
 /// Each ball's neighbours come in ascending order.
@@ -16,4 +16,4 @@ void set_neighbors(MedialBalls& medial, std::vector<std::pair<std::uint32_t, std
 /// Same bits for any number of workers. Cost: O(n log n).
 void connect_overlapping(MedialBalls& medial, std::size_t count, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

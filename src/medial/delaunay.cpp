@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 __extension__ typedef __int128 Wide;
@@ -287,4 +287,4 @@ Vec3 Delaunay::circumcenter_offset(std::uint32_t slot) const {
   return offset;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -15,7 +15,7 @@
 #include <morula/geometry/vector.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 using LatticePoint = std::array<std::int32_t, 3>;
 
@@ -78,4 +78,4 @@ class Delaunay {
   std::uint32_t stamp_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // Round bodies are made of facets, and no ball that is tangent to one of them off its middle has room: where facets

@@ -9,7 +9,7 @@
 
 #include "medial/delaunay.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct VoronoiBalls::Data {
   Data(const Box& box_, const SignedDistance& shape_)
@@ -120,4 +120,4 @@ const std::vector<std::uint32_t>& VoronoiBalls::created() const {
   return data_->created;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 inline constexpr std::uint32_t no_sample = 0xffffffffu;
 inline constexpr std::uint32_t no_ball = 0xffffffffu;
@@ -54,4 +54,4 @@ class VoronoiBalls {
   std::unique_ptr<Data> data_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -83,6 +83,13 @@ void pack_spheres(PackedBytes& out, const Vec3& origin, std::span<const Sphere> 
   }
 }
 
+void pack_contacts(PackedBytes& out, const Vec3& origin, std::span<const PageContact> contacts) {
+  for (const PageContact& contact : contacts) {
+    const Vec3 p = contact.point - origin, n = contact.normal;
+    for (const double value : {p.x, p.y, p.z, n.x, n.y, n.z, contact.depth}) out.add_float(static_cast<float>(value));
+  }
+}
+
 std::string base64(std::string_view bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

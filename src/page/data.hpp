@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
+#include <morula/page/page.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,8 @@ void pack_facets(PackedBytes& out, std::span<const Facet> facets);
 void pack_positions(PackedBytes& out, const Quantisation& grid, std::span<const std::vector<Vec3>> frames);
 /// Centres about the origin of the grid and radii, as floats.
 void pack_spheres(PackedBytes& out, const Vec3& origin, std::span<const Sphere> spheres);
+/// Points about that origin, normals and depths, as floats.
+void pack_contacts(PackedBytes& out, const Vec3& origin, std::span<const PageContact> contacts);
 
 std::string base64(std::string_view bytes);
 /// 32-bit FNV-1a.

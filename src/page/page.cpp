@@ -62,6 +62,7 @@ void check_content(const PageContent& content) {
     for (const std::vector<float>& shares : scene.empty_share) {
       if (shares.size() != nodes) refuse("not one empty share per node");
     }
+    if (!scene.contacts.empty() && scene.contacts.size() != frames) refuse("contacts miss a frame");
   }
 }
 
@@ -157,6 +158,11 @@ struct Packer {
         packed.add_uint16(static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0f, 1.0f) * 65535.0f)));
       }
     }
+    Json contact_counts = nullptr;
+    for (const std::vector<PageContact>& contacts : scene.contacts) {
+      contact_counts.push_back(contacts.size());
+      pack_contacts(packed, origins[scene.motion], contacts);
+    }
     scenes.push_back({{"motion", scene.motion},
                       {"tree", scene.tree},
                       {"rule", scene.rule},
@@ -165,6 +171,7 @@ struct Packer {
                       {"child_count", scene.rest.child_count},
                       {"empty_share", !scene.empty_share.empty()},
                       {"measured", measured_json(scene)},
+                      {"contacts", contact_counts},
                       {"data", bytes_json(id, packed.bytes())}});
     elements += data_element(id, packed.bytes());
   }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parallel/float_environment.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 void StandardFloats::set(Bits bits) noexcept {
 #if defined(__SSE2__) || defined(_M_X64)
@@ -14,4 +14,4 @@ void StandardFloats::set(Bits bits) noexcept {
 #endif
 }
 
-}  // namespace morula
+}  // namespace morula::detail

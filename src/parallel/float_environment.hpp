@@ -14,7 +14,7 @@
 #include <cfenv>
 #endif
 
-namespace morula {
+namespace morula::detail {
 
 class StandardFloats {
  public:
@@ -59,4 +59,4 @@ class StandardFloats {
   bool switched_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -16,6 +16,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // True on a thread that is inside a chunk: nested loops then run where they are.

@@ -9,6 +9,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula::brute_force {
+using namespace detail;
 
 ClosestFacetPoint closest_point(const Mesh& mesh, const Vec3& p) {
   const StandardFloats standard;

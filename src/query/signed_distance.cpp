@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr std::size_t grain = 4096;
@@ -112,7 +113,7 @@ SignedDistance::Result SignedDistance::at(const Vec3& p) const {
   const std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p);
   if (!closest) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, {0, {nan, nan, nan}, {nan, nan, nan}, nan}};
+    return {nan, {{0, {nan, nan, nan}, {nan, nan, nan}}, nan}};
   }
   const double distance = std::sqrt(closest->squared_distance);
   return {distance > 0 && decide_inside(p, *closest, distance) ? -distance : distance, *closest};

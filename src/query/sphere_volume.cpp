@@ -26,6 +26,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // Stands in for a length of zero where only its direction counts; its fourth power is still a normal number.

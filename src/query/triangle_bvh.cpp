@@ -11,6 +11,7 @@
 #include "query/wide_tree.hpp"
 
 namespace morula {
+using namespace detail;
 
 struct TriangleBvh::Data {
   wide::Tree tree;

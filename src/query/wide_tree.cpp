@@ -13,7 +13,7 @@
 #include <span>
 #include <utility>
 
-namespace morula::wide {
+namespace morula::detail::wide {
 namespace {
 
 // Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
@@ -425,4 +425,4 @@ Tree build(const MeshView& mesh, Workers& workers) {
   return Builder(mesh, workers).build();
 }
 
-}  // namespace morula::wide
+}  // namespace morula::detail::wide

@@ -13,7 +13,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula::wide {
+namespace morula::detail::wide {
 
 inline constexpr int width = 4;
 /// A child with at most this many facets is a leaf. Larger leaves test more facets, smaller ones visit more nodes.
@@ -90,4 +90,4 @@ inline void raise_to_slabs(const Slabs& slabs, const Vec3& p, double* result) {
   }
 }
 
-}  // namespace morula::wide
+}  // namespace morula::detail::wide

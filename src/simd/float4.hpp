@@ -17,7 +17,7 @@
 
 #include "simd/instructions.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A point about the frame's origin. Sixteen bytes, so that one load fetches it.
 struct alignas(16) LocalPoint {
@@ -338,4 +338,4 @@ float largest_lane(const Four& four) {
   return a > b ? a : b;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

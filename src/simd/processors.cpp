@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 std::size_t supported_kinds() {
@@ -37,4 +37,4 @@ void allow_kinds(std::size_t most) {
   processors::chosen_kinds.store(std::clamp(most, std::size_t{1}, supported_kinds()), std::memory_order_relaxed);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

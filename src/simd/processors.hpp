@@ -10,7 +10,7 @@
 
 #include "simd/instructions.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 #if defined(MORULA_DISPATCH)
 inline constexpr std::size_t compiled_kinds = 4;
@@ -62,4 +62,4 @@ struct KernelTable {
   { plain::name }
 #endif
 
-}  // namespace morula
+}  // namespace morula::detail

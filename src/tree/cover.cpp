@@ -12,6 +12,7 @@
 #include "tree/region.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 struct Piece {

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 void narrow_spheres(std::span<const Sphere> spheres, const Vec3& origin, std::vector<Spheref>& narrow) {
   for (const Sphere& s : spheres) {

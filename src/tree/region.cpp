@@ -6,7 +6,7 @@
 
 #include "geometry/hash.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct CutPointHash {
@@ -95,4 +95,4 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const R
   return cover;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 struct Region {
   std::vector<std::uint32_t> facet;            // one per polygon
@@ -41,4 +41,4 @@ void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>&
 /// regions: one per node; those of inner nodes are ignored.
 Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const Region> regions);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,6 +7,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 std::size_t SphereTree::leaf_count() const {
   std::size_t count = 0;

@@ -8,6 +8,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // The first broken promise of the patches, in words; empty when all hold. Nothing is read that the check before it has

@@ -18,6 +18,7 @@
 #include "update/rules/engine_table.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // One rule per level of the tree; throws for an empty list and for options out of range.
@@ -150,7 +151,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   if (some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) bvh.emplace(mesh, workers);
   if (!s.options.modes.empty()) {
     require_modes(s.options.modes, mesh);
-    s.motion.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
+    s.modal.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
   }
   if (!s.options.skin.empty()) {
     require_skin(s.options.skin, mesh);
@@ -159,7 +160,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   const bool raises = s.options.conservative && some_node([](Rule rule) { return !covers_alone(rule); });
   const bool reads_points =
       raises || some_node([](Rule rule) { return traits(rule).reads != RuleTraits::Reads::nothing; });
-  if (reads_points && (s.motion || s.skin)) s.rest_positions = s.moved_positions = mesh.positions;
+  if (reads_points && (s.modal || s.skin)) s.rest_positions = s.moved_positions = mesh.positions;
 
   const RuleFrame frame{.origin = rest.origin, .points = s.local.points(), .rounding = rest.rounding};
   const Binding binding{.mesh = mesh,
@@ -172,8 +173,8 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
                         .bvh = bvh ? &*bvh : nullptr,
                         .local = s.local,
                         .rest = frame,
-                        .modal_motion = s.motion ? &*s.motion : nullptr,
-                        .skin_motion = s.skin ? &*s.skin : nullptr,
+                        .modal_poser = s.modal ? &*s.modal : nullptr,
+                        .skin_poser = s.skin ? &*s.skin : nullptr,
                         .tree_spheres = of_tree,
                         .spheres = s.spheres,
                         .report = s.report,
@@ -270,9 +271,9 @@ Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinate
   const StandardFloats standard;
   const State& s = *state_;
   std::size_t bad = 0;
-  if (s.follows == RuleTraits::Follows::modes && coordinates.size() == s.motion->mode_count() &&
-      s.motion->accepts(coordinates, bad)) {
-    const ModalPose pose = s.motion->pose(coordinates);
+  if (s.follows == RuleTraits::Follows::modes && coordinates.size() == s.modal->mode_count() &&
+      s.modal->accepts(coordinates, bad)) {
+    const ModalPose pose = s.modal->pose(coordinates);
     for (const auto& engine : s.engines)
       if (const auto sphere = engine->sphere_alone(node, {.origin = pose.origin, .modes = &pose}))
         return {pose.origin + Vec3(sphere->center), static_cast<double>(sphere->radius)};

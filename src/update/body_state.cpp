@@ -5,6 +5,7 @@
 #include <algorithm>
 
 namespace morula {
+using namespace detail;
 
 UpdateStatus Body::State::counted(const UpdateStatus& status) noexcept {
   current = static_cast<bool>(status);
@@ -77,10 +78,10 @@ UpdateStatus Body::State::refused_positions(const PositionView& positions) const
 }
 
 UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
-  if (!motion) return refused(Status::Code::no_modes);
+  if (!modal) return refused(Status::Code::no_modes);
   if (follows == RuleTraits::Follows::bones) return refusal(follows);
-  if (coordinates.size() != motion->mode_count()) return refused(Status::Code::wrong_coordinate_count);
-  if (std::size_t bad = 0; !motion->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
+  if (coordinates.size() != modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
+  if (std::size_t bad = 0; !modal->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
   return {};
 }
 
@@ -142,7 +143,7 @@ UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& mov
 
 UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
   if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
-  const ModalPose pose = motion->pose(coordinates);
+  const ModalPose pose = modal->pose(coordinates);
   const auto move = [&] { move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers); };
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
 }
@@ -176,7 +177,7 @@ UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size
 UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept {
   if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
   std::copy(coordinates.begin(), coordinates.end(), coordinates_reached.begin());
-  const ModalPose pose = motion->pose(coordinates_reached);
+  const ModalPose pose = modal->pose(coordinates_reached);
   engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());
   origin = pose.origin;
   return work;
@@ -201,7 +202,7 @@ std::size_t Body::State::reach(std::uint32_t node) noexcept {
   ModalPose pose;
   RuleFrame frame{.origin = origin, .points = local.points()};
   if (follows == RuleTraits::Follows::modes) {
-    pose = motion->pose(coordinates_reached);
+    pose = modal->pose(coordinates_reached);
     frame.modes = &pose;
   }
   const std::uint32_t first = built->tree.first_child[node];

@@ -10,23 +10,23 @@
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
 #include "update/rules/modal.hpp"
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
 namespace morula {
 
 struct Body::State {
   std::shared_ptr<const CoveredTree> built;
   UpdateOptions options;
-  LocalPoints local;
+  detail::LocalPoints local;
   std::vector<Spheref> spheres{};
   Vec3 origin{};
   BindReport report{};
   UpdateStatus work{};  // of a good update: the same every time
-  EngineList engines{};
-  std::optional<CornerWalk> raised{};   // conservative: the nodes of rules that do not cover by themselves
-  std::optional<ModalMotion> motion{};  // of a body with modes
-  std::optional<SkinMotion> skin{};     // of a body with a skin
-  RuleTraits::Follows follows{};        // what some level asks for; positions where none asks for anything else
+  detail::EngineList engines{};
+  std::optional<detail::CornerWalk> raised{};  // conservative: the nodes of rules that do not cover by themselves
+  std::optional<detail::ModalPoser> modal{};   // of a body with modes
+  std::optional<detail::SkinPoser> skin{};     // of a body with a skin
+  RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
   PosedTree posed{};         // what queries read; show() brings it up to date
@@ -60,7 +60,7 @@ struct Body::State {
   std::size_t reach(std::uint32_t node) noexcept;
 
   // Takes the largest of a rule's own radius and what the node owns.
-  void raise(const Rounding& rounding, Workers& workers) noexcept;
+  void raise(const detail::Rounding& rounding, Workers& workers) noexcept;
 
  private:
   UpdateStatus refused_positions(const PositionView& positions) const noexcept;
@@ -68,9 +68,9 @@ struct Body::State {
   UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;
   // To positions, which move_positions has to form where some level needs them.
   template <class MovePositions>
-  UpdateStatus follow_model(RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;
-  void write_spheres(const RuleFrame& frame, Workers& workers) noexcept;
-  void write_levels(const RuleFrame& frame, Workers& workers) noexcept;
+  UpdateStatus follow_model(detail::RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;
+  void write_spheres(const detail::RuleFrame& frame, Workers& workers) noexcept;
+  void write_levels(const detail::RuleFrame& frame, Workers& workers) noexcept;
 };
 
 }  // namespace morula

@@ -15,6 +15,7 @@
 #include "update/points/surface_samples.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // One float per sample of a block.

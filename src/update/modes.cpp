@@ -7,6 +7,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 
 void move_by_modes(const Modes& modes, std::span<const Vec3> rest, std::span<const double> coordinates,
                    std::span<Vec3> positions, Workers& workers) noexcept {

@@ -4,9 +4,10 @@
 #include <morula/update/skin.hpp>
 
 #include "parallel/float_environment.hpp"
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
 namespace morula {
+using namespace detail;
 
 AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
   AffineTransform product{.columns = {}, .translation = a(b.translation)};

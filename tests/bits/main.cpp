@@ -13,6 +13,7 @@
 #include "simd/processors.hpp"
 
 namespace morula::bits {
+using namespace detail;
 namespace {
 
 // Lines "= HOW: N of M" or, for each that differs, "! HOW: NAME".

@@ -55,7 +55,7 @@ class Sum {
   std::uint64_t value() const { return hasher_.value(); }
 
  private:
-  Hasher hasher_;
+  detail::Hasher hasher_;
 };
 
 /// A sample body, or one with every seventh facet missing: "open limb".

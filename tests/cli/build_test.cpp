@@ -67,6 +67,25 @@ TEST(BuildCommand, prints_no_progress_into_files) {
   EXPECT_EQ(bench.require("build bar.obj -o bar.morula --method octree").err, "");
 }
 
+TEST(BuildCommand, goes_no_deeper_than_the_facets_justify_unless_told_to) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 3");
+  ASSERT_LT(read_mesh(bench / "bar.obj").facet_count(), 256U);
+  const auto shallow = bench.require("build bar.obj -o plain.morula --json").json();
+  EXPECT_EQ(shallow["depth"], 1);
+  EXPECT_LE(shallow["spheres"], 8);
+  bench.require("build bar.obj -o auto.morula --depth auto");
+  EXPECT_EQ(bench.read("plain.morula"), bench.read("auto.morula"));
+  const auto deep = bench.require("build bar.obj -o deep.morula --depth 2 --json").json();
+  EXPECT_EQ(deep["depth"], 2);
+  EXPECT_GT(deep["spheres"], 8);
+  for (const char* depth : {"9", "-1", "1.5", "automatic", "99999999999", "999999999999999999999"}) {
+    const CommandResult result = bench.run(std::string("build bar.obj -o x.morula --depth ") + depth);
+    EXPECT_EQ(result.exit_code, 2) << depth;
+    EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << result.err;
+  }
+}
+
 TEST(BuildCommand, makes_flat_sets_and_writes_them_as_balls) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 12");

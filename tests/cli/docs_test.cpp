@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The page about the command line shows commands that work, and mentions every command and every option.
+// README and the pages of docs show commands that work: blocks marked `sh` run as pasted, in an empty folder a page,
+// with the command on the path, and blocks marked `console` show what happens. The pages about the command line mention
+// every command and every option.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -11,53 +15,168 @@
 namespace morula::test {
 namespace {
 
-std::vector<std::string> page_lines() {
-  std::ifstream file(MORULA_CLI_PAGE);
+namespace fs = std::filesystem;
+
+const std::vector<std::string> command_pages{"docs/cli.md", "docs/cli_build.md", "docs/cli_motion.md",
+                                             "docs/cli_study.md"};
+
+/// README and everything in docs, by name.
+std::vector<std::string> all_pages() {
+  std::vector<std::string> pages{"README.md"};
+  for (const auto& entry : fs::directory_iterator(fs::path(MORULA_PAGES) / "docs"))
+    if (entry.path().extension() == ".md") pages.push_back("docs/" + entry.path().filename().string());
+  std::sort(pages.begin() + 1, pages.end());
+  return pages;
+}
+
+std::vector<std::string> page_lines(const std::string& page) {
+  std::ifstream file(fs::path(MORULA_PAGES) / page);
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;
 }
 
-/// `hasty`: options that spare builds work which the page does not ask for.
-void expect_commands_do_what_the_page_shows(const std::string& hasty) {
-  const std::vector<std::string> lines = page_lines();
-  const Workbench bench;
-  std::size_t commands = 0;
+struct Block {
+  std::string page;
+  std::size_t line = 0;  ///< of its fence, from 1
+  std::string language;
+  std::vector<std::string> lines;
+};
+
+std::vector<Block> blocks_of(const std::string& page) {
+  std::vector<Block> blocks;
+  bool open = false;
+  const std::vector<std::string> lines = page_lines(page);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string start = "$ morula ";
-    // The demo and the study have tests of their own, and they are the slowest commands.
-    if (lines[i].rfind(start, 0) != 0 || lines[i].rfind(start + "demo", 0) == 0) continue;
-    if (lines[i].rfind(start + "study", 0) == 0) continue;
-    ++commands;
-    std::string command = lines[i].substr(start.size());
-    if (command.rfind("build", 0) == 0 && command.find("--method") == std::string::npos) command += hasty;
-    const CommandResult result = bench.run(command);
-    const bool shows_error = i + 1 < lines.size() && lines[i + 1].rfind("morula: error: ", 0) == 0;
-    if (shows_error) {
-      EXPECT_EQ(result.exit_code, 2) << lines[i];
-      EXPECT_EQ(result.err, lines[i + 1] + "\n");
-    } else {
-      EXPECT_EQ(result.exit_code, 0) << lines[i] << '\n' << result.err;
+    if (lines[i].rfind("```", 0) == 0) {
+      open = !open;
+      if (open) blocks.push_back({page, i + 1, lines[i].substr(3), {}});
+    } else if (open) {
+      blocks.back().lines.push_back(lines[i]);
     }
   }
-  EXPECT_GE(commands, 10u);
+  return blocks;
 }
 
-TEST(CliPage, its_commands_do_what_it_shows_with_hasty_builds) {
-  expect_commands_do_what_the_page_shows(" --quality draft");
+/// The command on the path, as somebody has it who installed it. hasty: builds that leave the method and the quality
+/// open are done in quality draft.
+class Reader {
+ public:
+  explicit Reader(bool hasty) {
+    bench_.require("--version");
+    fs::create_directory(bench_ / "bin");
+    fs::create_directory(bench_ / "empty");
+    std::string script = "#!/bin/sh\n";
+    if (hasty)
+      script +=
+          "case \"$*\" in\n"
+          "  *--method*|*--quality*) ;;\n"
+          "  build*) set -- \"$@\" --quality draft ;;\n"
+          "esac\n";
+    // A build without node and npm has no page, and says so: that is tested elsewhere.
+    script += "[ \"$1\" = view ] || exec '" MORULA_COMMAND
+              "' \"$@\"\n"
+              "said=$('" MORULA_COMMAND
+              "' \"$@\" 2>&1)\n"
+              "code=$?\n"
+              "case $said in *'built without its page'*) exit 0 ;; esac\n"
+              "printf '%s\\n' \"$said\"\n"
+              "exit $code\n";
+    bench_.write("bin/morula", script);
+    fs::permissions(bench_ / "bin/morula", fs::perms::owner_all);
+  }
+  CommandResult shell(const std::string& line) const {
+    return bench_.shell("PATH=\"$PWD/bin:$PATH\"; cd empty; " + line);
+  }
+  /// Line for line as pasted, up to the first command that fails.
+  void paste(const Block& block) const {
+    std::string script = "set -e\n";
+    for (const std::string& line : block.lines) script += line + '\n';
+    bench_.write("pasted", script);
+    const CommandResult result = shell("sh ../pasted");
+    EXPECT_EQ(result.exit_code, 0) << block.page << ':' << block.line << '\n' << result.out << result.err;
+  }
+
+ private:
+  Workbench bench_;
+};
+
+std::size_t expect_blocks_run(const std::string& page, bool hasty, std::size_t most = 1000) {
+  std::size_t count = 0;
+  const Reader reader(hasty);
+  for (const Block& block : blocks_of(page)) {
+    if (block.language != "sh" || count == most) continue;
+    ++count;
+    reader.paste(block);
+  }
+  return count;
 }
 
-TEST(LongCliPage, its_commands_do_what_it_shows) {
-  expect_commands_do_what_the_page_shows("");
+TEST(Pages, the_first_block_of_readme_runs_as_pasted_with_hasty_builds) {
+  EXPECT_EQ(expect_blocks_run("README.md", true, 1), 1u);
 }
 
-TEST(CliPage, mentions_every_option_of_every_command) {
-  std::string page;
-  for (const std::string& line : page_lines()) page += line + '\n';
+TEST(LongPages, all_run_as_pasted) {
+  std::size_t count = 0;
+  for (const std::string& page : all_pages()) count += expect_blocks_run(page, false);
+  EXPECT_GE(count, 10u);
+}
+
+/// Only blocks that are marked are run, so none that shows the command may be without a mark: `bash` is for scripts of
+/// a clone, which pages alone do not have.
+TEST(Pages, mark_every_block_of_commands) {
+  for (const std::string& page : all_pages())
+    for (const Block& block : blocks_of(page)) {
+      if (block.language == "sh" || block.language == "console") continue;
+      for (const std::string& line : block.lines)
+        EXPECT_NE(line.rfind("morula ", 0), 0u) << page << ':' << block.line << ": " << line;
+    }
+}
+
+void expect_consoles_do_what_they_show(bool hasty) {
+  std::size_t commands = 0;
+  for (const std::string& page : command_pages) {
+    const Reader reader(hasty);
+    for (const Block& block : blocks_of(page)) {
+      if (block.language == "sh") reader.paste(block);
+      if (block.language != "console") continue;
+      for (std::size_t i = 0; i < block.lines.size(); ++i) {
+        const std::string& line = block.lines[i];
+        // The demo and the study have tests of their own, and they are the slowest commands.
+        if (line.rfind("$ morula ", 0) != 0 || line.rfind("$ morula demo", 0) == 0 ||
+            line.rfind("$ morula study", 0) == 0)
+          continue;
+        ++commands;
+        const CommandResult result = reader.shell(line.substr(2));
+        const bool shows_error = i + 1 < block.lines.size() && block.lines[i + 1].rfind("morula: error: ", 0) == 0;
+        if (shows_error) {
+          EXPECT_EQ(result.exit_code, 2) << line;
+          EXPECT_EQ(result.err, block.lines[i + 1] + "\n");
+        } else {
+          EXPECT_EQ(result.exit_code, 0) << page << ": " << line << '\n' << result.err;
+        }
+      }
+    }
+  }
+  EXPECT_GE(commands, 20u);
+}
+
+TEST(CliPages, their_commands_do_what_they_show_with_hasty_builds) {
+  expect_consoles_do_what_they_show(true);
+}
+
+TEST(LongCliPages, their_commands_do_what_they_show) {
+  expect_consoles_do_what_they_show(false);
+}
+
+TEST(CliPages, mention_every_option_of_every_command) {
+  std::string text;
+  for (const std::string& page : command_pages)
+    for (const std::string& line : page_lines(page)) text += line + '\n';
   const Workbench bench;
   for (const char* command : {"build", "measure", "deform", "update", "collide", "view", "medial", "info", "sample",
                               "convert", "demo", "study"}) {
-    EXPECT_NE(page.find("## " + std::string(command) + "\n"), std::string::npos) << command;
+    EXPECT_NE(text.find("\n## " + std::string(command) + "\n"), std::string::npos) << command;
     std::istringstream words(bench.require(std::string(command) + " --help").out);
     for (std::string word; words >> word;) {
       const std::size_t dashes = word.find("--");
@@ -65,7 +184,7 @@ TEST(CliPage, mentions_every_option_of_every_command) {
       const std::size_t end = word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-", dashes);
       const std::string option = word.substr(dashes, end - dashes);
       if (option == "--help" || option == "--output") continue;
-      EXPECT_NE(page.find(option), std::string::npos) << command << ' ' << option;
+      EXPECT_NE(text.find(option), std::string::npos) << command << ' ' << option;
     }
   }
 }

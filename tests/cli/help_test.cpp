@@ -75,6 +75,10 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
                  "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
   expect_refused(bench, "build bar.obj -o x.morula --method xyzzy", "unknown method 'xyzzy'; known: octree, grid");
   expect_refused(bench, "sample lim -o x.obj", "did you mean limb?");
+  expect_refused(bench, "sample lim-modes -o x.npy", "did you mean limb?");
+  expect_refused(bench, "sample limb-mode -o x.npy", "known: modes, coords, weights, bones; did you mean modes?");
+  expect_refused(bench, "sample limb --modes 3 -o x.obj", "a mesh has none; did you mean limb-modes?");
+  expect_refused(bench, "sample limb-modes --frames 3 -o x.npy", "--frames: limb-modes has none");
   expect_refused(bench, "update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
   expect_refused(bench, "measure bar.obj bar.morula --grid levels", "known: level, fixed; did you mean level?");
   expect_refused(bench, "deform bar.obj -o m --bend 90 --axis w", "unknown axis 'w'; known: x, y, z, auto");
@@ -93,6 +97,7 @@ TEST(BadUse, outputs_that_cannot_be_are_refused_before_any_work) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
   expect_refused(bench, "sample bar -o bar.stl", "meshes are written as .obj, .off or .ply");
+  expect_refused(bench, "sample bar-modes -o bar.obj", "bar.obj: arrays are written as .npy");
   expect_refused(bench, "sample bar -o nowhere/bar.obj", "there is no folder nowhere");
   expect_refused(bench, "build bar.obj -o bar.tree", "trees are written as .morula");
   expect_refused(bench, "build missing.obj -o nowhere/bar.morula", "there is no folder nowhere");

@@ -15,7 +15,7 @@ TEST(MeasureCommand, built_trees_leave_nothing_bare_at_any_level) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 16");
   for (const char* method : {"octree", "grid"}) {
-    bench.require(std::string("build limb.obj -o limb.morula --method ") + method);
+    bench.require(std::string("build limb.obj -o limb.morula --depth 3 --method ") + method);
     const auto levels =
         bench.require("measure limb.obj limb.morula --json --resolution 64").json()["frames"][0]["levels"];
     ASSERT_EQ(levels.size(), 4u) << method;

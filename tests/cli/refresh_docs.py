@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what the commands print today into docs/cli.md: every line "$ ..." of a console block is run, in order, in one
-folder, and what follows it is replaced. Usage: refresh_docs.py path/to/morula [docs/cli.md]"""
+"""Writes what the commands print today into a page of docs: every line "$ ..." of a console block is run, in order, in
+one folder, blocks marked `sh` between them, and what follows it is replaced.
+Usage: refresh_docs.py path/to/morula docs/cli_build.md"""
 import os
 import pathlib
 import subprocess
@@ -10,15 +11,18 @@ import sys
 import tempfile
 
 command = pathlib.Path(sys.argv[1]).resolve()
-page = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else pathlib.Path(__file__).parents[2] / "docs/cli.md"
+page = pathlib.Path(sys.argv[2])
 environment = dict(os.environ, PATH=f"{command.parent}{os.pathsep}{os.environ['PATH']}")
 
 lines = []
 with tempfile.TemporaryDirectory() as folder:
-    in_console = False
+    in_console = in_sh = False
     for line in page.read_text().splitlines():
         if line.startswith("```"):
-            in_console = line == "```console"
+            in_console, in_sh = line == "```console", line == "```sh"
+            lines.append(line)
+        elif in_sh:
+            subprocess.run(line, shell=True, cwd=folder, env=environment, stdout=subprocess.DEVNULL, check=True)
             lines.append(line)
         elif in_console and line.startswith("$ "):
             run = subprocess.run(line[2:], shell=True, cwd=folder, env=environment, text=True,

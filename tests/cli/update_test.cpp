@@ -80,7 +80,7 @@ TEST(UpdateCommand, conservative_makes_any_rule_cover_and_is_certified) {
 TEST(UpdateCommand, rules_can_be_mixed_by_level_and_the_certificate_follows_the_exact_ones) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 8");
-  bench.require("build limb.obj -o limb.morula");
+  bench.require("build limb.obj -o limb.morula --depth 3");
   bench.require("deform limb.obj -o motion.npy --stretch 2 --twist 90 --frames 5");
   const auto mixed =
       bench.require("update limb.obj limb.morula motion.npy -o mixed --rule 0:exact,2:approach2 --json").json();
@@ -118,7 +118,7 @@ TEST(UpdateCommand, refuses_rule_lists_that_do_not_fit) {
 TEST(UpdateCommand, details_of_rules_change_the_spheres) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 12");
-  bench.require("build limb.obj -o limb.morula --method octree");
+  bench.require("build limb.obj -o limb.morula --method octree --depth 3");
   bench.require("deform limb.obj -o motion.npy --stretch 2 --twist 90 --frames 2 --one-way");
   const auto spheres = [&](const std::string& options) {
     bench.require("update limb.obj limb.morula motion.npy -o s --rule " + options);

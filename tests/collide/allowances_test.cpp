@@ -12,13 +12,14 @@
 #include <set>
 #include <utility>
 
-#include "collide/pairs/pair_frame.hpp"
 #include "collide/pairs/pair_kernels.hpp"
+#include "collide/pairs/placed_pair.hpp"
 #include "collide/pairs/tree_pair.hpp"
 #include "specimens.hpp"
 #include "update/points/rounding.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using Wide = Vector3<long double>;
@@ -44,11 +45,11 @@ float radius_to(long double distance) {
 }
 // By every kernel.
 bool overlap_surely(const RigidTransform& relative, const Spheref& a, const Spheref& b) {
-  const PairFrame frame = placed_pair(relative, 0, 0).narrow;
+  const NarrowPair pair = placed_pair(relative, 0, 0).narrow;
   bool all = true;
   for (const PairKernels& kernels : all_pair_kernels()) {
     std::uint64_t mask = 0;
-    kernels.test(frame, {&a, 1, 1, &b, 1, 1}, &mask);
+    kernels.test(pair, {&a, 1, 1, &b, 1, 1}, &mask);
     all = all && mask == 1;
   }
   return all;

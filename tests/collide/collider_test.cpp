@@ -45,7 +45,7 @@ TEST(RigidTransform, tells_what_is_not_rigid) {
 
 struct Limb : ::testing::Test {
   Mesh mesh = sample_body("limb");
-  CoveredTree built = build(mesh, {.method = Method::octree});
+  CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
   Body body{mesh, built};
 };
 
@@ -99,7 +99,7 @@ TEST_F(Limb, collider_refuses_what_does_not_fit_and_changes_nothing) {
 
 TEST_F(Limb, body_counts_good_updates_and_knows_when_it_lags) {
   const Body twin(mesh, built);
-  const Body other(mesh, build(mesh, {.method = Method::grid}));
+  const Body other(mesh, build(mesh, {.method = Method::grid, .depth = 3}));
   EXPECT_EQ(body.ownership(), twin.ownership());
   EXPECT_NE(body.ownership(), other.ownership());
 

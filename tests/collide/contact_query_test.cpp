@@ -18,7 +18,7 @@ namespace {
 using test::Specimen;
 using Code = ContactStatus::Code;
 
-const BuildOptions quick{.method = Method::octree};
+const BuildOptions quick{.method = Method::octree, .depth = 3};
 const BuildOptions narrow{.method = Method::octree, .branching = 4, .depth = 4};
 constexpr Priority priorities[]{Priority::level, Priority::overlap, Priority::importance};
 

@@ -15,6 +15,7 @@
 #include "simd/processors.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 RigidTransform random_placement(Random& random, double reach) {
@@ -71,7 +72,7 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
         if (round % 5 == 2) p = t[2];
         if (round % 10 == 3) p = p + (p - t[0]) * std::pow(10.0, random.uniform(0, 12));
         ASSERT_NO_FATAL_FAILURE(expect_same(nearest_facet(one.collider, node, p, scratch),
-                                            brute_force::nearest_facet(one.collider, node, p)))
+                                            nearest_facet_by_brute_force(one.collider, node, p)))
             << named.name << " node " << node;
       }
     }
@@ -87,7 +88,7 @@ TEST(NearestFacet, of_equals_is_the_lowest) {
   scratch.start(collider, collider);
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0, 0, 2}, Vec3{0, 0, -1}, Vec3{1e9, 0, 0}}) {
     const SurfacePoint found = nearest_facet(collider, 0, p, scratch);
-    ASSERT_NO_FATAL_FAILURE(expect_same(found, brute_force::nearest_facet(collider, 0, p)));
+    ASSERT_NO_FATAL_FAILURE(expect_same(found, nearest_facet_by_brute_force(collider, 0, p)));
     for (std::uint32_t f = 0; f < found.facet; ++f)
       ASSERT_GT(closest_point(ball.corners(f), p).squared_distance,
                 closest_point(ball.corners(found.facet), p).squared_distance);
@@ -178,8 +179,8 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
         ASSERT_GE(s.depth, 0);
         ASSERT_LE(s.depth, c.depth);
         ASSERT_NEAR(length(s.normal), 1, 1e-12);
-        expect_same(s.on_a, brute_force::nearest_facet(one.collider, i, c.point));
-        expect_same(s.on_b, brute_force::nearest_facet(two.collider, j, c.point));
+        expect_same(s.on_a, nearest_facet_by_brute_force(one.collider, i, c.point));
+        expect_same(s.on_b, nearest_facet_by_brute_force(two.collider, j, c.point));
         if (s.depth > 0)
           close.push_back({i, j});
         else

@@ -18,7 +18,7 @@ namespace {
 
 using test::Specimen;
 
-const BuildOptions quick{.method = Method::octree};
+const BuildOptions quick{.method = Method::octree, .depth = 3};
 
 std::pair<std::uint32_t, std::uint32_t> nodes_of(const Contact& c) {
   return {c.node_a, c.node_b};

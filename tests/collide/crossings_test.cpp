@@ -18,6 +18,7 @@
 #include "stale_pose.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 /// A body with all that a collider borrows.

@@ -11,11 +11,12 @@
 #include <morula/geometry/random.hpp>
 #include <vector>
 
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 #include "simd/processors.hpp"
 #include "specimens.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 std::vector<Spheref> random_spheres(std::size_t count, Random& random, double scale) {
@@ -27,14 +28,14 @@ std::vector<Spheref> random_spheres(std::size_t count, Random& random, double sc
   return spheres;
 }
 
-PairFrame random_frame(Random& random, double scale) {
+NarrowPair random_pair(Random& random, double scale) {
   const RigidTransform t = test::random_placement(random, scale);
-  PairFrame frame{};
+  NarrowPair pair{};
   for (std::size_t row = 0; row < 3; ++row)
-    for (int axis = 0; axis < 3; ++axis) frame.rows[row][axis] = static_cast<float>(t.rows[row][axis]);
-  for (int axis = 0; axis < 3; ++axis) frame.translation[axis] = static_cast<float>(t.translation[axis]);
-  frame.pad = static_cast<float>(0x1p-20 * scale);
-  return frame;
+    for (int axis = 0; axis < 3; ++axis) pair.rows[row][axis] = static_cast<float>(t.rows[row][axis]);
+  for (int axis = 0; axis < 3; ++axis) pair.translation[axis] = static_cast<float>(t.translation[axis]);
+  pair.pad = static_cast<float>(0x1p-20 * scale);
+  return pair;
 }
 
 TEST(PairKernels, all_processors_give_the_bits_of_plain_loops) {
@@ -46,19 +47,19 @@ TEST(PairKernels, all_processors_give_the_bits_of_plain_loops) {
       const std::size_t count_a = 1 + random.next() % 64, count_b = 1 + random.next() % 64;
       const std::size_t more = random.next() % 20;
       const auto a = random_spheres(count_a + more, random, scale), b = random_spheres(count_b + more, random, scale);
-      const PairFrame frame = random_frame(random, scale);
+      const NarrowPair pair = random_pair(random, scale);
       // Exactly as much memory as may be read.
       const PairBlock block{a.data(), count_a, a.size(), b.data(), count_b, b.size()};
       std::uint64_t expected[64], masks[64];
-      const float least = kernels[0].test_and_measure(frame, block, expected);
+      const float least = kernels[0].test_and_measure(pair, block, expected);
       EXPECT_TRUE(std::isfinite(least));
       for (std::size_t kind = 0; kind < kernels.size(); ++kind) {
         const PairKernels& kernel = kernels[kind];
         std::fill(masks, masks + 64, 0x5555u);
-        kernel.test(frame, block, masks);
+        kernel.test(pair, block, masks);
         EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kind_name(kind);
         std::fill(masks, masks + 64, 0x5555u);
-        EXPECT_EQ(std::bit_cast<std::uint32_t>(kernel.test_and_measure(frame, block, masks)),
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(kernel.test_and_measure(pair, block, masks)),
                   std::bit_cast<std::uint32_t>(least))
             << kind_name(kind);
         EXPECT_TRUE(std::equal(masks, masks + count_b, expected)) << kind_name(kind);
@@ -70,17 +71,17 @@ TEST(PairKernels, what_is_measured_is_below_the_least_difference) {
   Random random(2);
   for (int round = 0; round < 200; ++round) {
     const auto a = random_spheres(8, random, 1), b = random_spheres(8, random, 1);
-    const PairFrame frame = random_frame(random, 1);
+    const NarrowPair pair = random_pair(random, 1);
     std::uint64_t masks[8];
-    const double least = all_pair_kernels()[0].test_and_measure(frame, {a.data(), 8, 8, b.data(), 8, 8}, masks);
+    const double least = all_pair_kernels()[0].test_and_measure(pair, {a.data(), 8, 8, b.data(), 8, 8}, masks);
     double expected = 1e9;
     for (const Spheref& s : a)
       for (const Spheref& t : b) {
         const Vec3 c(t.center);
         Vec3 moved;
         for (int row = 0; row < 3; ++row)
-          moved[row] = frame.rows[row][0] * c.x + frame.rows[row][1] * c.y + frame.rows[row][2] * c.z +
-                       static_cast<double>(frame.translation[row]);
+          moved[row] = pair.rows[row][0] * c.x + pair.rows[row][1] * c.y + pair.rows[row][2] * c.z +
+                       static_cast<double>(pair.translation[row]);
         expected = std::min(expected, std::abs(distance(Vec3(s.center), moved) -
                                                (static_cast<double>(s.radius) + static_cast<double>(t.radius))));
       }

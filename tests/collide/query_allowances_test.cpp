@@ -19,6 +19,7 @@
 #include "placed_bodies.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using Wide = Vector3<long double>;

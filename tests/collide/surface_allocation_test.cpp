@@ -11,6 +11,7 @@
 #include "collide/facets/contact_surface.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using test::allocations;

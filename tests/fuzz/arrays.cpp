@@ -19,6 +19,7 @@
 #include "specimens.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 constexpr const char* array_name = "array.npy";
@@ -127,7 +128,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const MemoryMeter memory;
   try {
-    const morula::ByteSource source(array_name, in.rest());
+    const morula::detail::ByteSource source(array_name, in.rest());
     if (what == 0) read_motion(source);
     if (what == 1) read_modal_model(source);
     if (what == 2) read_modal_coordinates(source);

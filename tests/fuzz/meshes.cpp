@@ -10,6 +10,7 @@
 #include "io/mesh/formats.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 bool same_bits(const Mesh& a, const Mesh& b) {
@@ -47,7 +48,7 @@ void try_mesh(const std::string& name, std::string_view bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   morula::fuzz::Bytes in(data, size);
-  const auto& format = morula::mesh_formats[in.below(morula::mesh_formats.size())];
+  const auto& format = morula::detail::mesh_formats[in.below(morula::detail::mesh_formats.size())];
   morula::fuzz::try_mesh("mesh" + std::string(format.extension), in.rest());
   return 0;
 }

@@ -21,6 +21,7 @@
 #include "specimens.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;

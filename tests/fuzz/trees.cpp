@@ -15,6 +15,7 @@
 #include "specimens.hpp"
 
 namespace morula::fuzz {
+using namespace detail;
 namespace {
 
 // Damage that no checksum stops: the size and the checksum are made good.

@@ -30,7 +30,7 @@ void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const s
   const CoveredTree built = build(mesh, options);
   const auto faults = validate(mesh, built);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
-  EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(options.depth) + 1) << what;
+  EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(options.depth.value()) + 1) << what;
   EXPECT_EQ(built.tree.branching, static_cast<std::uint32_t>(options.branching)) << what;
   EXPECT_EQ(built.report.mesh_hash, mesh_hash(mesh)) << what;
   // The certificate's claim, seen from outside: samples of the surface in plain arithmetic.

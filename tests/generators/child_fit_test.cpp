@@ -12,6 +12,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // A whole mesh as the node whose children are sought.

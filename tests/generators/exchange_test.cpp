@@ -13,6 +13,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 struct Made {

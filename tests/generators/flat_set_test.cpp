@@ -82,7 +82,8 @@ TEST_P(FlatSetOfAll, every_kind_of_mesh_is_sound) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Quick, FlatSetOfAll, testing::Values(Method::octree, Method::grid), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Quick, FlatSetOfAll, testing::Values(Method::octree), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, FlatSetOfAll, testing::Values(Method::grid), test::method_name);
 
 TEST(FlatSet, works_with_every_method) {
   const Mesh mesh = sample_body("bar", 6);
@@ -102,8 +103,8 @@ TEST_P(FlatSetBits, are_the_same_for_any_number_of_workers) {
         mesh, {.method = GetParam(), .spheres = protrusion > 0 ? 0u : 60u, .max_protrusion = protrusion});
 }
 
-INSTANTIATE_TEST_SUITE_P(Quick, FlatSetBits, testing::Values(Method::octree, Method::grid), test::method_name);
-INSTANTIATE_TEST_SUITE_P(Long, FlatSetBits, testing::Values(Method::spawn), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Quick, FlatSetBits, testing::Values(Method::octree), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, FlatSetBits, testing::Values(Method::grid, Method::spawn), test::method_name);
 
 TEST(FlatSet, gets_tighter_with_more_spheres) {
   const Mesh mesh = sample_body("limb", 16);

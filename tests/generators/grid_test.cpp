@@ -12,6 +12,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
@@ -50,14 +51,13 @@ TEST(Lattice, principal_axes_are_orthonormal_and_ordered_by_spread) {
   for (int i = 0; i < 500; ++i)
     points.push_back(axis * random.uniform(-5, 5) +
                      Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)} * 0.3);
-  const Frame frame = principal_axes(points);
-  EXPECT_GT(std::abs(dot(frame[0], axis)), 0.999);
+  const Axes axes = principal_axes(points);
+  EXPECT_GT(std::abs(dot(axes[0], axis)), 0.999);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) EXPECT_NEAR(dot(frame[i], frame[j]), i == j ? 1 : 0, 1e-12);
-  const Frame turned = turned_by_45_degrees(frame, 0);
-  EXPECT_NEAR(dot(turned[1], frame[1]), std::sqrt(0.5), 1e-12);
-  for (const Vec3& p : in_frame(frame, points))
-    EXPECT_LT(distance(p, in_frame(frame, {{out_of_frame(frame, p)}})[0]), 1e-12);
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(dot(axes[i], axes[j]), i == j ? 1 : 0, 1e-12);
+  const Axes turned = turned_by_45_degrees(axes, 0);
+  EXPECT_NEAR(dot(turned[1], axes[1]), std::sqrt(0.5), 1e-12);
+  for (const Vec3& p : in_axes(axes, points)) EXPECT_LT(distance(p, in_axes(axes, {{out_of_axes(axes, p)}})[0]), 1e-12);
 }
 
 TEST(Lattice, occupied_cells_are_those_that_hold_points) {

@@ -81,7 +81,7 @@ TEST_P(Unhindered, by_a_time_limit_that_is_not_reached) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, Unhindered, testing::Values(1), testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Long, Unhindered, testing::Values(BuildOptions{}.depth), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Long, Unhindered, testing::Values(3), testing::PrintToStringParamName());
 
 TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
   const Mesh mesh = sample_body("limb", 24);
@@ -161,6 +161,39 @@ TEST(BuildLimits, refuses_numbers_that_are_none) {
   }
   EXPECT_THROW(build(mesh, {.spheres = std::numeric_limits<std::size_t>::max()}), std::invalid_argument);
   EXPECT_THROW(build(mesh, {.method = Method::grid, .quality = Quality::best}), std::invalid_argument);
+}
+
+// The definition, tried depth by depth with floating-point numbers.
+TEST(AutomaticDepth, is_the_deepest_whose_leaves_the_facets_justify) {
+  for (int branching = 2; branching <= 64; ++branching)
+    for (const double facets :
+         {1.0, 12.0, 31.0, 32.0, 255.0, 256.0, 722.0, 2047.0, 2048.0, 5760.0, 87'796.0, 1e7, 4e9}) {
+      const auto allowed = [&](int depth) {
+        const double leaves = std::pow(branching, depth);
+        return depth <= 8 && leaves <= 512 && leaves <= facets / 4;
+      };
+      const int depth = automatic_depth(static_cast<std::size_t>(facets), branching);
+      EXPECT_TRUE(depth == 1 || allowed(depth)) << branching << ' ' << facets;
+      EXPECT_FALSE(allowed(depth + 1)) << branching << ' ' << facets;
+    }
+  EXPECT_EQ(automatic_depth(255, 8), 1);
+  EXPECT_EQ(automatic_depth(256, 8), 2);
+  EXPECT_EQ(automatic_depth(2048, 8), 3);
+  EXPECT_EQ(automatic_depth(std::numeric_limits<std::size_t>::max(), 2), 8);
+  EXPECT_EQ(automatic_depth(std::numeric_limits<std::size_t>::max(), 64), 1);
+}
+
+TEST(AutomaticDepth, is_what_build_takes_when_none_is_given) {
+  const Mesh mesh = sample_body("limb", 8);
+  const int depth = automatic_depth(mesh.facet_count(), 6);
+  ASSERT_EQ(depth, 2);
+  for (const Method method : {Method::octree, Method::grid, Method::morula}) {
+    const Quality quality = method == Method::morula ? Quality::fast : Quality::standard;
+    const CoveredTree built = build(mesh, {.method = method, .branching = 6, .quality = quality});
+    EXPECT_EQ(built.report.depth, 2U);
+    EXPECT_EQ(tree_hash(built.tree),
+              tree_hash(build(mesh, {.method = method, .branching = 6, .depth = depth, .quality = quality}).tree));
+  }
 }
 
 TEST(BuildLimits, knows_qualities_by_name) {

@@ -10,6 +10,7 @@
 #include "generators/fit/object_lines.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 double width_of_parts(const Mesh& mesh, std::size_t most) {

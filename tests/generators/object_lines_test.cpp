@@ -10,6 +10,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 ObjectLines lines_of(const Mesh& mesh, int cells, Workers& workers = serial_workers()) {

@@ -14,6 +14,7 @@
 #include <support/meshes.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 struct Body {

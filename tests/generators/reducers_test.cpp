@@ -16,6 +16,7 @@
 #include <support/methods.hpp>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // A mesh as a single node.

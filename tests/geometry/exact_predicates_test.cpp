@@ -11,6 +11,7 @@
 #include <vector>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 __extension__ typedef __int128 Integer;

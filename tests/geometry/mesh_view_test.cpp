@@ -17,6 +17,7 @@
 #include "geometry/farthest_along.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // The same body four times: as a mesh, with floats, with doubles and gaps, by index. Its coordinates are floats.

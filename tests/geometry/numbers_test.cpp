@@ -15,6 +15,7 @@
 #include "geometry/hash.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 TEST(SinCos, agrees_with_extended_precision) {

@@ -124,7 +124,7 @@ TEST(SampleBodies, bits_are_the_golden_ones) {
   const std::map<std::string, std::uint64_t> golden{{"bar", 0x17dbc82799c83c48u},  {"capsule", 0xf9adc8d57cdb909au},
                                                     {"limb", 0xe4f524468d78185au}, {"torus", 0x1cc34d60897bf463u},
                                                     {"blob", 0xa5e53133e8ab0596u}, {"plate", 0x8b86e553baecf799u},
-                                                    {"two", 0xc028c6565dfd6459u}};
+                                                    {"two", 0xc028c6565dfd6459u},  {"tool", 0xb24e9f641b4da6cdu}};
   for (const std::string& name : names()) EXPECT_EQ(mesh_hash(sample_body(name)), golden.at(name)) << name;
 }
 
@@ -138,7 +138,7 @@ TEST(SampleBodies, refuse_unknown_names_and_resolutions) {
     return "nothing thrown";
   };
   EXPECT_EQ(message("cow", 48),
-            "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two");
+            "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two, tool");
   EXPECT_EQ(message("bar", 2), "resolution 2 is not in 3…4096");
   EXPECT_EQ(message("bar", 4097), "resolution 4097 is not in 3…4096");
   EXPECT_EQ(message("bar", -1), "resolution -1 is not in 3…4096");

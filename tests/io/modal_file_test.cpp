@@ -49,6 +49,27 @@ TEST(ModalFile, modes_and_coordinates_of_both_types_are_read) {
   EXPECT_EQ(read_coordinates(folder.file("q4.npy", npy("<f4", "(3, 2)", counting<float>(6))), 2).frame(0)[1], 0.1f);
 }
 
+TEST(ModalFile, what_is_written_is_read_back_to_the_bit) {
+  const ScratchFolder folder;
+  const fs::path modes_path = folder.path() / "modes.npy", coordinates_path = folder.path() / "coords.npy";
+  Modes modes{3, 2, {}};
+  for (int i = 0; i < 6; ++i) modes.displacements.push_back({0.1 * i, -1e-300, 1e300 / (i + 1)});
+  write_modes(modes_path, modes);
+  const Modes read = read_modes(modes_path, one_facet());
+  EXPECT_EQ(read.mode_count, 2u);
+  EXPECT_EQ(read.displacements, modes.displacements);
+  const ModalCoordinates motion{2, {0, 0.1, -0.2, 1.0 / 3}};
+  write_coordinates(coordinates_path, motion);
+  EXPECT_EQ(read_coordinates(coordinates_path, 2).coordinates, motion.coordinates);
+  // Written by hand, of version 1: other programs read it.
+  EXPECT_EQ(bytes_of(coordinates_path).substr(0, 6), "\x93NUMPY");
+
+  modes.displacements.pop_back();
+  EXPECT_THROW(write_modes(folder.path() / "short.npy", modes), std::invalid_argument);
+  EXPECT_THROW(write_coordinates(folder.path() / "short.npy", {2, {1, 2, 3}}), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(folder.path() / "short.npy"));
+}
+
 TEST(ModalFile, what_does_not_fit_is_refused_with_both_shapes) {
   const ScratchFolder folder;
   const auto modes = [&](const std::string& bytes, const std::string& fragment) {

@@ -46,6 +46,33 @@ TEST(SkinFile, transforms_are_rows_of_matrices) {
   EXPECT_EQ(bones.frame(0)[0]({1, 10, 100}), (Vec3{1 + 20 + 300 + 4, 5 + 60 + 700 + 8, 9 + 100 + 1100 + 12}));
 }
 
+TEST(SkinFile, what_is_written_is_read_back_to_the_bit) {
+  const ScratchFolder folder;
+  const Skin skin{.bone_count = 3, .begin = {0, 1, 3, 4}, .bones = {2, 0, 1, 1}, .weights = {1, 0.25, 0.75, 1}};
+  write_skin(folder.path() / "w.npy", skin);
+  const Skin read = read_skin(folder.path() / "w.npy", one_facet());
+  EXPECT_EQ(read.bone_count, 3u);
+  EXPECT_EQ(read.begin, skin.begin);
+  EXPECT_EQ(read.bones, skin.bones);
+  EXPECT_EQ(read.weights, skin.weights);
+
+  BoneFrames frames{2, {}};
+  for (int i = 0; i < 4; ++i) {
+    AffineTransform t;
+    t.columns = {Vec3{0.1 * i, 1e-300, 3}, Vec3{-4, 5, 6e300}, Vec3{7, 1.0 / 3, 9}};
+    t.translation = {10, 11.5, -1.0 * i};
+    frames.transforms.push_back(t);
+  }
+  write_bone_frames(folder.path() / "t.npy", frames);
+  EXPECT_EQ(read_bone_frames(folder.path() / "t.npy", 2).transforms, frames.transforms);
+
+  EXPECT_THROW(write_skin(folder.path() / "none.npy", {.bone_count = 1, .begin = {0, 1}, .bones = {1}, .weights = {1}}),
+               std::invalid_argument);
+  frames.transforms.pop_back();
+  EXPECT_THROW(write_bone_frames(folder.path() / "none.npy", frames), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(folder.path() / "none.npy"));
+}
+
 TEST(SkinFile, what_does_not_fit_is_refused_by_name) {
   const ScratchFolder folder;
   const auto skin = [&](const std::string& bytes, const std::string& fragment) {

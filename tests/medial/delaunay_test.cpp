@@ -10,6 +10,7 @@
 #include <string>
 
 namespace morula::test {
+using namespace detail;
 namespace {
 
 __extension__ typedef __int128 Wide;

@@ -14,6 +14,7 @@
 #include "../support/meshes.hpp"
 
 namespace morula::test {
+using namespace detail;
 namespace {
 
 std::vector<Vec3> surface_points(const Mesh& mesh, std::size_t count) {

@@ -96,7 +96,8 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
                        .branching = dice.pick({2, 3, 4, 8, 8, 8, 16, 64}),
                        .depth = dice.pick({1, 2, 2, 3, 3, 4})};
   const double most_nodes = dice.chance(0.2) ? 600 : 130;
-  while (options.depth > 1 && std::pow(options.branching, options.depth) > most_nodes) --options.depth;
+  int& depth = *options.depth;
+  while (depth > 1 && std::pow(options.branching, depth) > most_nodes) --depth;
   if (dice.chance(0.05)) options.spheres = 1 + dice.below(60);
   const auto facets =
       static_cast<std::size_t>(dice.logarithmic(2, static_cast<double>(std::min<std::size_t>(most_facets, 300)) + 1));
@@ -104,12 +105,12 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
   Specimen s{shape.name, std::move(shape.mesh), nullptr};
   CoveredTree built;
   if (dice.chance(0.4)) {
-    s.name += " | strewn" + sizes(options.branching, options.depth);
+    s.name += " | strewn" + sizes(options.branching, depth);
     record.place.description += s.name;
-    built = cover(s.mesh, strewn(s.mesh, options.branching, options.depth, dice));
+    built = cover(s.mesh, strewn(s.mesh, options.branching, depth, dice));
   } else {
     const bool imported = dice.chance(0.2);
-    s.name += " | octree" + sizes(options.branching, options.depth);
+    s.name += " | octree" + sizes(options.branching, depth);
     if (options.spheres != 0) s.name += " of " + std::to_string(options.spheres) + " spheres";
     if (imported) s.name += " imported";
     record.place.description += s.name;
@@ -135,8 +136,9 @@ Specimen costly_tree(Dice& dice, Record& record) {
   const auto size =
       dice.pick<Sizes>({{2, 1}, {2, 2}, {2, 3}, {2, 4}, {3, 1}, {3, 2}, {4, 1}, {4, 2}, {8, 1}, {8, 1}, {16, 1}});
   options.branching = size.branching;
-  options.depth = size.depth;
-  if (dice.chance(0.03)) options.branching = dice.pick({8, 64}), options.depth = options.branching == 8 ? 2 : 1;
+  int depth = size.depth;
+  if (dice.chance(0.03)) options.branching = dice.pick({8, 64}), depth = options.branching == 8 ? 2 : 1;
+  options.depth = depth;
   options.seed = 1 + dice.below(3);
   std::size_t most = 60;
   if (options.method == Method::morula) {
@@ -152,7 +154,7 @@ Specimen costly_tree(Dice& dice, Record& record) {
   Shape shape = random_shape(dice, facets);
   Specimen s{shape.name + " | " + std::string(name(options.method)), std::move(shape.mesh), nullptr};
   if (options.method == Method::morula) s.name += " " + std::string(name(options.quality));
-  s.name += sizes(options.branching, options.depth);
+  s.name += sizes(options.branching, depth);
   if (options.optimiser != Optimiser::none) s.name += " " + std::string(name(options.optimiser));
   record.place.description += s.name;
   s.built = std::make_shared<const CoveredTree>(build(s.mesh, options));

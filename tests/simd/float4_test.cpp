@@ -13,6 +13,7 @@
 #include <vector>
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();

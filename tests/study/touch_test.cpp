@@ -16,7 +16,7 @@ TEST(StudyTouch, no_budget_misses_a_crossing_and_crossings_are_real) {
   plan.budgets = {20, std::nullopt};
   plan.timed_queries = 1;
   plan.frames = 3;
-  const Touch touch = run_touch(plan, mesh, build(mesh, {.method = Method::grid}));
+  const Touch touch = run_touch(plan, mesh, build(mesh, {.method = Method::grid, .depth = 3}));
   ASSERT_EQ(touch.crossings.size(), plan.frames);
   ASSERT_EQ(touch.rows.size(), 2u);
 

@@ -15,6 +15,7 @@
 #include "update/rules/corner_walk.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr double e = 0x1p-24;  // half a unit in the last place of a float, v of a double

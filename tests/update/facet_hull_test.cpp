@@ -16,6 +16,7 @@
 #include "update/points/ownership_check.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 __extension__ typedef __int128 Wide;

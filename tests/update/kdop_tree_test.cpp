@@ -15,6 +15,7 @@
 #include "update/kdop/slab_extents.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using test::motions;

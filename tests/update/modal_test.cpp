@@ -14,6 +14,7 @@
 #include "update/rules/mode_rows.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using test::Specimen;

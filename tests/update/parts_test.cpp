@@ -25,6 +25,7 @@
 #include "update/rules/anchors.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 std::vector<LocalPoint> random_points(std::size_t count, double magnitude, std::uint64_t seed) {

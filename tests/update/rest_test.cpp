@@ -251,7 +251,7 @@ TEST(Rest, a_body_moves_as_a_value) {
 
 TEST(Body, copies_are_independent_and_share_the_model) {
   const Mesh mesh = sample_body("limb");
-  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree}));
+  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 3}));
   Body body(mesh, built);
   EXPECT_EQ(&body.cover(), &built->cover) << "no copy";
   const std::vector<Vec3> bent = deform(mesh, {Bend{90}}, 1.0), twisted = deform(mesh, {Twist{90}}, 1.0);

@@ -29,10 +29,19 @@ await claim('a_damaged_file_says_so', async () => {
   }
 });
 
-await claim('without_webgl_the_page_says_so', async () => {
+await claim('without_webgl_the_page_says_so_and_shows_its_figures', async () => {
   const plain = await launch(packages, { webgl: false });
   const { page, close } = await open(plain, at('limb.html'), small);
-  check((await words(page, '#failure')).includes('WebGL'), 'the message names WebGL');
+  const said = await words(page, '#no-picture');
+  check(said.includes('WebGL') && said.includes('hardware acceleration'), `the message names WebGL and a remedy: ${said}`);
+  check(!/make the file again/i.test(await page.innerText('body')), 'the file is not to blame');
+  check((await page.locator('#figures tbody tr').count()) >= 3, 'figures of each level');
+  await page.locator('#frame').evaluate((range) => {
+    range.value = '3';
+    range.dispatchEvent(new Event('input', { bubbles: true }));
+  });
+  check((await words(page, '#frame-name')).startsWith('3 /'), 'frames still change');
+  check(await page.isDisabled('#save-png'), 'there is no picture to save');
   await close();
   await plain.close();
 });

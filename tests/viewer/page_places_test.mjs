@@ -52,6 +52,25 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     await page.screenshot({ path: at('study-dark.png') });
   }));
 
+for (const width of [390, 800]) {
+  await claim(`a_study_on_${width}_pixels_has_the_body_on_top_and_long_parts_folded`, () =>
+    opened('study.html', { width, height: 800, touch: true }, async (page) => {
+      const top = async (selector) => (await page.locator(selector).boundingBox()).y;
+      check((await top('#view')) < (await top('#report')), 'the body is above the report');
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      check(wide <= 0, `${wide} pixels stick out at the side`);
+      const high = await page.evaluate(() => document.documentElement.scrollHeight);
+      check(high < 8 * 800, `the page is ${high} pixels high`);
+      check(!(await page.isVisible('#figure-fig2a .plot')), 'figures are folded');
+      await page.screenshot({ path: at(`study-${width}.png`), fullPage: true });
+      await page.click('#contents a[href="#study-figures"]');
+      check(await page.isVisible('#figure-fig2a .plot'), 'the list of contents unfolds them');
+      await page.waitForSelector('#figure-fig2a .u-over');
+      await settled(page);
+      await page.screenshot({ path: at(`study-${width}-figures.png`) });
+    }));
+}
+
 await claim('screenshots_are_written', async () => {
   for (const dark of [false, true]) {
     await opened('limb.html', { width: 1280, height: 800, dark }, async (page) => {

@@ -94,7 +94,10 @@ export function decodeMotion(bytes, motion) {
 export function decodeScene(bytes, scene, frameCount) {
   const nodes = scene.child_count.length;
   const floats = 4 * nodes;
-  const need = 4 * floats * (frameCount + 1) + (scene.empty_share ? 2 * nodes * frameCount : 0);
+  const counts = scene.contacts ?? null;
+  if (counts && counts.length !== frameCount) throw new PageError('contacts miss a frame');
+  const marks = counts ? counts.reduce((sum, count) => sum + count, 0) : 0;
+  const need = 4 * floats * (frameCount + 1) + (scene.empty_share ? 2 * nodes * frameCount : 0) + 28 * marks;
   if (bytes.length !== need) throw new PageError(`${bytes.length} bytes of spheres where ${need} should be`);
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   let place = 0;
@@ -113,7 +116,12 @@ export function decodeScene(bytes, scene, frameCount) {
       return block;
     });
   }
-  return { rest, frames, emptyShare };
+  // Per frame seven numbers a contact: point, normal, depth.
+  const contacts = counts && counts.map((count) => Float32Array.from({ length: 7 * count }, () => {
+    place += 4;
+    return view.getFloat32(place - 4, true);
+  }));
+  return { rest, frames, emptyShare, contacts };
 }
 
 /** The manifest of a page. text(id): what stands in the element of that name, or null. */

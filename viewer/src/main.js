@@ -13,6 +13,8 @@ import { bindTheme } from './theme.js';
 import { byId, element } from './dom.js';
 import { kindColour, levelColours, mapped, rgb } from './colours.js';
 import { counted } from './numbers.js';
+import { readAddress, writeAddress } from './address.js';
+import { canFilm, saveFilm, saveModel, savePicture } from './save.js';
 
 const text = (id) => byId(id)?.textContent ?? null;
 const framesPerSecond = 14;
@@ -26,7 +28,7 @@ function fail(error) {
     element('div', { id: 'failure', role: 'alert' },
       element('h1', {}, 'This page cannot be shown'),
       element('p', {}, `${known ? 'Something is wrong with it' : 'Something went wrong'}: ${error.message}.`),
-      element('p', { class: 'muted' }, 'Make the file again with morula view, or copy it again from where it is whole.')),
+      element('p', { class: 'muted' }, error.remedy ?? 'Make the file again with morula view, or copy it again from where it is whole.')),
   );
 }
 
@@ -43,6 +45,24 @@ function colouring(scene, state) {
   return (node) => levelTints[scene.levelOf[node] % levelTints.length];
 }
 
+/** The stage, or nothing where the browser gives no WebGL: then its place says so, and all else works. */
+function makeStage() {
+  const place = byId('stage');
+  try {
+    return new Stage(place);
+  } catch (error) {
+    if (!(error instanceof PageError)) throw error;
+    console.warn(error);
+    place.prepend(element('div', { id: 'no-picture', role: 'alert' },
+      element('p', {}, `No picture: ${error.message}.`), element('p', { class: 'muted' }, 'The figures beside it are complete.')));
+    document.body.dataset.picture = 'false';
+    return null;
+  }
+}
+
+/** 'liver, twisted' as the beginning of a file's name. */
+const fileName = (title) => title.replace(/[^\p{L}\p{N}._-]+/gu, '-').replace(/^[-.]+|-+$/g, '').slice(0, 60) || 'morula';
+
 function start() {
   const manifest = readManifest(text);
   const sceneList = new SceneList(manifest, text);
@@ -54,12 +74,13 @@ function start() {
   byId('made-by').textContent = `morula ${manifest.morula}`;
 
   const state = new State({
-    scene: -1, frame: 0, level: -1, colour: 'level', measure: first.entry.measured ? 'looseness' : 'growth',
-    body: true, spheres: true, bare: true, facets: false, opacity: 0.5,
+    scene: -1, frame: 0, level: -1, colour: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
+    body: true, spheres: true, bare: true, facets: false, contacts: true, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false,
   });
   let stage = null;
   let scene = null;
+  let begun = null; // the values that the page began with
   let report = null;
   const panel = new Panel(sceneList, state);
   const toggleTheme = bindTheme(() => {
@@ -67,20 +88,19 @@ function start() {
     panel.curves.retheme();
     report?.retheme();
   });
-  stage = new Stage(byId('stage'));
+  stage = makeStage();
 
   state.listen((changed) => {
     const has = (...names) => names.some((name) => changed.has(name));
     if (has('scene')) {
       scene = sceneList.scene(state.get('scene'));
       const level = state.get('level');
-      // The deepest level that is not a crowd, unless the reader chose one that is there.
-      const deepest = scene.levelSets.findLastIndex((nodes) => nodes.length <= 1500);
-      state.values.level = level < 0 || level >= scene.levelCount ? Math.max(0, deepest) : level;
+      // The second level, which is few spheres and yet the body's shape, unless the reader chose one that is there.
+      state.values.level = level < 0 || level >= scene.levelCount ? Math.min(2, scene.levelCount - 1) : level;
       state.values.frame = Math.min(state.get('frame'), scene.frameCount - 1);
       if (state.get('picked') >= scene.nodeCount) state.values.picked = -1;
       for (const name of ['level', 'frame', 'picked']) changed.add(name);
-      stage.show(scene);
+      stage?.show(scene);
       panel.show(scene);
       byId('about').textContent = [
         sceneList.describe(state.get('scene')).body,
@@ -90,34 +110,96 @@ function start() {
       ].join(' · ');
     }
     if (!scene) return;
-    if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
-    if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare'));
-    if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
-    if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
-    if (has('body')) stage.body.group.visible = state.get('body');
-    if (has('facets')) stage.body.facets(state.get('facets'));
-    if (has('scene', 'sectionAxis', 'sectionAt', 'sectionFlip')) stage.cut(state.get('sectionAxis'), state.get('sectionAt'), state.get('sectionFlip'));
-    if (has('scene', 'spheres', 'opacity', 'sectionAxis')) stage.spheres.look(state.get('spheres'), state.get('opacity'));
+    if (stage) {
+      if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
+      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare'));
+      if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
+      if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
+      if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);
+      if (has('contacts')) stage.contacts.group.visible = state.get('contacts');
+      if (has('body')) stage.body.group.visible = state.get('body');
+      if (has('facets')) stage.body.facets(state.get('facets'));
+      if (has('scene', 'sectionAxis', 'sectionAt', 'sectionFlip')) stage.cut(state.get('sectionAxis'), state.get('sectionAt'), state.get('sectionFlip'));
+      if (has('scene', 'spheres', 'opacity', 'sectionAxis')) stage.spheres.look(state.get('spheres'), state.get('opacity'));
+      stage.ask();
+    }
     if (has('scene', 'frame', 'picked')) drawPicked(scene, state);
     panel.follow(changed);
-    stage.ask();
+    remember();
   });
 
-  stage.onpick = (node) => state.set({ picked: node });
+  // The address follows what is shown, a moment later: browsers allow so many changes and no more.
+  let waiting = 0;
+  function remember() {
+    if (!begun) return;
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      const hash = writeAddress(state.values, begun, stage?.turned ? stage.look() : '');
+      if (hash === '' && !location.hash.includes('=')) return; // a link into a report stays
+      history.replaceState(null, '', hash || location.pathname + location.search);
+    }, 250);
+  }
+  function goTo(hash) {
+    const wanted = readAddress(hash);
+    if (!wanted) return;
+    const { scene: index = state.get('scene'), ...rest } = wanted.values;
+    if (index < manifest.scenes.length) state.set({ scene: Math.max(0, index) });
+    for (const [name, most] of [['frame', scene.frameCount], ['level', scene.levelCount], ['picked', scene.nodeCount]]) {
+      if (rest[name] >= most) rest[name] = most - 1;
+    }
+    if (rest.colour === 'empty' && scene.emptyShare === null) delete rest.colour;
+    state.set(rest);
+    if (wanted.camera) stage?.lookAs(wanted.camera);
+  }
+  addEventListener('hashchange', () => goTo(location.hash));
+
+  if (stage) {
+    stage.onpick = (node) => state.set({ picked: node });
+    stage.onlook = remember;
+  }
   const play = () => state.set({ playing: !state.get('playing') });
   const ups = { y: 'z', z: 'x', x: 'y' };
   bindKeys(state, {
     play,
     theme: toggleTheme,
-    fit: () => stage.fit(),
-    turnUp: () => stage.fit(ups[stage.up]),
+    fit: () => stage?.fit(),
+    turnUp: () => stage?.fit(ups[stage.up]),
     hasColour: (colour) => colour !== 'empty' || scene.emptyShare !== null,
     step: (name, by) => {
       const most = (name === 'frame' ? scene.frameCount : scene.levelCount) - 1;
       state.set({ [name]: Math.min(Math.max(state.get(name) + by, 0), most), ...(name === 'frame' ? { playing: false } : {}) });
     },
   });
-  byId('fit').addEventListener('click', () => stage.fit());
+  byId('fit')?.addEventListener('click', () => stage.fit());
+
+  const name = fileName(manifest.title);
+  const save = (id, how) => {
+    const button = byId(id);
+    button.disabled = !stage;
+    button.addEventListener('click', async () => {
+      const label = button.textContent;
+      button.disabled = true;
+      state.set({ playing: false });
+      try {
+        await how((text) => (button.textContent = text));
+      } catch (error) {
+        console.warn(error);
+        button.title = `Not saved: ${error.message}`;
+      }
+      button.textContent = label;
+      button.disabled = false;
+    });
+  };
+  save('save-png', () => savePicture(stage, name));
+  save('save-webm', async (tell) => {
+    const before = state.get('frame');
+    await saveFilm(stage, name, scene.frameCount, framesPerSecond, (frame) => state.set({ frame }),
+      (frame) => tell(`${frame + 1} / ${scene.frameCount}`));
+    state.set({ frame: before });
+  });
+  save('save-gltf', () =>
+    saveModel(scene, state.get('frame'), scene.levelSets[state.get('level')], colouring(scene, state), name));
+  byId('save-webm').hidden = !canFilm();
 
   let lastStep = 0;
   const tick = (now) => {
@@ -135,8 +217,10 @@ function start() {
   });
 
   if (hasReport) report = new Report(manifest.study, sceneList, state);
-  stage.theme();
+  stage?.theme();
   state.set({ scene: 0 });
+  begun = { ...state.values };
+  goTo(location.hash);
   document.body.dataset.ready = 'true';
 }
 

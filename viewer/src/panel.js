@@ -41,7 +41,7 @@ export class Panel {
     this.colourButtons = segments(byId('colouring'), colourings, state, 'colour');
     this.measureButtons = segments(byId('measure'), measures, state, 'measure');
     segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
-    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-bare', 'bare'], ['show-facets', 'facets'], ['section-flip', 'sectionFlip']]) {
+    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-bare', 'bare'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['section-flip', 'sectionFlip']]) {
       this.bindBox(byId(id), name);
     }
     for (const [id, name] of [['level', 'level'], ['frame', 'frame'], ['opacity', 'opacity'], ['section-at', 'sectionAt']]) {
@@ -100,6 +100,7 @@ export class Panel {
         element('button', { type: 'button', title: counted(nodes.length, 'sphere'), onclick: () => this.state.set({ level }) }, String(level)),
       ),
     );
+    byId('contacts-box').hidden = !scene.contacts;
     document.body.dataset.moves = String(scene.frameCount > 1);
     for (const button of this.colourButtons) {
       if (button.dataset.value === 'empty') button.disabled = scene.emptyShare === null;
@@ -199,6 +200,12 @@ export class Panel {
       const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
     }
+    if (scene.contacts && state.get('contacts')) {
+      const now = scene.contacts[state.get('frame')];
+      const depths = now.filter((_, i) => i % 7 === 6);
+      const deepest = depths.length > 0 ? `, deepest ${figure(depths.reduce((most, d) => Math.max(most, d)))}` : '';
+      parts.push(element('span', { class: 'kind', id: 'contacts-chip' }, `${counted(depths.length, 'contact')}${deepest}`));
+    }
     legend.replaceChildren(...parts);
     legend.hidden = parts.length === 0;
   }
@@ -221,7 +228,7 @@ export class Panel {
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
     if (has('scene', 'level', 'frame')) this.drawFigures();
-    if (has('scene', 'level', 'frame', 'colour', 'spheres', 'bare', 'body')) this.drawLegend();
+    if (has('scene', 'level', 'frame', 'colour', 'spheres', 'bare', 'body', 'contacts')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {
       byId('play').setAttribute('aria-label', state.get('playing') ? 'Pause' : 'Play');

@@ -8,6 +8,8 @@ import { counted, figure } from './numbers.js';
 
 const verdicts = { holds: 'holds', partly: 'in part', fails: 'fails', untested: 'not tested' };
 const tallies = { holds: ['holds', 'hold'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
+const little = matchMedia('(max-width: 900px)');
+const longest = 40; // rows of a table that is not folded
 const list = (value) => (Array.isArray(value) ? value : []);
 const labelled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
 
@@ -23,8 +25,10 @@ export class Report {
     Object.assign(this, { study, sceneList, state, curves: [] });
     const place = byId('report');
     place.hidden = false;
-    place.replaceChildren(
-      ...this.claims(), ...this.figures(), ...this.tables(), ...this.pictures(), this.settings());
+    const sections = [...this.claims(), ...this.figures(), ...this.tables(), ...this.pictures(), this.settings()];
+    place.replaceChildren(this.contents(sections), ...sections);
+    addEventListener('hashchange', () => this.reveal());
+    this.reveal();
     state.listen((changed) => {
       if (!changed.has('frame') && !changed.has('scene')) return;
       for (const { curves, spec } of this.curves) {
@@ -57,7 +61,24 @@ export class Report {
   }
 
   section(id, title, note, ...children) {
-    return element('section', { id }, element('h2', {}, title), note ? element('p', { class: 'muted' }, note) : null, ...children);
+    return element('section', { id, 'data-title': title }, element('h2', {}, title), note ? element('p', { class: 'muted' }, note) : null, ...children);
+  }
+  /** The same, folded where there is little room; long: folded everywhere. */
+  folded(id, title, note, long, ...children) {
+    return element('section', { id, 'data-title': title },
+      element('details', { open: !long && !little.matches },
+        element('summary', {}, element('h2', {}, title)), note ? element('p', { class: 'muted' }, note) : null, ...children));
+  }
+  contents(sections) {
+    return element('nav', { id: 'contents', 'aria-label': 'Contents' },
+      ...sections.map((section) => element('a', { href: `#${section.id}` }, section.dataset.title)));
+  }
+  /** What the address names is unfolded and brought into view. */
+  reveal() {
+    const wanted = location.hash.includes('=') ? null : document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!wanted || !byId('report').contains(wanted)) return;
+    for (const fold of [wanted.querySelector('details'), wanted.closest('details')]) if (fold) fold.open = true;
+    requestAnimationFrame(() => wanted.scrollIntoView({ block: 'start' }));
   }
 
   claims() {
@@ -110,14 +131,14 @@ export class Report {
       curves.content = content(); // drawn as soon as it has a width
       return card;
     });
-    return [this.section('study-figures', 'Figures', null, element('div', { class: 'cards' }, ...cards))];
+    return [this.folded('study-figures', 'Figures', null, false, element('div', { class: 'cards' }, ...cards))];
   }
 
   tables() {
     return list(this.study.tables).map((table) => {
       const numeric = list(table.columns).map((_, k) => list(table.rows).every((row) => typeof row[k] !== 'string'));
       const cell = (value, k) => element('td', { class: numeric[k] ? 'number' : null }, typeof value === 'number' ? figure(value) : (value ?? '–'));
-      return this.section(`table-${table.id}`, table.title, table.note,
+      return this.folded(`table-${table.id}`, table.title, table.note, list(table.rows).length > longest,
         element('div', { class: 'wide' },
           element('table', { class: 'figures' },
             element('thead', {}, element('tr', {}, ...list(table.columns).map((name, k) => element('th', { scope: 'col', class: numeric[k] ? 'number' : null }, name)))),
@@ -129,7 +150,7 @@ export class Report {
     const pictures = list(this.study.pictures);
     if (pictures.length === 0) return [];
     return [
-      this.section('pictures', 'Pictures', null,
+      this.folded('pictures', 'Pictures', null, false,
         element('div', { class: 'cards' },
           ...pictures.map((picture) => element('article', { class: 'figure', id: `picture-${picture.id}` }, element('h3', {}, picture.title), element('div', { class: 'drawing' }, drawing(picture)))))),
     ];
@@ -138,7 +159,7 @@ export class Report {
   settings() {
     const bodies = list(this.study.bodies).map((body) =>
       element('li', {}, `${body.name}: ${counted(body.vertices, 'vertex', 'vertices')}, ${counted(body.facets, 'facet')}, volume ${figure(body.volume)}`));
-    return this.section('settings', 'Settings', null,
+    return this.folded('settings', 'Settings', null, true,
       bodies.length ? element('ul', {}, ...bodies) : null,
       element('pre', {}, JSON.stringify(this.study.settings ?? {}, null, 2)));
   }

@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The spheres of a level set: one small ball drawn many times. Translucent, they show the skin of their union only.
+// The spheres of a level set: one polyhedron drawn many times, in which the shader finds the sphere. Translucent, they
+// show the skin of their union only.
 import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from 'three';
 import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
-/** Fineness of the drawn balls: edges along a side of the icosahedron's facets, less one. */
-const details = [1, 2, 3, 4, 6, 9, 14, 20];
-const mostFacets = 1.2e6;
-
-/** A ball whose facets touch the sphere of radius 1 at their middles; normalised, its vertices are its normals. */
-function ball(detail) {
+/** A polyhedron around the sphere of radius 1: where it is seen, the shader looks for the sphere itself. */
+function hull() {
+  const detail = 2; // edges along a side of the icosahedron's facets, less one
   const geometry = new IcosahedronGeometry(1, detail);
   geometry.deleteAttribute('normal');
   geometry.deleteAttribute('uv');
@@ -22,33 +20,49 @@ const vertexShader = `
 #include <clipping_planes_pars_vertex>
 attribute vec4 ball;
 attribute vec3 tint;
-varying vec3 vNormal, vToEye, vTint;
+varying vec3 vCentre, vOffset, vTint;
+varying vec2 vDepth;
+varying float vRadius;
 void main() {
-  vec4 mvPosition = modelViewMatrix * vec4(ball.xyz + ball.w * position, 1.0);
-  vNormal = normalMatrix * position; // normalised per pixel
-  vToEye = -mvPosition.xyz;
+  vCentre = (modelViewMatrix * vec4(ball.xyz, 1.0)).xyz;
+  vOffset = (modelViewMatrix * vec4(ball.w * position, 0.0)).xyz;
+  vRadius = ball.w;
   vTint = tint;
+  vDepth = vec2(projectionMatrix[2][2], projectionMatrix[3][2]);
+  vec4 mvPosition = vec4(vCentre + vOffset, 1.0);
   gl_Position = projectionMatrix * mvPosition;
   #include <clipping_planes_vertex>
 }`;
 
+// The ray of a pixel meets the sphere itself, and the depth is that of the sphere: polyhedra would pass through the body
+// where spheres nearly touch it, another way at every distance. Offsets are about the centre, so nothing cancels.
 const fragmentShader = `
 #include <clipping_planes_pars_fragment>
 uniform float opacity, glass;
 uniform vec3 rim;
-varying vec3 vNormal, vToEye, vTint;
+varying vec3 vCentre, vOffset, vTint;
+varying vec2 vDepth;
+varying float vRadius;
 void main() {
   #include <clipping_planes_fragment>
-  vec3 n = normalize(vNormal);
-  float facing = abs(dot(n, normalize(vToEye)));
+  vec3 ray = normalize(vCentre + vOffset);
+  vec3 across = vOffset - dot(vOffset, ray) * ray;
+  float inside = vRadius * vRadius - dot(across, across);
+  float border = fwidth(inside);
+  if (inside <= 0.0) discard;
+  vec3 point = across - sqrt(inside) * ray;
+  vec3 n = point / vRadius;
+  float z = vCentre.z + point.z;
+  gl_FragDepth = clamp(0.5 - 0.5 * (vDepth.x * z + vDepth.y) / z, 0.0, 1.0);
+  float facing = abs(dot(n, ray));
   float edge = pow(1.0 - facing, 2.6);
   float light = 0.80 + 0.26 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
-  float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), normalize(vToEye))), 28.0);
+  float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), -ray)), 28.0);
   vec3 colour = vTint * light + 0.14 * gloss;
   colour = mix(colour, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
   float alpha = mix(opacity, min(1.0, opacity + 0.55), edge);
   if (glass > 0.5) alpha = clamp(0.10 + 1.25 * edge, 0.0, 1.0);
-  gl_FragColor = vec4(colour, alpha);
+  gl_FragColor = vec4(colour, alpha * (border > 0.0 ? min(1.0, inside / border) : 1.0));
 }`;
 
 // Discs in which the section plane cuts the spheres: dark ones, then slightly smaller ones in colour over all of them, so
@@ -125,7 +139,6 @@ export class SpheresView {
     this.on = true;
     this.nodes = new Int32Array(0);
     this.room = 0;
-    this.pixels = 100;
   }
 
   theme(accent, rim, paper) {
@@ -140,26 +153,9 @@ export class SpheresView {
     this.pickedNode = -1;
   }
 
-  /**
-   * Balls just fine enough for the screen: typical ones are round to a third of a pixel.
-   * pixels: that one unit of length takes on the screen, at the middle of the picture.
-   */
-  refine(pixels) {
-    this.pixels = pixels;
-    if (!this.frame && this.frame !== 0) return false;
-    const radii = Array.from(this.nodes, (node) => this.scene.frames[this.frame][4 * node + 3]).sort((a, b) => a - b);
-    const typical = radii[Math.floor(0.9 * (radii.length - 1))] * pixels;
-    const edges = Math.PI * Math.sqrt(typical / 0.7); // around the equator, five times those of a facet's side
-    const count = this.nodes.length;
-    const fits = details.filter((d) => count * 20 * (d + 1) ** 2 <= mostFacets);
-    const detail = fits.find((d) => 5 * (d + 1) >= edges) ?? fits[fits.length - 1] ?? details[0];
-    if (detail === this.detail && count <= this.room) return false;
-    this.reserve(count, detail);
-    return true;
-  }
-
-  reserve(count, detail) {
-    this.detail = detail;
+  /** Room for so many spheres. */
+  reserve(count) {
+    if (count <= this.room) return;
     this.room = Math.max(count, 64);
     const instanced = (base) => {
       const made = new InstancedBufferGeometry();
@@ -169,7 +165,7 @@ export class SpheresView {
     };
     this.geometry?.dispose();
     this.discGeometry?.dispose();
-    this.geometry = instanced(ball(detail));
+    this.geometry = instanced(hull());
     this.discGeometry = instanced(new PlaneGeometry(1, 1));
     this.ball = new InstancedBufferAttribute(new Float32Array(4 * this.room), 4).setUsage(DynamicDrawUsage);
     this.tint = new InstancedBufferAttribute(new Float32Array(3 * this.room), 3).setUsage(DynamicDrawUsage);
@@ -184,12 +180,12 @@ export class SpheresView {
   /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
   pose(frame, level, colour) {
     Object.assign(this, { frame, colour, nodes: this.scene.levelSets[level] });
-    this.refine(this.pixels);
+    this.reserve(this.nodes.length);
     this.fill();
     this.mark();
   }
 
-  /** The spheres of now into the balls of now. */
+  /** The spheres of now into the attributes. */
   fill() {
     const { frame, colour } = this;
     const spheres = this.scene.frames[frame];
@@ -201,18 +197,13 @@ export class SpheresView {
     this.geometry.instanceCount = this.discGeometry.instanceCount = this.nodes.length;
   }
 
-  /** Finer or coarser balls for another distance, when they need it. */
-  zoom(pixels) {
-    if (this.refine(pixels)) this.fill();
-  }
-
   /** Outlines one node's sphere; -1: none. */
   mark(node = this.pickedNode) {
     this.pickedNode = node;
     this.picked.visible = node >= 0;
     if (!(node >= 0) || this.frame === undefined) return;
     const geometry = new InstancedBufferGeometry();
-    const base = ball(20);
+    const base = hull();
     geometry.setIndex(base.index);
     geometry.setAttribute('position', base.attributes.position);
     const sphere = this.scene.frames[this.frame].slice(4 * node, 4 * node + 4);

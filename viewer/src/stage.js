@@ -6,6 +6,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { PageError } from './decode.js';
 import { BodyView } from './body.js';
 import { SpheresView } from './spheres.js';
+import { ContactsView } from './contacts.js';
 import { styleValue } from './dom.js';
 
 const axes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
@@ -16,7 +17,7 @@ export class Stage {
     try {
       this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' });
     } catch {
-      throw new PageError('this browser gives no WebGL, which the picture needs: turn on hardware acceleration or try another browser');
+      throw new PageError('this browser gives no WebGL: turn on hardware acceleration or try another browser');
     }
     this.renderer.setClearColor(0, 0);
     this.renderer.localClippingEnabled = true;
@@ -45,13 +46,15 @@ export class Stage {
     this.planes = [];
     this.body = new BodyView();
     this.spheres = new SpheresView(this.plane);
-    this.scene.add(this.body.group, this.spheres.group);
+    this.contacts = new ContactsView();
+    this.scene.add(this.body.group, this.spheres.group, this.contacts.group);
 
+    this.onpick = () => {};
+    this.onlook = () => {};
     this.steer();
     this.watchPresses(canvas);
     new ResizeObserver(() => this.resize()).observe(place);
     canvas.addEventListener('webglcontextrestored', () => this.ask());
-    this.onpick = () => {};
     this.box = { low: [0, 0, 0], high: [1, 1, 1] };
     this.resize();
   }
@@ -61,17 +64,20 @@ export class Stage {
     this.controls?.dispose();
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => {
-      this.zoom();
       this.ask();
+      this.onlook();
     });
   }
 
-  /** Tells the spheres how large they are on the screen. */
-  zoom() {
-    const distance = this.camera.position.distanceTo(this.controls.target);
-    const height = this.place.clientHeight * this.renderer.getPixelRatio();
-    const pixels = height / (2 * Math.tan(0.5 * this.camera.fov * (Math.PI / 180)) * distance);
-    if (pixels > 0 && Number.isFinite(pixels)) this.spheres.zoom(pixels);
+  /** Near and far planes close around what is there: depths that nearly agree stay in order. */
+  enclose() {
+    const { low, high } = this.box;
+    const center = new Vector3(...low.map((x, k) => 0.5 * (x + high[k])));
+    const reach = 1.5 * Math.hypot(...low.map((x, k) => high[k] - x)) || 1; // spheres stick out of the body
+    const distance = this.camera.position.distanceTo(center);
+    this.camera.near = Math.max(distance - reach, 0.004 * reach);
+    this.camera.far = distance + reach;
+    this.camera.updateProjectionMatrix();
   }
 
   /** Draws in the next frame of the screen, once, however often asked. */
@@ -80,13 +86,18 @@ export class Stage {
     this.asked = true;
     requestAnimationFrame(() => {
       this.asked = false;
-      // Seen from the side that is cut away, nothing is in front of the plane; what is cut along it has depths too
-      // uncertain to compare with.
-      const open = this.plane.distanceToPoint(this.camera.position) < 0;
-      for (const material of [this.body.cap.material, ...this.spheres.disc]) material.depthTest = !open;
-      this.renderer.render(this.scene, this.camera);
-      this.place.dataset.drawn = String(1 + Number(this.place.dataset.drawn ?? 0));
+      this.draw();
     });
+  }
+
+  draw() {
+    this.enclose();
+    // Seen from the side that is cut away, nothing is in front of the plane; what is cut along it has depths too
+    // uncertain to compare with.
+    const open = this.plane.distanceToPoint(this.camera.position) < 0;
+    for (const material of [this.body.cap.material, ...this.spheres.disc]) material.depthTest = !open;
+    this.renderer.render(this.scene, this.camera);
+    this.place.dataset.drawn = String(1 + Number(this.place.dataset.drawn ?? 0));
   }
 
   resize() {
@@ -97,13 +108,13 @@ export class Stage {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.zoom();
     if (wasNarrow !== this.camera.aspect < 1 && !this.turned) this.fit();
     this.ask();
   }
 
   theme() {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
+    this.contacts.theme(new Color(styleValue('--ink')));
     // The spheres' shaders write colours as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
     this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));
@@ -156,12 +167,34 @@ export class Stage {
     const wide = 0.5 * size[across] + 0.15 * size[along];
     const distance = 0.5 * size[along] + Math.max(high, wide / this.camera.aspect, 0.3 * radius) * (1.08 / Math.tan(angle));
     this.camera.position.copy(center).addScaledVector(toward, distance);
-    this.camera.near = radius * 0.01;
-    this.camera.far = radius * 60;
-    this.camera.updateProjectionMatrix();
     this.controls.target.copy(center);
     this.controls.minDistance = 0.15 * radius;
     this.controls.maxDistance = 20 * radius;
+    this.controls.update();
+    this.ask();
+  }
+
+  /** Middle and half diagonal of the box. */
+  frameOfBox() {
+    const { low, high } = this.box;
+    return [new Vector3(...low.map((x, k) => 0.5 * (x + high[k]))), 0.5 * Math.hypot(...low.map((x, k) => high[k] - x)) || 1];
+  }
+  /** Where the camera stands, where it looks, and up: 'x,y,z,x,y,z,up', about the middle of the box, in half diagonals. */
+  look() {
+    const [center, radius] = this.frameOfBox();
+    const numbers = [this.camera.position, this.controls.target].flatMap((p) => p.clone().sub(center).divideScalar(radius).toArray());
+    return [...numbers.map((x) => String(Number(x.toFixed(4)))), this.up].join(',');
+  }
+  /** What look() returned, of this body or another. Nothing happens when it is none. */
+  lookAs(text) {
+    const parts = String(text).split(',');
+    const numbers = parts.slice(0, 6).map((part) => (part.trim() === '' ? NaN : Number(part)));
+    if (parts.length !== 7 || !(parts[6] in axes) || !numbers.every((x) => Math.abs(x) <= 1e4)) return;
+    const [center, radius] = this.frameOfBox();
+    this.fit(parts[6]);
+    this.turned = true;
+    this.camera.position.fromArray(numbers, 0).multiplyScalar(radius).add(center);
+    this.controls.target.fromArray(numbers, 3).multiplyScalar(radius).add(center);
     this.controls.update();
     this.ask();
   }

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <morula/generators/build.hpp>
 #include <morula/io/ball_file.hpp>
@@ -28,7 +30,7 @@ struct Options {
   std::string output;
   std::string method{name(BuildOptions{}.method)};
   int branching = BuildOptions{}.branching;
-  int depth = BuildOptions{}.depth;
+  std::optional<int> depth;  // nothing: automatic
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion;
   std::uint64_t seed = BuildOptions{}.seed;
@@ -40,7 +42,6 @@ struct Options {
   unsigned threads = 0;
   bool json = false;
   bool report = false;
-  bool depth_given = false;
 
   /// A flat set is asked for instead of a depth.
   bool flat() const { return spheres || max_protrusion; }
@@ -48,7 +49,7 @@ struct Options {
 
 /// Contradictions and outputs that cannot be: before anything is read.
 void require_sense(const Options& o) {
-  if (o.flat() && o.depth_given) {
+  if (o.flat() && o.depth) {
     throw UsageError(
         fmt::format("{} and --depth contradict each other: leave out one; the tree becomes as deep as needed",
                     o.spheres ? "--spheres" : "--max-protrusion"));
@@ -149,8 +150,9 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   options.stop = interrupt.token();
   const CoveredTree built = [&] {
     Progress progress(fmt::format("building {}", o.method));
-    options.progress = [&](const BuildProgress& now) {
-      const std::string last = o.flat() ? "" : fmt::format(" of {}", o.depth);
+    const int depth = o.depth.value_or(automatic_depth(mesh.facet_count(), o.branching));
+    options.progress = [&, depth](const BuildProgress& now) {
+      const std::string last = o.flat() ? "" : fmt::format(" of {}", depth);
       progress.update(now.share,
                       fmt::format("building {}, level {}{}{}", o.method, now.level, last, time_left(now.seconds_left)));
     };
@@ -195,6 +197,13 @@ int build_command(const Options& o) {
   }
 }
 
+/// "auto" is nothing. `text` is that or a whole number of 64 bits.
+std::optional<int> parse_depth(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  using Int = std::numeric_limits<int>;
+  return static_cast<int>(std::clamp<std::int64_t>(std::stoll(text), Int::min(), Int::max()));
+}
+
 }  // namespace
 
 void add_build(CLI::App& app, Run& run) {
@@ -213,10 +222,15 @@ void add_build(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number(2, max_branching))
       ->capture_default_str();
-  command->add_option("--depth", o->depth, fmt::format("Levels below the root, 0 to {}", max_depth))
+  command
+      ->add_option_function<std::string>(
+          "--depth", [o](const std::string& text) { o->depth = parse_depth(text); },
+          "Levels below the root, 0 to 8, or auto: no more leaves than a quarter of the facets, nor than 512")
       ->type_name("N")
-      ->transform(whole_number(0, max_depth))
-      ->capture_default_str();
+      ->transform(CLI::Validator([check = whole_number(0, max_depth)](
+                                     std::string& text) { return text == "auto" ? std::string() : check(text); },
+                                 ""))
+      ->default_str("auto");
   command
       ->add_option("--spheres", o->spheres,
                    "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
@@ -258,10 +272,7 @@ void add_build(CLI::App& app, Run& run) {
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer("Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");
-  command->callback([o, command, &run] {
-    o->depth_given = command->count("--depth") > 0;
-    run = [o] { return build_command(*o); };
-  });
+  command->callback([o, &run] { run = [o] { return build_command(*o); }; });
 }
 
 }  // namespace morula::cli

@@ -13,11 +13,13 @@
 #include <morula/io/whole_output.hpp>
 
 #include "commands/collide_bodies.hpp"
+#include "commands/collide_page.hpp"
 #include "commands/collide_report.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
+#include "shared/plots.hpp"
 #include "shared/progress.hpp"
 
 namespace morula::cli {
@@ -34,6 +36,8 @@ struct Options {
   std::optional<std::uint32_t> level;
   double margin = 0;
   std::string output;
+  std::string page;
+  std::string plot;
   unsigned threads = 0;
   bool json = false;
 };
@@ -112,6 +116,14 @@ int collide_command(const Options& o) {
     require_output_place(o.output);
     require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
+  require_plot_output(o.plot, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
+  if (!o.page.empty()) {
+    if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
+    if (const std::string ending = extension(o.page); ending != ".html" && ending != ".htm")
+      throw UsageError(fmt::format("--page {}: pages are written as .html", o.page));
+    require_output_place(o.page);
+    require_not_input(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
+  }
   Workers workers = make_workers(o.threads);
   Side a(o.a, o.sph_origin), b(o.b, o.sph_origin);
   a.prepare(rules, o.sph_origin, workers);
@@ -125,27 +137,36 @@ int collide_command(const Options& o) {
 
   CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
+  std::optional<CollidePage> page;
+  if (!o.page.empty()) page.emplace(a, b, o.rule);
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
       progress.update(static_cast<double>(frame) / static_cast<double>(count));
       frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
+      if (page) page->add(a, b, frames.back());
     }
   }
   if (!o.output.empty()) {
     write_whole(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
     note_written(o.output);
   }
+  if (page) {
+    write_whole(o.page, page->text());
+    note_written(o.page);
+  }
   const CollideRun run{.mesh_a = a.name(),
                        .mesh_b = b.name(),
                        .rule = o.rule,
                        .budget = o.budget,
                        .output = o.output,
+                       .page = o.page,
                        .exact = o.exact,
                        .built_a = a.tree_was_built(),
                        .built_b = b.tree_was_built(),
                        .threads = workers.thread_count()};
+  write_plot(o.plot, collide_plot(run, frames));
   if (o.json) {
     print_json(collide_json(run, frames));
   } else {
@@ -199,6 +220,9 @@ void add_collide(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   command->add_option("-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
       ->type_name("FILE");
+  command->add_option("--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
+      ->type_name("PAGE");
+  add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(

@@ -11,6 +11,7 @@
 
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
+#include "shared/plots.hpp"
 #include "shared/table.hpp"
 
 namespace morula::cli {
@@ -108,13 +109,30 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
                                               : "B");
   }
   if (!run.output.empty()) fmt::format_to(out, "written   {}\n", run.output);
+  if (!run.page.empty()) fmt::format_to(out, "written   {}: open it in a browser\n", run.page);
   return text;
+}
+
+study::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames) {
+  study::Plot plot{.title = fmt::format("{} and {}", run.mesh_a, run.mesh_b), .x_label = "frame", .panels = {}};
+  const auto add = [&](const std::string& name, const std::string& unit, const auto& figure_of) {
+    std::vector<std::optional<double>> values;
+    for (const CollidedFrame& frame : frames) values.push_back(static_cast<double>(figure_of(frame)));
+    const std::size_t color = plot.panels.size();
+    plot.panels.push_back({.label = name + unit, .lines = {line_over_frames(name, std::move(values), color)}});
+  };
+  add("contacts", "", [](const CollidedFrame& f) { return f.contacts.size(); });
+  add("deepest", ", mesh units", [](const CollidedFrame& f) { return f.deepest(); });
+  add("pair tests", "", [](const CollidedFrame& f) { return f.pair_tests; });
+  if (run.exact) add("facet pairs", "", [](const CollidedFrame& f) { return f.crossings.size(); });
+  return plot;
 }
 
 Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frames) {
   Json json{
       {"a", run.mesh_a}, {"b", run.mesh_b}, {"rule", run.rule}, {"threads", run.threads}, {"frames", Json::array()}};
   if (!run.budget.empty()) json["budget"] = run.budget;
+  if (!run.page.empty()) json["page"] = run.page;
   for (const CollidedFrame& f : frames) {
     Json frame{{"a", f.name_a},
                {"b", f.name_b},

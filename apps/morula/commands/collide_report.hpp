@@ -5,6 +5,7 @@
 
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
+#include <morula/study/svg_plot.hpp>
 #include <string>
 #include <vector>
 
@@ -27,13 +28,15 @@ struct CollidedFrame {
 };
 
 struct CollideRun {
-  std::string mesh_a, mesh_b, rule, budget, output;
+  std::string mesh_a, mesh_b, rule, budget, output, page{};
   bool exact = false;
   bool built_a = false, built_b = false;
   unsigned threads = 1;
 };
 
 std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames);
+/// Contacts, their greatest depth and pair tests over the frames; with --exact, pairs of facets.
+study::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 std::string contacts_csv(const std::vector<CollidedFrame>& frames);
 std::string crossings_csv(const std::vector<CollidedFrame>& frames);

@@ -20,6 +20,7 @@
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
+#include "shared/plots.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
 
@@ -36,6 +37,7 @@ struct Options {
   bool no_protrusion = false;
   std::string sph_origin = "none";
   std::string csv;
+  std::string plot;
   unsigned threads = 0;
   bool json = false;
 };
@@ -182,6 +184,7 @@ void require_csv_not_input(const Options& o) {
 }
 
 int measure_command(const Options& o) {
+  require_plot_output(o.plot, {o.mesh, o.trees, o.motion});
   if (!o.csv.empty()) {
     require_output_place(o.csv);
     require_csv_not_input(o);
@@ -194,6 +197,7 @@ int measure_command(const Options& o) {
     write_whole(o.csv, csv_text(frames));
     note_written(o.csv);
   }
+  write_plot(o.plot, measure_plot(fmt::format("{}: looseness and bare area", o.mesh), frames));
   if (!o.json) {
     print_text(o, rest, frames);
     return exit_done;
@@ -241,6 +245,7 @@ void add_measure(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   command->add_option("--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");
+  add_plot(*command, o->plot, "looseness and bare area over the frames, or over the levels of one");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(

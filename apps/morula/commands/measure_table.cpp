@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "shared/figures.hpp"
+#include "shared/plots.hpp"
 #include "shared/table.hpp"
 
 namespace morula::cli {
@@ -18,7 +19,25 @@ struct Columns {
   bool protrusion;
 };
 
-void add_level(Table& table, const Columns& columns, const std::string& frame, const LevelMeasure& level) {
+using Values = std::vector<std::optional<double>>;
+
+/// Of one level over the frames.
+template <class Figure>
+Values over_frames(const std::vector<MeasuredFrame>& frames, std::size_t level, const Figure& figure_of) {
+  Values values;
+  for (const MeasuredFrame& frame : frames)
+    values.push_back(level < frame.levels.size() ? figure_of(frame.levels[level]) : std::nullopt);
+  return values;
+}
+std::optional<double> looseness_of(const LevelMeasure& level) {
+  return level.looseness.looseness;
+}
+std::optional<double> bare_of(const LevelMeasure& level) {
+  return 100 * level.coverage.bare_area;
+}
+
+void add_level(Table& table, const Columns& columns, const std::string& frame, const LevelMeasure& level,
+               const std::string& drawing) {
   std::vector<std::string> cells;
   if (columns.frame) cells.push_back(level.level == 0 ? frame : std::string());
   for (std::string cell :
@@ -31,6 +50,7 @@ void add_level(Table& table, const Columns& columns, const std::string& frame, c
     cells.push_back(level.protrusion ? figure(level.protrusion->worst) : "n/a");
     cells.push_back(level.protrusion ? figure(level.protrusion->mean) : "n/a");
   }
+  cells.push_back(drawing);
   table.add(std::move(cells));
 }
 
@@ -73,15 +93,51 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
   std::vector<std::string> header{"level", "spheres", "looseness", "missed", "bare area", "gap", "covered"};
   if (columns.frame) header.insert(header.begin(), "frame");
   if (columns.protrusion) header.insert(header.end(), {"protrusion", "mean"});
-  Table table(header, columns.frame ? 1 : 0);
+  header.emplace_back(columns.frame ? "looseness over the frames" : "looseness below the root");
+  Table table(header, columns.frame ? 1 : 0, true);
+  // The root is one ball, far looser than all below it.
+  double loosest = 0;
+  for (const LevelMeasure& level : worst)
+    if (level.level > 0) loosest = std::max(loosest, looseness_of(level).value_or(0));
+  constexpr std::size_t width = 24;
   for (const MeasuredFrame& frame : frames) {
-    for (const LevelMeasure& level : frame.levels) add_level(table, columns, frame.name, level);
+    for (const LevelMeasure& level : frame.levels) {
+      const bool drawn = !columns.frame && level.level > 0 && loosest > 0;
+      add_level(table, columns, frame.name, level,
+                drawn ? bar(looseness_of(level).value_or(0) / loosest, width) : std::string());
+    }
   }
   if (columns.frame) {
     table.add_rule();
-    for (const LevelMeasure& level : worst) add_level(table, columns, "worst", level);
+    for (const LevelMeasure& level : worst)
+      add_level(table, columns, "worst", level, sparkline(over_frames(frames, level.level, looseness_of), width));
   }
   return table.text();
+}
+
+study::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames) {
+  const std::vector<LevelMeasure> worst = worst_of(frames);
+  study::Plot plot{.title = title, .x_label = frames.size() > 1 ? "frame" : "level", .panels = {}};
+  // As in the table, the root is left out where there is more.
+  const std::size_t first = worst.size() > 1 ? 1 : 0;
+  const auto add = [&](const std::string& name, const std::string& unit, const auto& figure_of) {
+    study::PlotPanel panel{.label = name + ", " + unit, .lines = {}};
+    Values values;
+    for (std::size_t level = first; level < worst.size(); ++level) {
+      if (frames.size() > 1)
+        panel.lines.push_back(
+            line_over_frames(fmt::format("level {}", level), over_frames(frames, level, figure_of), level));
+      values.push_back(figure_of(worst[level]));
+    }
+    if (frames.size() == 1) panel.lines.push_back(line_over_frames(name, values, 0));
+    plot.panels.push_back(std::move(panel));
+  };
+  if (frames.size() == 1)
+    for (std::size_t level = first; level < worst.size(); ++level)
+      plot.x_names.push_back(fmt::format("{} ({})", level, counted(worst[level].spheres, "sphere")));
+  add("looseness", "object volumes", looseness_of);
+  add("bare area", "%", bare_of);
+  return plot;
 }
 
 std::string cover_sentence(const std::vector<LevelMeasure>& worst) {

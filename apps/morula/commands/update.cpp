@@ -19,6 +19,7 @@
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
 #include "shared/options.hpp"
+#include "shared/plots.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
 
@@ -37,6 +38,7 @@ struct Options {
   bool conservative = false;
   bool check = true;
   bool measure = false;
+  std::string plot;
   unsigned threads = 0;
   bool json = false;
 };
@@ -50,7 +52,38 @@ struct Outcome {
   double worst_excess = 0;
   std::string worst_frame;
   std::vector<MeasuredFrame> measured;  // with --measure
+  /// With --plot: [level][frame], the sum of radii over that at rest.
+  std::vector<std::vector<std::optional<double>>> growth;
 };
+
+void add_growth(Outcome& outcome, const Body& body) {
+  const SphereTree& rest = body.rest_tree();
+  const auto spheres = body.pose().spheres;
+  outcome.growth.resize(rest.level_count());
+  for (std::size_t level = 0; level < rest.level_count(); ++level) {
+    double now = 0, before = 0;
+    for (const std::uint32_t node : level_set(rest, level)) {
+      now += static_cast<double>(spheres[node].radius);
+      before += rest.spheres[node].radius;
+    }
+    outcome.growth[level].push_back(before > 0 ? std::optional(now / before) : std::nullopt);
+  }
+}
+
+study::Plot update_plot(const Options& o, const Outcome& outcome) {
+  study::Plot plot{.title = fmt::format("{}: spheres in motion", o.tree), .x_label = "frame", .panels = {}};
+  study::PlotPanel growth{.label = "radii, of those at rest", .lines = {}};
+  for (std::size_t level = outcome.growth.size() > 1 ? 1 : 0; level < outcome.growth.size(); ++level)
+    growth.lines.push_back(line_over_frames(fmt::format("level {}", level), outcome.growth[level], level));
+  plot.panels.push_back(std::move(growth));
+  if (o.measure) {
+    for (study::PlotPanel& panel : measure_plot({}, outcome.measured).panels) plot.panels.push_back(std::move(panel));
+    if (outcome.measured.size() == 1) plot.panels.resize(1);
+  }
+  std::vector<std::optional<double>> times(outcome.microseconds.begin(), outcome.microseconds.end());
+  plot.panels.push_back({.label = "update, µs", .lines = {line_over_frames("time", std::move(times), 7)}});
+  return plot;
+}
 
 /// One lattice for all frames and levels, so that their figures compare.
 MeasureOptions measure_options(const Mesh& rest) {
@@ -89,6 +122,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
           {frames.name(i), o.tree,
            measure({positions, rest.facets}, body.current_tree(), measure_options(rest), workers)});
     }
+    if (!o.plot.empty()) add_growth(outcome, body);
     output.write(body);
   }
   return outcome;
@@ -197,6 +231,8 @@ int update_command(const Options& given) {
   UpdateOptions options = update_options(o);
   require_rules_followed(options.rules, o.files);
   const std::string format = sphere_format(o.format, o.output);
+  require_plot_output(o.plot, {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin,
+                               o.files.transforms, o.output});
   Workers workers = make_workers(o.threads);
   const Mesh mesh = read_mesh(o.mesh);
   Frames frames(o.files, mesh);
@@ -216,6 +252,7 @@ int update_command(const Options& given) {
   const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
   output.commit();
   note_written(o.output);
+  write_plot(o.plot, update_plot(o, outcome));
   if (o.json) {
     print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
   } else {
@@ -276,6 +313,7 @@ void add_update(CLI::App& app, Run& run) {
   command->add_flag("--check,!--no-check", o->check,
                     "Check the certificate of levels that promise cover in every frame (default: on)");
   command->add_flag("--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
+  add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and bare area too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   command->footer(

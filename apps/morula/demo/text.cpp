@@ -145,11 +145,11 @@ std::string approach1_finding(const Demo& demo) {
 }
 
 std::string cost_finding(const Demo& demo) {
-  const auto growth = [](const Cell& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
+  const auto loosening = [](const Cell& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
   const Cell* most = nullptr;
   for (const Cell& cell : demo.result.cells) {
     if (!is(demo, cell, Rule::exact) || rest_looseness(cell) == 0) continue;
-    if (most == nullptr || growth(cell) > growth(*most)) most = &cell;
+    if (most == nullptr || loosening(cell) > loosening(*most)) most = &cell;
   }
   // Of the largest body; among its trees the last, whose method is the default one.
   const TreeFigures* largest = &demo.result.trees.front();

@@ -15,7 +15,8 @@ std::size_t width(const std::string& text) {
 
 }  // namespace
 
-Table::Table(std::vector<std::string> header, std::size_t left_columns) : left_columns_(left_columns) {
+Table::Table(std::vector<std::string> header, std::size_t left_columns, bool last_is_drawn)
+    : left_columns_(left_columns), last_is_drawn_(last_is_drawn) {
   rows_.push_back(std::move(header));
 }
 
@@ -44,9 +45,10 @@ std::string Table::text() const {
         continue;
       }
       const std::size_t padding = widths[c] - width(row[c]);
-      if (c >= left_columns_) line.append(padding, ' ');
+      const bool left = c < left_columns_ || (last_is_drawn_ && c + 1 == columns);
+      if (!left) line.append(padding, ' ');
       line += row[c];
-      if (c < left_columns_) line.append(padding, ' ');
+      if (left) line.append(padding, ' ');
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + '\n';

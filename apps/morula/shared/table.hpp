@@ -8,10 +8,10 @@
 
 namespace morula::cli {
 
-/// The first `left_columns` columns are flush left, the others flush right.
+/// The first `left_columns` columns are flush left, and so is the last one when it is drawn; the others flush right.
 class Table {
  public:
-  explicit Table(std::vector<std::string> header, std::size_t left_columns = 1);
+  explicit Table(std::vector<std::string> header, std::size_t left_columns = 1, bool last_is_drawn = false);
   /// Missing cells are empty.
   void add(std::vector<std::string> cells);
   /// A line between groups of rows.
@@ -21,6 +21,7 @@ class Table {
 
  private:
   std::size_t left_columns_;
+  bool last_is_drawn_;
   std::vector<std::vector<std::string>> rows_;  // the header first; a row without cells is a rule
 };
 

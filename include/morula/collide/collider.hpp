@@ -38,7 +38,7 @@ class Collider {
   /// follows coordinates alone. A body that was given positions needs no call: they are read where it keeps the view.
   /// The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
   void set_positions(const PositionView& positions);
-  /// In the body's own frame: as they were given, not placed. At rest the mesh's.
+  /// In the body's own coordinates: as they were given, not placed. At rest the mesh's.
   const PositionView& positions() const {
     if (given_ && given_frame_ == pose_->frame) return *given_;
     return pose_->positions ? *pose_->positions : *rest_;

@@ -33,7 +33,7 @@ struct Front {
     Side a, b;
     Verdict roots = Verdict::untested;
     std::uint32_t opened_roots = none;  ///< in `opened`
-    std::array<Vec3, 3> rows;           ///< from b's local frame to a's
+    std::array<Vec3, 3> rows;           ///< from b's own coordinates to a's
     Vec3 translation;
     double pad = 0;       ///< what pair tests add to the radii, margin included: more when far from the origin
     double rounding = 0;  ///< verdicts on pairs that are nearer to touching than this may change by rounding alone

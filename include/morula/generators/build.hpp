@@ -65,7 +65,8 @@ struct BuildProgress {
 struct BuildOptions {
   Method method = Method::morula;
   int branching = 8;  ///< most children of a node, 2…64
-  int depth = 3;      ///< levels below the root, 0…8; without effect when one of the next two is given
+  /// Levels below the root, 0…8; nothing: automatic_depth. Without effect when one of the next two is given.
+  std::optional<int> depth{};
   /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
   /// leaves. The tree above it is as deep as it needs to be, up to max_depth.
   std::size_t spheres = 0;
@@ -94,6 +95,12 @@ class BuildStopped : public std::runtime_error {
  public:
   BuildStopped() : std::runtime_error("build: stopped on request") {}
 };
+
+/// Depth of a tree that is not told how deep to be: the most levels, at most 8, whose leaves number at most 512 and at
+/// most a quarter of the facets; at least 1. With branching 8: 1 below 256 facets, 2 below 2,048, 3 from there on.
+/// Finer leaves cost time in every update and follow the facets' corners, not the shape. facet_count: of the mesh.
+/// branching: at least 2.
+int automatic_depth(std::size_t facet_count, int branching);
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
 /// disjoint, and a node's region is the union of its children's (region wrapping; child spheres may stick out of their

@@ -26,8 +26,8 @@ struct RigidTransform {
   bool operator==(const RigidTransform&) const = default;
 };
 
-/// What p does in the frame of `frame`: frame⁻¹ ∘ p.
-RigidTransform relative_to(const RigidTransform& frame, const RigidTransform& p);
+/// What p does in the coordinates of `base`: base⁻¹ ∘ p.
+RigidTransform relative_to(const RigidTransform& base, const RigidTransform& p);
 RigidTransform inverse(const RigidTransform& t);
 
 /// Largest |(R Rᵀ − I)_ij|: 0 for a perfect rotation; infinity when an entry or the translation is not finite, or when

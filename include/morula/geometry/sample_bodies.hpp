@@ -21,6 +21,7 @@ std::span<const std::string_view> sample_body_names();
 ///   blob     a ball with six smooth lobes
 ///   plate    thin box, 4 × 0.1 × 2
 ///   two      two links of a chain that do not touch: two components
+///   tool     a probe to touch others with: a handle, a thin shaft and a narrow round tip, 3 long
 /// Bodies lie along x and about the origin.
 /// resolution: edges around or along the body; 48 gives 2,700 to 5,800 facets, and their number grows with its square.
 /// Throws std::invalid_argument for an unknown name (listing the known ones) or a resolution outside 3…4096.

@@ -29,4 +29,10 @@ struct ModalCoordinates {
 /// read_modes.
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count);
 
+/// Arrays of float64 that read_modes and read_coordinates read back to the bit. A file appears when it is complete, in
+/// the place of an older one. Throws FileError when it cannot be written, std::invalid_argument for sizes that do not
+/// fit.
+void write_modes(const std::filesystem::path& path, const Modes& modes);
+void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates);
+
 }  // namespace morula

@@ -17,7 +17,9 @@ struct MotionOptions {
   std::size_t animation = 0;      ///< which one, where a file has several
 };
 
+namespace detail {
 class FrameSource;
+}
 
 /// Frames are read one at a time; a motion of any length fits in memory.
 class Motion {
@@ -41,8 +43,8 @@ class Motion {
   void require_frames_of(const std::filesystem::path& file, std::size_t vertex_count,
                          std::span<const Facet> facets) const;
 
-  std::vector<std::filesystem::path> files_;   // one per frame, or the one that holds all
-  std::shared_ptr<const FrameSource> source_;  // of a file that holds an animation or an array
+  std::vector<std::filesystem::path> files_;           // one per frame, or the one that holds all
+  std::shared_ptr<const detail::FrameSource> source_;  // of a file that holds an animation or an array
   std::size_t frame_count_ = 0;
   std::size_t vertex_count_ = 0;
   std::vector<Facet> facets_;

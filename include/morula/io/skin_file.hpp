@@ -32,4 +32,10 @@ struct BoneFrames {
 BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count,
                             const MotionOptions& options = {});
 
+/// Arrays of float64, of the shapes above. Transforms come back to the bit, and so do weights whose rows add up to
+/// exactly 1. A file appears when it is complete, in the place of an older one. Throws FileError when it cannot be
+/// written, std::invalid_argument for sizes that do not fit.
+void write_skin(const std::filesystem::path& path, const Skin& skin);
+void write_bone_frames(const std::filesystem::path& path, const BoneFrames& frames);
+
 }  // namespace morula

@@ -10,7 +10,9 @@
 
 namespace morula {
 
+namespace detail {
 class StoredZip;
+}
 
 /// Writes a .npz: arrays `spheres` (frames, nodes, 4), float64, x y z r in mesh units, and the tree, int32:
 /// `level_begin` (levels + 1), `parent`, `first_child`, `child_count` (nodes); -1 for the parent of the root and the
@@ -35,7 +37,7 @@ class SphereFramesWriter {
   SphereTree tree_;
   std::size_t frame_count_;
   std::size_t written_ = 0;
-  std::unique_ptr<StoredZip> archive_;
+  std::unique_ptr<detail::StoredZip> archive_;
   std::string chunk_;
 };
 

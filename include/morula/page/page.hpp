@@ -22,6 +22,13 @@ struct PageMotion {
   std::vector<std::vector<Vec3>> frames;  ///< at least one
 };
 
+/// A mark on the picture: where two bodies touch.
+struct PageContact {
+  Vec3 point;        ///< where the motion's vertices are: in the world
+  Vec3 normal;       ///< unit
+  double depth = 0;  ///< length of the mark along the normal
+};
+
 /// The spheres of a tree that follow one motion by one rule.
 struct PageScene {
   std::size_t motion = 0;  ///< index into PageContent::motions
@@ -32,6 +39,7 @@ struct PageScene {
   std::vector<std::vector<LevelMeasure>> measured;  ///< per frame and level; empty when not measured
   /// Per frame and node: share of the sphere's volume outside the body, 0 to 1; empty when not measured.
   std::vector<std::vector<float>> empty_share;
+  std::vector<std::vector<PageContact>> contacts{};  ///< per frame of the motion; empty when there is nothing to mark
 };
 
 /// At least one scene. The page shows the first, and lets the reader choose when there are more.

@@ -5,7 +5,7 @@
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 /// What the others have to reproduce.
@@ -55,4 +55,4 @@ const BoxKernels& box_kernels() {
   return table.widest();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

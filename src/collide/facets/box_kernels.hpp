@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// lower x, y, z, then upper; closed. Empty: meets nothing.
 struct FloatBox {
@@ -51,4 +51,4 @@ std::span<const BoxKernels> all_box_kernels();
 /// The widest.
 const BoxKernels& box_kernels();
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace morula {
+namespace morula::detail {
 
 void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
                         Contacts& result) {
@@ -89,4 +89,4 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

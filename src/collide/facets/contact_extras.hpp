@@ -9,7 +9,7 @@
 #include "collide/facets/contact_surface.hpp"
 #include "collide/pairs/meter.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct ColliderPair {
   const Collider *a, *b;
@@ -42,4 +42,4 @@ class ContactExtras {
   std::vector<Inside> inside_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 #include <morula/geometry/scale.hpp>
 #include <numbers>
 
-namespace morula {
+namespace morula::detail {
 
 // Let D be the distance of centres, R_a and R_b the radii grown by half the margin and by what the test allows for
 // rounding: the regions' common points (with a margin, middles of near points) are in both grown spheres. The middle p
@@ -28,8 +28,8 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 
-  const double growth = 0.5 * placed.margin + placed.growth(a, b);
-  const double grown_a = radius_a + growth, grown_b = radius_b + growth;
+  const double allowance = 0.5 * placed.margin + placed.allowance(a, b);
+  const double grown_a = radius_a + allowance, grown_b = radius_b + allowance;
   // Where centres coincide but for rounding, any direction is as good.
   const bool coincide = !(distance > 0x1p-20 * sum);
   if (coincide || distance <= std::abs(radius_a - radius_b)) {
@@ -59,4 +59,4 @@ float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b
   return static_cast<float>(sum > 0 ? (sum - distance) / sum : -distance);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,9 +5,9 @@
 
 #include <morula/collide/contacts.hpp>
 
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Writes all but Contact::bodies, the nodes and `finished`. [hubbard1996; dingliana2000]
 void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact);
@@ -15,4 +15,4 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
 /// (r_a + r_b + margin - distance) over r_a + r_b + margin: above 0 where spheres overlap, 1 where centres coincide.
 float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
-// and of the point; A the same in the body's frame. Coordinates in float are off by less than 2^-24 M + 2^-53 A, so a
-// gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. closest_point() may return a point
-// of the facet's plane outside the facet: its barycentric coordinates are off by less than 2^13 e L² / edge², e = 2^-53
-// and L <= 2^13 extent the distance of the point, where the facet is regular; that shortens a distance by less than
-// 2^-25 of it. Its own rounding is below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the
+// and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M + 2^-53
+// A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. closest_point() may return a
+// point of the facet's plane outside the facet: its barycentric coordinates are off by less than 2^13 e L² / edge², e =
+// 2^-53 and L <= 2^13 extent the distance of the point, where the facet is regular; that shortens a distance by less
+// than 2^-25 of it. Its own rounding is below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the
 // least distance by 2^-18 M + 2^-48 A. Nothing is left out for points farther away than 2^12 extents.
 #include "collide/facets/contact_surface.hpp"
 
@@ -15,7 +15,7 @@
 
 #include "collide/facets/corner_reader.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Nearest {
@@ -30,7 +30,7 @@ struct Nearest {
   }
 };
 
-Vec3 in_frame_of(const Collider& collider, const Vec3& point) {
+Vec3 in_coordinates_of(const Collider& collider, const Vec3& point) {
   return collider.placement().turn_back(point - collider.placement().translation);
 }
 SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
@@ -112,16 +112,17 @@ void SurfaceScratch::start(const Collider& a, const Collider& b) {
 
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch) {
   LeafSurfaces& surfaces = scratch.of(collider);
-  const Vec3 p = in_frame_of(collider, point);
+  const Vec3 p = in_coordinates_of(collider, point);
   Nearest nearest;
   surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) { search(surfaces, leaf, p, scratch.gaps, nearest); });
   return placed(collider, nearest);
 }
 
-SurfacePoint brute_force::nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point) {
+SurfacePoint nearest_facet_by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point) {
   const CornerReader corners(collider);
   Nearest nearest;
-  for (const std::uint32_t facet : collider.facets(node)) nearest.look_at(corners, facet, in_frame_of(collider, point));
+  for (const std::uint32_t facet : collider.facets(node))
+    nearest.look_at(corners, facet, in_coordinates_of(collider, point));
   return placed(collider, nearest);
 }
 
@@ -157,4 +158,4 @@ ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Co
           std::max(0.0, least)};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

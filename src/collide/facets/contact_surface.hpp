@@ -9,7 +9,7 @@
 
 #include "collide/facets/leaf_surfaces.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// What questions about the same two bodies share: their leaves, read once. For one thread at a time.
 class SurfaceScratch {
@@ -30,15 +30,13 @@ class SurfaceScratch {
 };
 
 /// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
-/// closest_point() in the body's own frame, to positions that no rounding of a placement has touched; ties go to the
-/// lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and 16
-/// ns per facet of a leaf that is read.
+/// closest_point() in the body's own coordinates, to positions that no rounding of a placement has touched; ties go to
+/// the lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and
+/// 16 ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
 
-namespace brute_force {
 /// All facets of the node looked at.
-SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point);
-}  // namespace brute_force
+SurfacePoint nearest_facet_by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point);
 
 /// Mean normal of what a node owns, in the world, by area, at the current positions: the shorter the less its facets
 /// agree; zero for a whole closed surface.
@@ -54,8 +52,8 @@ double region_reach(const Collider& collider, std::uint32_t node, const Vec3& di
 /// both spheres bulge with their regions, at the latter where one stands off its region by its radius, as it does where
 /// its centre lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
 /// (depth - E_a - E_b)⁺, E the excess of a sphere: how far it sticks out beyond the farthest corner of its facets,
-/// along the contact. docs/collide.md has errors.
+/// along the contact. docs/contact_surfaces.md has errors.
 ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
                                const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch);
 
-}  // namespace morula
+}  // namespace morula::detail

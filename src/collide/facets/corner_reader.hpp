@@ -6,7 +6,7 @@
 #include <cstring>
 #include <morula/collide/collider.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 class CornerReader {
  public:
@@ -15,7 +15,7 @@ class CornerReader {
         positions_(collider.positions()),
         is_double_(collider.positions().is_double()) {}
 
-  /// In the body's own frame.
+  /// In the body's own coordinates.
   Triangle operator()(std::uint32_t facet) const {
     const Facet& f = facets_[facet];
     if (is_double_) return {corner<double>(f[0]), corner<double>(f[1]), corner<double>(f[2])};
@@ -38,4 +38,4 @@ class CornerReader {
   bool is_double_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

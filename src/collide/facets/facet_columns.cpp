@@ -8,7 +8,7 @@
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -69,4 +69,4 @@ const FacetKernels& facet_kernels() {
   return table.widest();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <morula/geometry/vector.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// Corner k of facet i is (column[3 k][i], column[3 k + 1][i], column[3 k + 2][i]). count: a multiple of
 /// facet_columns_step, filled up with repetitions of a facet.
@@ -29,4 +29,4 @@ std::span<const FacetKernels> all_facet_kernels();
 /// The widest.
 const FacetKernels& facet_kernels();
 
-}  // namespace morula
+}  // namespace morula::detail

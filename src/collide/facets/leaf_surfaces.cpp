@@ -8,7 +8,7 @@
 #include "collide/facets/corner_reader.hpp"
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 std::size_t filled(std::size_t count) {
@@ -165,4 +165,4 @@ const LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   return leaf;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

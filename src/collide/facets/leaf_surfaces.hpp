@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The surface that the leaves of one body own, in the body's own frame: read once per leaf and batch of questions.
+// The surface that the leaves of one body own, in the body's own coordinates: read once per leaf and batch of
+// questions.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 #include "collide/facets/facet_columns.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class LeafSurfaces {
  public:
@@ -57,4 +58,4 @@ class LeafSurfaces {
   std::size_t used_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

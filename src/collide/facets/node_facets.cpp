@@ -7,7 +7,7 @@
 #include "collide/facets/corner_reader.hpp"
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 /// x and y in one register, z twice in another.
@@ -91,4 +91,4 @@ const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
   return range;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 
 #include "collide/facets/box_kernels.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class NodeFacets {
  public:
@@ -60,4 +60,4 @@ class NodeFacets {
   std::size_t used_ = 0, facets_read_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 #include <morula/collide/collider.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 struct WorldFacet {
   Triangle corners;
@@ -83,4 +83,4 @@ class WorldFacets {
   std::uint32_t query_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 
 #include "collide/front/front_walk.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::uint32_t none = Front::none;
@@ -110,4 +110,4 @@ bool FrontWalk::is_well_formed() const {
   return true;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "collide/facets/contact_geometry.hpp"
-#include "collide/front/front_motion.hpp"
+#include "collide/front/front_travel.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::uint32_t none = Front::none;
@@ -38,7 +38,7 @@ void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& worker
   front.pairs.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    begin_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
+    begin_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
     bodies.roots = Front::Verdict::untested;
     bodies.opened_roots = none;
   }
@@ -63,7 +63,7 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
   roots_before_.assign(pairs.size(), none);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    follow_motion(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), motion_);
+    follow_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), ways_);
     bodies.roots = Front::Verdict::untested;
     roots_before_[i] = std::exchange(bodies.opened_roots, none);
   }
@@ -282,4 +282,4 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
   extras.add(pairs, options, &meter, result);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,7 +12,7 @@
 #include "collide/pairs/meter.hpp"
 #include "collide/pairs/tree_pair.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class FrontWalk {
  public:
@@ -75,7 +75,7 @@ class FrontWalk {
   std::vector<std::uint64_t> round_masks_;
   std::vector<Front::Waiting> aside_;
   std::vector<std::uint32_t> before_of_child_;  // a table by place in a block; all none between uses
-  std::vector<double> motion_;
+  std::vector<double> ways_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

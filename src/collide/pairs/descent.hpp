@@ -5,7 +5,7 @@
 
 #include "collide/pairs/tree_pair.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// f(node of a, node of b) for every final pair that overlaps, as do all pairs above it: depth-first, by the nodes of
 /// b, then of a. Returns the pair tests done.
@@ -27,4 +27,4 @@ std::size_t each_overlapping(const TreePair& trees, const Final& f) {
   return tests;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

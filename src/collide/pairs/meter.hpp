@@ -6,7 +6,7 @@
 #include <limits>
 #include <morula/collide/contacts.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 inline std::chrono::nanoseconds now(const Clock& clock) {
   return clock ? clock() : std::chrono::steady_clock::now().time_since_epoch();
@@ -49,4 +49,4 @@ class Meter {
   bool blocked_ = false, late_ = false;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -23,7 +23,7 @@ float absolute(float x) {
 }
 
 template <bool measured>
-float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+float test_pairs(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
   float least = infinity;
   for (std::size_t j = 0; j < block.count_b; ++j) {
     const float x = block.b[j].center.x, y = block.b[j].center.y, z = block.b[j].center.z;
@@ -51,7 +51,7 @@ float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* mask
   return least;
 }
 
-void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+void test(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
   test_pairs<false>(f, block, masks);
 }
 
@@ -74,4 +74,4 @@ const PairKernels& pair_kernels() {
   return table.widest();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

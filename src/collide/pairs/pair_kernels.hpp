@@ -9,9 +9,9 @@
 #include <morula/geometry/sphere.hpp>
 #include <span>
 
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Adjacent nodes of both trees: at most 64 each, at least one. Spheres up to `readable` may be read, though they do
 /// not count.
@@ -22,12 +22,12 @@ struct PairBlock {
   std::size_t count_b, readable_b;
 };
 
-/// masks[j] has bit i when a[i] and b[j] overlap or rounding cannot tell (pair_frame.hpp).
+/// masks[j] has bit i when a[i] and b[j] overlap or rounding cannot tell (placed_pair.hpp).
 struct PairKernels {
-  void (*test)(const PairFrame& frame, const PairBlock& block, std::uint64_t* masks);
+  void (*test)(const NarrowPair& pair, const PairBlock& block, std::uint64_t* masks);
   /// The same masks. Returns the least t² / w over all pairs, where t = d² - s² and w = d² + s²: half of it is below
   /// the square of |d - s|, by which distance and sum of grown radii differ.
-  float (*test_and_measure)(const PairFrame& frame, const PairBlock& block, std::uint64_t* masks);
+  float (*test_and_measure)(const NarrowPair& pair, const PairBlock& block, std::uint64_t* masks);
 };
 
 /// Those that this processor can run, narrowest first. All give the same bits.
@@ -35,4 +35,4 @@ std::span<const PairKernels> all_pair_kernels();
 /// The widest.
 const PairKernels& pair_kernels();
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -30,7 +30,7 @@ inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::siz
 }
 
 template <bool measured>
-float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+float test_pairs(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
   // All of b, moved, as many at once as there are lanes.
   alignas(64) float moved_x[most_spheres], moved_y[most_spheres], moved_z[most_spheres], radius[most_spheres];
   for (std::size_t j = 0; j < block.count_b; j += lanes) {
@@ -71,13 +71,13 @@ float test_pairs(const PairFrame& f, const PairBlock& block, std::uint64_t* mask
 }
 
 // Half of a register of sixteen would be empty where a node has at most eight children.
-inline void test(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+inline void test(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
 #if MORULA_LANES == 16
   if (block.count_a <= 8) return avx2::test(f, block, masks);
 #endif
   test_pairs<false>(f, block, masks);
 }
-inline float test_and_measure(const PairFrame& f, const PairBlock& block, std::uint64_t* masks) {
+inline float test_and_measure(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
 #if MORULA_LANES == 16
   if (block.count_a <= 8) return avx2::test_and_measure(f, block, masks);
 #endif

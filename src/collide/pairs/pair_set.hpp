@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 class PairSet {
  public:
@@ -50,4 +50,4 @@ class PairSet {
   std::size_t size_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

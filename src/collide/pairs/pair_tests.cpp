@@ -10,6 +10,7 @@
 #include "simd/processors.hpp"
 
 namespace morula {
+using namespace detail;
 
 std::size_t pair_test_kinds() {
   const StandardFloats standard;
@@ -26,7 +27,7 @@ std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Sphere
   const StandardFloats standard;
   assert(kind < pair_test_kinds());
   const PairKernels& kernels = all_pair_kernels()[kind];
-  const PairFrame frame = placed_pair(placement, 0, 0).narrow;
+  const NarrowPair pair = placed_pair(placement, 0, 0).narrow;
   constexpr std::size_t side = 8;
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.size(); i += side)
@@ -34,7 +35,7 @@ std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Sphere
       std::uint64_t masks[side];
       const PairBlock block{&a[i], std::min(side, a.size() - i), a.size() - i,
                             &b[j], std::min(side, b.size() - j), b.size() - j};
-      kernels.test(frame, block, masks);
+      kernels.test(pair, block, masks);
       for (std::size_t k = 0; k < block.count_b; ++k) count += static_cast<std::size_t>(std::popcount(masks[k]));
     }
   return count;

@@ -13,7 +13,7 @@
 
 #include "collide/pairs/pair_kernels.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Adjacent nodes.
 struct NodeRange {
@@ -91,4 +91,4 @@ bool any_overlapping(NodeRange a, NodeRange b, const std::uint64_t* masks, const
   return false;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <memory>
 #include <morula/query/power_diagram.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // The square root of what a leaf takes in, by area. A part that needs κ / n with n spheres and one that needs λ / m do
@@ -50,4 +50,4 @@ Demand demand_from(const FitInput& input, const CoveredTree& first, Workers& wor
   return [leaves](const Vec3& p) { return leaves->demands[leaves->owners.owner(p)]; };
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 
 #include "generators/divide/node_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Method morula at its fastest.
 CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& workers);
@@ -13,4 +13,4 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
 /// Demand of surface points, from the leaves of such a tree. Borrows nothing.
 Demand demand_from(const FitInput& input, const CoveredTree& first, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

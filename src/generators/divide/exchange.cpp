@@ -9,7 +9,7 @@
 #include "generators/fit/ball_fit.hpp"
 #include "generators/fit/extremes.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Inside by more than the rounding of cut points.
@@ -159,4 +159,4 @@ void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, 
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 
 #include "generators/divide/node_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Divides the whole level by power once more. A part may go to a node of another parent when that node's sphere and
 /// every ancestor of it, the root aside, contain the part already: cover and wrapping hold at every moment, and no
@@ -13,4 +13,4 @@ namespace morula {
 /// Same bits for any number of workers.
 void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/partition.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Deep balls around shallow patches reach far: this much room about a region, in radii of its sphere.
@@ -200,4 +200,4 @@ Division division_of(NodeFit::Exact exact) {
   return division;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

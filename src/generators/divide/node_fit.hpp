@@ -10,7 +10,7 @@
 #include "generators/driver/top_down.hpp"
 #include "generators/fit/child_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// What the fits of a build share. Borrowed by them.
 struct FitInput {
@@ -81,4 +81,4 @@ class NodeFit {
 double area_of(const Mesh& mesh, const Region& region);
 Division division_of(NodeFit::Exact exact);
 
-}  // namespace morula
+}  // namespace morula::detail

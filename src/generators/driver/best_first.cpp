@@ -8,7 +8,7 @@
 #include "generators/driver/driver.hpp"
 #include "generators/driver/prune.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Grown to so many times the number of spheres asked for, then pruned: where the divisions gain most shows only when
@@ -250,4 +250,4 @@ CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_ce
   return BestFirst(mesh, run, divide, shape, workers)(root_cell);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

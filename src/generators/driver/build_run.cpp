@@ -5,10 +5,20 @@
 #include <algorithm>
 #include <memory>
 
-namespace morula {
+namespace morula::detail {
+
+namespace {
+
+int depth_of(const BuildOptions& options, const MeshView& mesh) {
+  constexpr int of_flat_sets = 3;
+  if (options.spheres > 0 || options.max_protrusion > 0) return of_flat_sets;
+  return options.depth.value_or(automatic_depth(mesh.facets.size(), options.branching));
+}
+
+}  // namespace
 
 BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
-    : BuildOptions(options), box_(bounding_box(mesh)) {
+    : BuildOptions(options), depth(depth_of(options, mesh)), box_(bounding_box(mesh)) {
   if (time_limit_seconds > 0) {
     // A limit of years would overflow the clock.
     constexpr double longest = 1e9;
@@ -84,4 +94,4 @@ std::optional<double> TimeEstimate::seconds_left() const {
   return left;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <morula/generators/build.hpp>
 
-namespace morula {
+namespace morula::detail {
 
 /// Copied freely: copies share the clock and the way progress is told.
 class BuildRun : public BuildOptions {
@@ -14,6 +14,8 @@ class BuildRun : public BuildOptions {
   /// Starts the clock that the time limit is measured by. `progress` is made to never go back.
   BuildRun(const BuildOptions& options, const MeshView& mesh);
 
+  /// Levels below the root: as asked for, or automatic; of a flat set the depth that its measures are chosen for.
+  int depth;
   /// Of the mesh, and its largest |coordinate|, which radii are padded by.
   const Box& box() const { return box_; }
   double largest_coordinate() const { return morula::largest_coordinate(box_); }
@@ -64,4 +66,4 @@ class TimeEstimate {
   std::vector<Level> levels_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

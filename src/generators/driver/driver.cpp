@@ -5,7 +5,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // A single child is worth a level only if it is this much smaller than its parent.
@@ -81,4 +81,4 @@ std::string Winners::note() const {
   return text;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

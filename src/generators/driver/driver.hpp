@@ -5,7 +5,7 @@
 
 #include "generators/driver/top_down.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// The node that owns the whole surface.
 BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell);
@@ -33,4 +33,4 @@ class Winners {
 CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
                        const SignedDistance& shape, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

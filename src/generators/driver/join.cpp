@@ -10,7 +10,7 @@
 
 #include "generators/fit/sphere_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Pair {
@@ -104,4 +104,4 @@ std::string short_number(double value) {
   return {text.data(), end.ptr};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

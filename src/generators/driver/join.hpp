@@ -5,7 +5,7 @@
 
 #include "generators/driver/top_down.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct Verdict {
   double bound;  // of how far the sphere sticks out
@@ -50,4 +50,4 @@ class Judge {
 /// Six significant digits at most.
 std::string short_number(double value);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;  // two leaves, the children of one node
@@ -128,4 +128,4 @@ void prune(std::vector<Grown>& nodes, std::size_t most, const Judge& judge, cons
   Pruner(nodes, judge)(most, run, workers);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

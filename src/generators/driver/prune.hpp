@@ -5,7 +5,7 @@
 
 #include "generators/driver/join.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A division worked out ahead, its children judged.
 struct Prepared {
@@ -26,4 +26,4 @@ struct Grown {
 /// longer among their parent's children.
 void prune(std::vector<Grown>& nodes, std::size_t most, const Judge& judge, const BuildRun& run, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

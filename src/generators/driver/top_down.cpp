@@ -7,7 +7,7 @@
 #include "generators/driver/driver.hpp"
 #include "generators/driver/join.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // One level's nodes and what became of them.
@@ -132,4 +132,4 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
   return built;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include "generators/driver/build_run.hpp"
 #include "tree/region.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A node while the tree is being built.
 struct BuildNode {
@@ -52,4 +52,4 @@ CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers
 CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -104,4 +104,4 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   return best;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 
 #include "generators/fit/outside_grid.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Points of a region in grid coordinates.
 struct GroupPoints {
@@ -43,4 +43,4 @@ struct GroupBall {
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
                    float first_step, float last_step = 0.02F);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 
 #include "generators/fit/lattice.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -276,7 +276,7 @@ bool Group::split(std::size_t ball, std::size_t into, float taken, float most_co
   const std::vector<std::uint32_t> members = own_index_;
   std::vector<Vec3> points;
   for (const std::uint32_t i : members) points.push_back({points_.x[i], points_.y[i], points_.z[i]});
-  const Frame axes = principal_axes(points);
+  const Axes axes = principal_axes(points);
   Vec3 mean{};
   for (const Vec3& p : points) mean += p;
   mean = mean / static_cast<double>(points.size());
@@ -468,4 +468,4 @@ std::vector<Sphere> Group::spheres() const {
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

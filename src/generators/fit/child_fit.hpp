@@ -11,7 +11,7 @@
 
 #include "generators/fit/ball_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class Group {
  public:
@@ -98,4 +98,4 @@ class Group {
   std::vector<std::uint32_t> own_index_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 
 #include "geometry/farthest_along.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   // Corners of many patches repeat and lie close together: an even choice decides nearly as well, and radii are taken
@@ -30,4 +30,4 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   return few;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,9 +7,9 @@
 
 #include "generators/fit/ball_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Points farthest out in directions spread over the sphere; all of them when they are few. Coordinates of the grid.
 GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-namespace morula {
+namespace morula::detail {
 
-Frame principal_axes(std::span<const Vec3> points) {
+Axes principal_axes(std::span<const Vec3> points) {
   Vec3 mean{};
   for (const Vec3& p : points) mean += p;
   mean = mean / static_cast<double>(std::max<std::size_t>(1, points.size()));
@@ -21,7 +21,7 @@ Frame principal_axes(std::span<const Vec3> points) {
       for (int j = 0; j < 3; ++j) m[i][j] += d[i] * d[j];
   }
   // Jacobi rotations: a 3 × 3 symmetric matrix is diagonal to rounding after a few sweeps.
-  Frame axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  Axes axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   constexpr int sweeps = 12;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (int p = 0; p < 2; ++p)
@@ -49,24 +49,24 @@ Frame principal_axes(std::span<const Vec3> points) {
   return {normalized(axes[order[0]]), normalized(axes[order[1]]), normalized(axes[order[2]])};
 }
 
-Frame turned_by_45_degrees(const Frame& frame, int axis) {
-  const Vec3 a = frame[(axis + 1) % 3], b = frame[(axis + 2) % 3];
+Axes turned_by_45_degrees(const Axes& axes, int axis) {
+  const Vec3 a = axes[(axis + 1) % 3], b = axes[(axis + 2) % 3];
   constexpr double half_root = 0.5 * std::numbers::sqrt2;
-  Frame turned = frame;
+  Axes turned = axes;
   turned[(axis + 1) % 3] = (a + b) * half_root;
   turned[(axis + 2) % 3] = (b - a) * half_root;
   return turned;
 }
 
-std::vector<Vec3> in_frame(const Frame& frame, std::span<const Vec3> points) {
+std::vector<Vec3> in_axes(const Axes& axes, std::span<const Vec3> points) {
   std::vector<Vec3> local;
   local.reserve(points.size());
-  for (const Vec3& p : points) local.push_back({dot(p, frame[0]), dot(p, frame[1]), dot(p, frame[2])});
+  for (const Vec3& p : points) local.push_back({dot(p, axes[0]), dot(p, axes[1]), dot(p, axes[2])});
   return local;
 }
 
-Vec3 out_of_frame(const Frame& frame, const Vec3& local) {
-  return frame[0] * local.x + frame[1] * local.y + frame[2] * local.z;
+Vec3 out_of_axes(const Axes& axes, const Vec3& local) {
+  return axes[0] * local.x + axes[1] * local.y + axes[2] * local.z;
 }
 
 bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most,
@@ -143,4 +143,4 @@ std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double ra
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

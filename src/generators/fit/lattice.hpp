@@ -9,22 +9,23 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
-/// An orthonormal frame.
-using Frame = std::array<Vec3, 3>;
+/// Orthonormal axes.
+using Axes = std::array<Vec3, 3>;
 
 /// Principal axes of points, largest spread first; the coordinate axes when there is no spread.
-Frame principal_axes(std::span<const Vec3> points);
+Axes principal_axes(std::span<const Vec3> points);
 
-/// `frame` turned by 45° about its axis k.
-Frame turned_by_45_degrees(const Frame& frame, int axis);
+/// The axes turned by 45° about one of them.
+Axes turned_by_45_degrees(const Axes& axes, int axis);
 
-/// Points in the coordinates of a frame.
-std::vector<Vec3> in_frame(const Frame& frame, std::span<const Vec3> points);
-Vec3 out_of_frame(const Frame& frame, const Vec3& local);
+/// Points in the coordinates of some axes.
+std::vector<Vec3> in_axes(const Axes& axes, std::span<const Vec3> points);
+Vec3 out_of_axes(const Axes& axes, const Vec3& local);
 
-/// A lattice in frame coordinates: cell (i, j, k) spans origin + (i, j, k) · edge to origin + (i + 1, …) · edge.
+/// A lattice in the coordinates of some axes: cell (i, j, k) spans origin + (i, j, k) · edge to origin + (i + 1, …) ·
+/// edge.
 struct Lattice {
   Vec3 origin;
   Vec3 edge;
@@ -39,4 +40,4 @@ bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::s
 /// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored.
 std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -137,4 +137,4 @@ std::vector<GroupBall> medial_seeds(std::span<const GroupBall> candidates, const
   return balls;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 
 #include "generators/fit/child_fit.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// How an inscribed ball grows: its radius by the same length for all, or the square of its radius.
 enum class Dilation { length, square };
@@ -19,4 +19,4 @@ enum class Dilation { length, square };
 std::vector<GroupBall> medial_seeds(std::span<const GroupBall> candidates, const GroupPoints& points, std::size_t most,
                                     Dilation dilation);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 
 #include "geometry/scan_triangle.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct RawCrossing {
@@ -204,4 +204,4 @@ void ObjectLines::vote() {
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// A lattice of cubic cells over the object. Lines run through the cell centres along every axis; positions are in
 /// cells, so that cell i of an axis spans [i, i + 1].
@@ -72,4 +72,4 @@ class ObjectLines {
   std::vector<std::array<float, 3>> weights_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 std::size_t at(int i) {
@@ -276,4 +276,4 @@ float OutsideGrid::new_outside(const Spheref& ball) {
   return static_cast<float>(total);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

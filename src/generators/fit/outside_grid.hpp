@@ -17,7 +17,7 @@
 
 #include "generators/fit/object_lines.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are
 /// cells of this grid from its lower corner. For one thread at a time: lines are worked out when they are first needed.
@@ -85,4 +85,4 @@ class OutsideGrid {
   float prepared_reach_ = -1;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
 
-namespace morula {
+namespace morula::detail {
 
 Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphere> spheres) {
   Partition result;
@@ -45,4 +45,4 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 
 #include "tree/region.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct Partition {
   std::vector<Region> regions;       // one per sphere; may be empty
@@ -16,4 +16,4 @@ struct Partition {
 /// contains it after the least growth, never by power alone: that gives gap pieces to minute spheres, which then swell.
 Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphere> spheres);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // The points that decide radii: an even thinning first, joined by whichever turns out to be farthest.
@@ -79,4 +79,4 @@ Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistan
   return {best.center, farthest_distance(best.center, points)};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

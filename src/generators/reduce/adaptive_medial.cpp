@@ -14,7 +14,7 @@
 
 #include "medial/voronoi_balls.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -207,4 +207,4 @@ BallSet adaptive_medial(const ReducerInput& node) {
   return AdaptiveMedial(node).run();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reduce.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Voronoi balls of points of the surface about the node. Points are added where a ball sticks out most, until all
 /// stick out less than half as far as the node's sphere or there are enough. Nearly every sample is in a ball with its
@@ -18,4 +18,4 @@ namespace morula {
 /// milliseconds.
 BallSet adaptive_medial(const ReducerInput& node);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace morula {
+namespace morula::detail {
 
 BallSet::BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::span<const Vec3> samples)
     : balls_(std::move(balls)), distances_(std::move(distances)), samples_(samples.begin(), samples.end()) {
@@ -85,16 +85,16 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
   return pairs;
 }
 
-double growth_to_contain(Growth growth, double distance, double away) {
-  return growth == Growth::protrusion ? away + distance : away * away + distance * std::abs(distance);
+double growth_to_contain(GrowBy grow_by, double distance, double away) {
+  return grow_by == GrowBy::protrusion ? away + distance : away * away + distance * std::abs(distance);
 }
 
-double grown_radius(Growth growth, double distance, double s) {
-  return growth == Growth::protrusion ? std::max(0.0, s - distance)
-                                      : std::sqrt(std::max(0.0, s - distance * std::abs(distance)));
+double grown_radius(GrowBy grow_by, double distance, double s) {
+  return grow_by == GrowBy::protrusion ? std::max(0.0, s - distance)
+                                       : std::sqrt(std::max(0.0, s - distance * std::abs(distance)));
 }
 
-std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres, std::span<const double> distances,
+std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples) {
   if (spheres.empty()) return {};
   double needed = -std::numeric_limits<double>::infinity();
@@ -103,7 +103,7 @@ std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres
     std::size_t first = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-      const double s = growth_to_contain(growth, distances[i], distance(p, spheres[i].center));
+      const double s = growth_to_contain(grow_by, distances[i], distance(p, spheres[i].center));
       if (s < least) least = s, first = i;
     }
     used[first] = true;
@@ -111,8 +111,8 @@ std::vector<Sphere> equally_grown(Growth growth, std::span<const Sphere> spheres
   }
   std::vector<Sphere> result;
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    if (used[i]) result.push_back({spheres[i].center, grown_radius(growth, distances[i], needed)});
+    if (used[i]) result.push_back({spheres[i].center, grown_radius(grow_by, distances[i], needed)});
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -13,7 +13,7 @@
 
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Member {
@@ -207,4 +207,4 @@ Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& s
   return Bursting(set, branching, shape).run();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

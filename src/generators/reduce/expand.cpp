@@ -12,18 +12,18 @@
 
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class Expansion {
  public:
-  Expansion(const BallSet& set, std::size_t branching, Growth growth)
-      : set_(set), branching_(branching), growth_(growth), sample_count_(set.samples().size()) {
+  Expansion(const BallSet& set, std::size_t branching, GrowBy grow_by)
+      : set_(set), branching_(branching), grow_by_(grow_by), sample_count_(set.samples().size()) {
     table_.reserve(set.size() * sample_count_);
     for (std::size_t i = 0; i < set.size(); ++i)
-      for (const double away : set.to_samples(i)) table_.push_back(growth_to_contain(growth, set.distance(i), away));
+      for (const double away : set.to_samples(i)) table_.push_back(growth_to_contain(grow_by, set.distance(i), away));
   }
 
   std::vector<Sphere> run() {
@@ -154,12 +154,12 @@ class Expansion {
       balls.push_back(set_.ball(c));
       distances.push_back(set_.distance(c));
     }
-    return equally_grown(growth_, balls, distances, set_.samples());
+    return equally_grown(grow_by_, balls, distances, set_.samples());
   }
 
   const BallSet& set_;
   std::size_t branching_;
-  Growth growth_;
+  GrowBy grow_by_;
   std::size_t sample_count_;
   std::vector<double> table_;  // one row per ball
   double high_ = infinity;     // what `chosen_` needs
@@ -168,8 +168,8 @@ class Expansion {
 
 }  // namespace
 
-std::vector<Sphere> expand(const BallSet& set, std::size_t branching, Growth growth) {
-  return Expansion(set, branching, growth).run();
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching, GrowBy grow_by) {
+  return Expansion(set, branching, grow_by).run();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

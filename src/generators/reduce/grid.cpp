@@ -12,11 +12,11 @@
 #include "generators/fit/lattice.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Candidate {
-  std::vector<Vec3> centers;  // frame coordinates
+  std::vector<Vec3> centers;  // in the coordinates of the axes
   double radius = std::numeric_limits<double>::infinity();
 };
 
@@ -123,18 +123,18 @@ class LatticeSearch {
 
 Proposals propose_grid(const ReducerInput& node) {
   if (node.samples.empty()) return {};
-  const Frame principal = principal_axes(node.samples);
-  const Frame coordinate{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  std::vector<Frame> frames{principal, coordinate};
-  for (int axis = 0; axis < 3; ++axis) frames.push_back(turned_by_45_degrees(principal, axis));
+  const Axes principal = principal_axes(node.samples);
+  const Axes coordinate{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  std::vector<Axes> all_axes{principal, coordinate};
+  for (int axis = 0; axis < 3; ++axis) all_axes.push_back(turned_by_45_degrees(principal, axis));
 
   struct Placed {
     Candidate candidate;
-    std::size_t frame;
+    std::size_t axes;
   };
   std::vector<Placed> found;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const std::vector<Vec3> local = in_frame(frames[f], node.samples);
+  for (std::size_t f = 0; f < all_axes.size(); ++f) {
+    const std::vector<Vec3> local = in_axes(all_axes[f], node.samples);
     const LatticeSearch search(local, node.branching);
     found.push_back({search.even_division(), f});
     found.push_back({search.shifted_cubes(node.sphere.radius), f});
@@ -147,10 +147,10 @@ Proposals propose_grid(const ReducerInput& node) {
   for (std::size_t i = 0; i < found.size() && i < most_proposals; ++i) {
     std::vector<Sphere> spheres;
     for (const Vec3& c : found[i].candidate.centers)
-      spheres.push_back({out_of_frame(frames[found[i].frame], c), found[i].candidate.radius});
+      spheres.push_back({out_of_axes(all_axes[found[i].axes], c), found[i].candidate.radius});
     proposals.push_back({"grid", std::move(spheres)});
   }
   return proposals;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -17,7 +17,7 @@
 #include "generators/reduce/reducers.hpp"
 #include "medial/voronoi_balls.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Group {
@@ -56,7 +56,7 @@ class Hubbard {
     Reduced result;
     for (const Group& g : groups_)
       if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape(g.ball.center));
-    return equally_grown(Growth::power, result.balls, result.distances, node_.samples);
+    return equally_grown(GrowBy::power, result.balls, result.distances, node_.samples);
   }
 
  private:
@@ -206,4 +206,4 @@ Proposals propose_hubbard(const ReducerInput& node) {
   return {{"hubbard", std::move(spheres)}};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,7 +12,7 @@
 
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // A ball with its samples; joined ones are never used again.
@@ -180,4 +180,4 @@ Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& s
   return Merging(set, branching, shape).run();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -15,7 +15,7 @@
 #include "generators/fit/sphere_fit.hpp"
 #include "generators/reduce/ball_set.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Balls that share out the samples: every sample has one owner, every ball is as small as its samples let it be.
@@ -233,7 +233,7 @@ void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser,
   // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
   std::vector<double> distances;
   for (const Share& s : shares) distances.push_back(s.distance);
-  proposal.spheres = equally_grown(Growth::power, Optimisation::spheres_of(shares), distances, node.samples);
+  proposal.spheres = equally_grown(GrowBy::power, Optimisation::spheres_of(shares), distances, node.samples);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

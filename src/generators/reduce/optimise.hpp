@@ -5,7 +5,7 @@
 
 #include "generators/reduce/reduce.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing.
 /// Searches centres for a small worst protrusion bound of spheres that just hold the samples shared out among them:
@@ -13,4 +13,4 @@ namespace morula {
 /// hundred closest-point queries, simplex a few thousand, balance several times that.
 void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser, double excess);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -6,7 +6,7 @@
 #include <limits>
 #include <morula/geometry/random.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Enough to steer a search; cover never depends on samples.
@@ -65,11 +65,11 @@ namespace {
 
 class ReducerDivider {
  public:
-  ReducerDivider(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
+  ReducerDivider(const FitInput& input, const BuildRun& run, Reducer reducer, const ReduceSettings& settings,
                  Demand demand)
       : input_(input),
-        branching_(static_cast<std::size_t>(options.branching)),
-        depth_(options.depth),
+        branching_(static_cast<std::size_t>(run.branching)),
+        depth_(run.depth),
         reducer_(std::move(reducer)),
         settings_(settings),
         demand_(std::move(demand)) {}
@@ -152,9 +152,9 @@ class ReducerDivider {
 
 }  // namespace
 
-Divider divide_by(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
+Divider divide_by(const FitInput& input, const BuildRun& run, Reducer reducer, const ReduceSettings& settings,
                   Demand demand) {
-  return ReducerDivider(input, options, std::move(reducer), settings, std::move(demand));
+  return ReducerDivider(input, run, std::move(reducer), settings, std::move(demand));
 }
 
-}  // namespace morula
+}  // namespace morula::detail

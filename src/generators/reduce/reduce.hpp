@@ -12,7 +12,7 @@
 #include "generators/divide/node_fit.hpp"
 #include "generators/driver/top_down.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Points that steer a search; cover never depends on them.
 struct RegionSamples {
@@ -50,7 +50,7 @@ struct ReduceSettings {
 };
 /// The divider made of a reducer: proposals are judged by the empty space they take in after a
 /// sweep; the best is settled and made exact. input: borrowed.
-Divider divide_by(const FitInput& input, const BuildOptions& options, Reducer reducer, const ReduceSettings& settings,
+Divider divide_by(const FitInput& input, const BuildRun& run, Reducer reducer, const ReduceSettings& settings,
                   Demand demand = {});
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 
 #include "generators/reduce/reduce.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 Proposals propose_grid(const ReducerInput& node);
 Proposals propose_hubbard(const ReducerInput& node);
@@ -17,4 +17,4 @@ Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> re
 /// sphere, marked `no_proposal`: the fit halves it.
 Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// A subset of samples 0 … count − 1. Sets that meet in an operation must have the same count.
 class SampleSet {
@@ -56,4 +56,4 @@ class SampleSet {
   std::vector<std::uint64_t> words_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

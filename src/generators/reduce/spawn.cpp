@@ -18,7 +18,7 @@
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reducers.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct Seed {
@@ -178,7 +178,7 @@ Proposals propose_spawn(const ReducerInput& node) {
   if (laid.empty()) return {};
   std::vector<double> distances;
   for (const Sphere& s : laid) distances.push_back(node.shape(s.center));
-  return {{"spawn", equally_grown(Growth::power, laid, distances, node.samples)}};
+  return {{"spawn", equally_grown(GrowBy::power, laid, distances, node.samples)}};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -4,7 +4,7 @@
 
 #include "io/byte_reader.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 void ArrayWriter::add(const char* name, std::size_t width, std::span<const std::uint32_t> values) {
   add_values(name, "uint32", width, values);
@@ -56,4 +56,4 @@ std::vector<Value> ArrayReader::values(const char* name, const char* type, std::
   file_.fail(label + " is missing");
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 
 #include "io/json_checks.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class ArrayWriter {
  public:
@@ -47,4 +47,4 @@ class ArrayReader {
   std::string_view bytes_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -14,7 +14,7 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::string_view magic = "\x93NUMPY";
@@ -308,4 +308,4 @@ std::string npy_bytes(std::span<const std::int32_t> values, std::span<const std:
   return array_bytes("<i4", values, shape);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

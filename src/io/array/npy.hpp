@@ -11,7 +11,7 @@
 
 #include "io/byte_source.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 enum class NpyType { float32, float64, int32, uint32, int64, uint64 };
 
@@ -57,4 +57,4 @@ std::string npy_start(std::string_view descr, std::span<const std::size_t> shape
 std::string npy_bytes(std::span<const double> values, std::span<const std::size_t> shape);
 std::string npy_bytes(std::span<const std::int32_t> values, std::span<const std::size_t> shape);
 
-}  // namespace morula
+}  // namespace morula::detail

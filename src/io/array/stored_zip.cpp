@@ -9,7 +9,7 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
@@ -109,7 +109,6 @@ void StoredZip::commit() {
   file_.commit();
 }
 
-namespace detail {
 namespace {
 
 constexpr std::uint32_t central_header = 0x02014b50, end_of_directory = 0x06054b50;
@@ -231,6 +230,4 @@ void require_sound(const ByteSource& archive, const ZipEntry& entry) {
     fail(archive, in_quotes(entry.name) + " in it is damaged: its checksum differs; write or copy the file again");
 }
 
-}  // namespace detail
-
-}  // namespace morula
+}  // namespace morula::detail

@@ -13,7 +13,7 @@
 
 #include "io/byte_source.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// CRC-32 of ISO 3309, as zip and PNG have it.
 class Crc32 {
@@ -53,8 +53,6 @@ class StoredZip {
   Crc32 crc_;
 };
 
-namespace detail {
-
 /// A file of an archive that is read.
 struct ZipEntry {
   std::string name;
@@ -70,6 +68,4 @@ ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry);
 /// Throws FileError unless the bytes have the sum that the directory promises. Reads them a piece at a time.
 void require_sound(const ByteSource& archive, const ZipEntry& entry);
 
-}  // namespace detail
-
-}  // namespace morula
+}  // namespace morula::detail

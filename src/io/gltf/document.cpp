@@ -28,6 +28,7 @@
 #include <tiny_gltf.h>
 
 namespace morula::gltf {
+using namespace detail;
 
 void Document::fail(const std::string& problem) const {
   throw FileError(name + ": " + problem);

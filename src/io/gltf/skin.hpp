@@ -7,7 +7,7 @@
 #include <morula/update/skin.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Of all vertices of read_mesh. Throws FileError.
 Skin gltf_skin(const std::filesystem::path& path);
@@ -15,4 +15,4 @@ Skin gltf_skin(const std::filesystem::path& path);
 std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem::path& path,
                                                           const MotionOptions& options);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 /// Positions of one frame after the other, out of one file.
 class FrameSource {
@@ -87,4 +87,4 @@ class FanBuilder {
   std::size_t corners_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

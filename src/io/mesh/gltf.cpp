@@ -11,7 +11,7 @@
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ std::vector<std::vector<AffineTransform>> gltf_transforms(const fs::path& path, 
   return frames;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

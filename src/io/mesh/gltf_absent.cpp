@@ -4,7 +4,7 @@
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path) {
@@ -31,4 +31,4 @@ std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem:
   fail(path);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,6 +8,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 void require_sound(const std::filesystem::path& path, const Mesh& mesh) {
@@ -32,7 +33,7 @@ Mesh read_mesh(const std::filesystem::path& path) {
   return mesh_of_bytes(path, read_whole(path));
 }
 
-Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes) {
+Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes) {
   Mesh mesh = mesh_format(lower_extension(path))->read(path, bytes);
   require_sound(path, mesh);
   return mesh;
@@ -55,7 +56,8 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
 }
 
 std::span<const MeshFileKind> mesh_file_kinds() {
-  static constexpr auto kinds = [] {
+  // Not constexpr: for GCC, under its sanitizers, the address of a function is not known to be none.
+  static const auto kinds = [] {
     std::array<MeshFileKind, mesh_formats.size()> list{};
     for (std::size_t i = 0; i < list.size(); ++i)
       list[i] = {mesh_formats[i].extension, mesh_formats[i].write != nullptr};
@@ -79,18 +81,19 @@ std::string writable_mesh_list() {
   return list;
 }
 
-const MeshFormat* mesh_format(std::string_view extension) {
+const MeshFormat* detail::mesh_format(std::string_view extension) {
   for (const MeshFormat& format : mesh_formats)
     if (format.extension == extension) return &format;
   return nullptr;
 }
 
-bool is_writable_mesh_extension(std::string_view extension) {
+bool detail::is_writable_mesh_extension(std::string_view extension) {
   const MeshFormat* const format = mesh_format(extension);
   return format != nullptr && format->write != nullptr;
 }
 
-std::string mesh_bytes(std::string_view extension, std::span<const Vec3> positions, std::span<const Facet> facets) {
+std::string detail::mesh_bytes(std::string_view extension, std::span<const Vec3> positions,
+                               std::span<const Facet> facets) {
   return mesh_format(extension)->write(positions, facets);
 }
 

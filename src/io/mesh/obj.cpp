@@ -7,7 +7,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // The vertex number that a face corner such as "7", "7/1", "7//3" or "-2/1/3" begins with; the rest is ignored, but
@@ -85,4 +85,4 @@ std::string obj_text(std::span<const Vec3> positions, std::span<const Facet> fac
   return text;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

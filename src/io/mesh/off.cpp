@@ -5,7 +5,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Steps over "OFF" and what may surround it: ST, C and N announce columns after the coordinates, which are ignored; the
@@ -88,4 +88,4 @@ std::string off_text(std::span<const Vec3> positions, std::span<const Facet> fac
   return text;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Rows of a text PLY: one line each.
@@ -253,4 +253,4 @@ std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> fa
   return bytes;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

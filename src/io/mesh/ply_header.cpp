@@ -8,7 +8,7 @@
 
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 PlyType read_type(TextScanner& in) {
@@ -139,4 +139,4 @@ PlyHeader read_ply_header(TextScanner& in) {
   return header;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

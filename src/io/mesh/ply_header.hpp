@@ -10,7 +10,7 @@
 
 #include "io/text_scanner.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -51,4 +51,4 @@ PlyHeader read_ply_header(TextScanner& in);
 /// Vertices have one scalar property `radius`, and there are no faces.
 bool holds_balls(const PlyHeader& header);
 
-}  // namespace morula
+}  // namespace morula::detail

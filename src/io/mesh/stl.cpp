@@ -8,7 +8,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t binary_header = 84;  // 80 bytes of anything, then the number of facets
@@ -138,4 +138,4 @@ Mesh read_stl(const std::filesystem::path& path, std::string_view bytes) {
   return is_binary ? read_binary(path, bytes) : read_text(path, bytes);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 
 #include "io/array/npy.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// The array of a Motion's frames. Throws FileError unless it has a frame or more of so many vertices.
 NpyArray motion_array(const ByteSource& source, std::size_t vertex_count);
@@ -27,4 +27,4 @@ ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count
 Skin skin_of(const ByteSource& source, const Mesh& mesh);
 BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -12,6 +12,7 @@
 #include "io/whole_file.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <morula/io/modal_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <stdexcept>
 
 #include "io/motion/array_motion.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 [[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const std::string& needed) {
@@ -23,7 +27,22 @@ ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t
   return coordinates_of(path, mode_count);
 }
 
-Modes modes_of(const ByteSource& source, const Mesh& mesh) {
+void write_modes(const std::filesystem::path& path, const Modes& modes) {
+  if (modes.displacements.size() != modes.mode_count * modes.vertex_count)
+    throw std::invalid_argument("the displacements are not one per mode and vertex");
+  std::vector<double> values;
+  values.reserve(3 * modes.displacements.size());
+  for (const Vec3& u : modes.displacements) values.insert(values.end(), {u.x, u.y, u.z});
+  write_whole(path, npy_bytes(values, std::array{modes.mode_count, modes.vertex_count, std::size_t{3}}));
+}
+
+void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates) {
+  if (coordinates.coordinates.size() != coordinates.frame_count() * coordinates.mode_count)
+    throw std::invalid_argument("the coordinates are not as many in every frame as there are modes");
+  write_whole(path, npy_bytes(coordinates.coordinates, std::array{coordinates.frame_count(), coordinates.mode_count}));
+}
+
+Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
   const NpyArray array = read_npy_header(source, {{0, mesh.vertex_count(), 3}, "(modes, vertices, 3)"});
   if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
     fail_shape(
@@ -44,7 +63,7 @@ Modes modes_of(const ByteSource& source, const Mesh& mesh) {
   return modes;
 }
 
-ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count) {
+ModalCoordinates detail::coordinates_of(const ByteSource& source, std::size_t mode_count) {
   const NpyShape needed{{0, mode_count},
                         "(frames, modes)",
                         "(frames, " + std::to_string(mode_count) + ") for the modes given, one frame or more,"};

@@ -15,9 +15,7 @@
 #include "io/whole_file.hpp"
 
 namespace morula {
-
 using namespace detail;
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,7 +127,7 @@ std::vector<Vec3> Motion::frame(std::size_t i) const {
   return std::move(mesh.positions);
 }
 
-ByteSource motion_in_archive(const ByteSource& archive) {
+ByteSource detail::motion_in_archive(const ByteSource& archive) {
   std::vector<ZipEntry> arrays;
   std::string names;
   for (ZipEntry& entry : zip_entries(archive)) {
@@ -148,7 +146,7 @@ ByteSource motion_in_archive(const ByteSource& archive) {
   throw FileError(file + ": holds the arrays " + names + ", and none is called 'positions'; save it under this name");
 }
 
-NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
+NpyArray detail::motion_array(const ByteSource& source, std::size_t vertex_count) {
   NpyArray array = read_npy_header(source, {{0, vertex_count, 3}, "(frames, vertices, 3)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
@@ -158,8 +156,8 @@ NpyArray motion_array(const ByteSource& source, std::size_t vertex_count) {
   return array;
 }
 
-std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
-                               std::size_t frame) {
+std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray& array, std::size_t vertex_count,
+                                       std::size_t frame) {
   const std::size_t numbers = 3 * vertex_count;
   const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
   std::vector<Vec3> positions(vertex_count);

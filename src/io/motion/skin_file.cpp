@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <morula/io/skin_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <stdexcept>
 
 #include "io/array/npy.hpp"
 #include "io/gltf/skin.hpp"
@@ -11,6 +14,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,7 +53,31 @@ BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const 
   return result;
 }
 
-Skin skin_of(const ByteSource& source, const Mesh& mesh) {
+void write_skin(const fs::path& path, const Skin& skin) {
+  if (skin.begin.empty() || skin.begin.back() != skin.bones.size() || skin.bones.size() != skin.weights.size())
+    throw std::invalid_argument("the skin's influences do not fit its vertices");
+  std::vector<double> values(skin.vertex_count() * skin.bone_count);
+  for (std::size_t v = 0; v < skin.vertex_count(); ++v)
+    for (std::uint32_t i = skin.begin[v]; i < skin.begin[v + 1]; ++i) {
+      if (skin.bones[i] >= skin.bone_count) throw std::invalid_argument("the skin names a bone that it does not have");
+      values[v * skin.bone_count + skin.bones[i]] += skin.weights[i];
+    }
+  write_whole(path, npy_bytes(values, std::array{skin.vertex_count(), skin.bone_count}));
+}
+
+void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
+  if (frames.transforms.size() != frames.frame_count() * frames.bone_count)
+    throw std::invalid_argument("the transforms are not as many in every frame as there are bones");
+  std::vector<double> values;
+  values.reserve(12 * frames.transforms.size());
+  for (const AffineTransform& t : frames.transforms)
+    for (int row = 0; row < 3; ++row)
+      values.insert(values.end(), {t.columns[0][row], t.columns[1][row], t.columns[2][row], t.translation[row]});
+  write_whole(path,
+              npy_bytes(values, std::array{frames.frame_count(), frames.bone_count, std::size_t{3}, std::size_t{4}}));
+}
+
+Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
   const NpyArray array = read_npy_header(source, {{mesh.vertex_count(), 0}, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];
@@ -79,7 +107,7 @@ Skin skin_of(const ByteSource& source, const Mesh& mesh) {
   return skin;
 }
 
-BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count) {
+BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_count) {
   const NpyArray array = read_npy_header(source, {{0, bone_count, 3, 4}, "(frames, bones, 3, 4)"});
   const std::string name = source.name().string();
   if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)

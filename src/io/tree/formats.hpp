@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace morula {
+namespace morula::detail {
 
 /// What read_tree and read_covered_tree make of a file with these bytes; the path says the format by its extension.
 TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options);
@@ -27,4 +27,4 @@ std::string native_bytes(const CoveredTree& built);
 /// FileError with the first of validate()'s findings, if there are any.
 void require_valid(const std::filesystem::path& path, const SphereTree& tree);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include "io/tree/formats.hpp"
 #include "io/whole_file.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr const char* format_name = "morula spheres";
@@ -116,4 +116,4 @@ std::string json_tree_text(const SphereTree& tree) {
   return text + "  ]\n}\n";
 }
 
-}  // namespace morula
+}  // namespace morula::detail

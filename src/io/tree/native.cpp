@@ -11,10 +11,7 @@
 #include "io/tree/formats.hpp"
 #include "io/tree/sphere_archive.hpp"
 
-namespace morula {
-
-using namespace detail;
-
+namespace morula::detail {
 namespace {
 
 // magic, version (uint32), length of the JSON header (uint32), size of the file (uint64), header, arrays, checksum.
@@ -227,4 +224,4 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

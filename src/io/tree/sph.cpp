@@ -6,7 +6,7 @@
 #include "io/text_scanner.hpp"
 #include "io/tree/formats.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // A complete tree, breadth first, is mostly unused slots when the real one is not full: past this, other formats serve.
@@ -113,4 +113,4 @@ std::string sph_text(const std::filesystem::path& path, const SphereTree& tree) 
   return text;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -13,9 +13,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
-
 using namespace detail;
-
 namespace {
 
 // no_node becomes -1.

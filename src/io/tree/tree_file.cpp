@@ -12,9 +12,7 @@
 #include "parallel/float_environment.hpp"
 
 namespace morula {
-
 using namespace detail;
-
 namespace {
 
 constexpr const char* known_extensions = ".morula .sph .json .npz";
@@ -47,7 +45,7 @@ void require_writable(const SphereTree& tree) {
 
 }  // namespace
 
-void require_valid(const std::filesystem::path& path, const SphereTree& tree) {
+void detail::require_valid(const std::filesystem::path& path, const SphereTree& tree) {
   if (const auto faults = validate(tree); !faults.empty())
     throw FileError(path.string() + ": the tree is broken: " + faults.front());
 }
@@ -62,7 +60,8 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
   return tree_of_bytes(path, read_whole(path), options);
 }
 
-TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options) {
+TreeFile detail::tree_of_bytes(const std::filesystem::path& path, std::string_view bytes,
+                               const ReadTreeOptions& options) {
   const std::string extension = lower_extension(path);
   if (extension == ".morula") return read_native(path, bytes);
   TreeFile file;
@@ -79,7 +78,8 @@ CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mes
   return built_of_file(path, read_tree(path, options), mesh, workers);
 }
 
-CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers) {
+CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh,
+                                  Workers& workers) {
   if (!file.cover) {
     require_usable_scale(mesh);
     try {

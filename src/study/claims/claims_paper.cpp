@@ -58,7 +58,7 @@ Claim exponential_claim(const Evidence& evidence) {
     if (e.size() < 4) continue;
     std::vector<double> t;
     for (const Sample& sample : evidence.cell(*c, Rule::approach1)->samples) t.push_back(sample.parameter);
-    const GrowthFit fit = fit_growth(t, e);
+    const ExponentialFit fit = fit_exponential(t, e);
     ++total;
     const bool bends_up = fit.b >= 1 && fit.r2 >= 0.98;
     faster += bends_up ? 1 : 0;

@@ -55,7 +55,7 @@ double parabola_residual(std::span<const double> t, std::span<const double> e) {
 
 }  // namespace
 
-GrowthFit fit_growth(std::span<const double> t, std::span<const double> e) {
+ExponentialFit fit_exponential(std::span<const double> t, std::span<const double> e) {
   std::vector<double> x(t.size());
   const LineFit line = fit_with(0, t, e, x);
   // On a grid: the residual need not have a single minimum.
@@ -71,7 +71,7 @@ GrowthFit fit_growth(std::span<const double> t, std::span<const double> e) {
   double mean = 0, variance = 0;
   for (const double value : e) mean += value / static_cast<double>(e.size());
   for (const double value : e) variance += (value - mean) * (value - mean);
-  GrowthFit fit;
+  ExponentialFit fit;
   fit.b = best_b;
   fit.a = best_b == 0 ? best.slope : best.slope / best_b;
   fit.c = best_b == 0 ? best.offset : best.offset - fit.a;

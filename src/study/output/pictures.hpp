@@ -4,8 +4,7 @@
 #pragma once
 
 #include <morula/study/study.hpp>
-
-#include "study/svg/plot.hpp"
+#include <morula/study/svg_plot.hpp>
 
 namespace morula::study {
 

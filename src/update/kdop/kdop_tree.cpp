@@ -18,6 +18,7 @@
 #include "update/points/point_runs.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;

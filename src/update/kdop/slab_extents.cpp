@@ -8,7 +8,7 @@
 
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -65,4 +65,4 @@ std::span<const SlabKernel> slab_kernels(int k) {
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -9,7 +9,7 @@
 
 #include "update/points/kernels.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// The slabs of a k-DOP: the axes, then (14 and 26) the corners of the cube, then (18 and 26) its edges.
 constexpr bool has_corner_slabs(int k) {
@@ -28,4 +28,4 @@ using SlabKernel = void (*)(const LocalPoint* points, std::span<const PointRun> 
 /// the same order, and these are only compared.
 std::span<const SlabKernel> slab_kernels(int k);
 
-}  // namespace morula
+}  // namespace morula::detail

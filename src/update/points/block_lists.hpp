@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Vertices that change together, as far as partial updates care: consecutive ones of the ownership's order.
 inline constexpr std::size_t vertices_per_block = 128;
@@ -36,4 +36,4 @@ class BlockLists {
   std::vector<std::uint32_t> begin_, items_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

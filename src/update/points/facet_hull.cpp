@@ -21,7 +21,7 @@
 
 #include "geometry/exact_predicates.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 bool is_same_place(const FacetPoint& p, const FacetPoint& q) {
@@ -88,4 +88,4 @@ void FacetHull::thin_out(double tolerance) {
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

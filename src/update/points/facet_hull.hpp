@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// A corner in the plane of its facet: the weights of the facet's second and third vertex.
 struct FacetPoint {
@@ -38,4 +38,4 @@ class FacetHull {
   std::vector<FacetPoint> hull_, thinned_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

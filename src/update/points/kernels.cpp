@@ -9,7 +9,7 @@
 
 #include "simd/processors.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 /// What the others have to reproduce, in plain loops; also for compilers without vector types.
@@ -79,4 +79,4 @@ const Kernels& kernels() {
   return table.widest();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Lists of points come in groups of this many; short ones repeat their last entry, which changes no maximum.
 inline constexpr std::size_t points_per_group = 16;
@@ -52,4 +52,4 @@ std::span<const Kernels> all_kernels();
 /// The widest.
 const Kernels& kernels();
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include "update/points/kernels.hpp"
 #include "update/points/narrow.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t blocks_per_chunk = 32;
@@ -178,4 +178,4 @@ std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const V
   return first;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

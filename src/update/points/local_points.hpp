@@ -13,7 +13,7 @@
 #include "update/points/ownership.hpp"
 #include "update/points/rounding.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class LocalPoints {
  public:
@@ -106,4 +106,4 @@ class LocalPoints {
   double size_ = 0;  // of the rest box, its largest side
 };
 
-}  // namespace morula
+}  // namespace morula::detail

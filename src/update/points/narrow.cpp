@@ -10,7 +10,7 @@
 
 #include "update/points/kernels.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 #ifdef __GNUC__
@@ -124,4 +124,4 @@ float narrow_run(const PositionView& positions, std::size_t first, std::size_t c
   return largest < not_finite ? std::bit_cast<float>(largest) : std::numeric_limits<float>::infinity();
 }
 
-}  // namespace morula
+}  // namespace morula::detail

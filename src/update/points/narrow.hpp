@@ -9,7 +9,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// The place nearest to p whose coordinates are floats.
 Vec3 nearest_floats(const Vec3& p) noexcept;
@@ -32,4 +32,4 @@ float narrow_run(const PositionView& positions, std::size_t first, std::size_t c
 float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
                      LocalPoint* out) noexcept;
 
-}  // namespace morula
+}  // namespace morula::detail

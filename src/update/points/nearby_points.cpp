@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace morula {
+namespace morula::detail {
 
 void PointSet::take(std::vector<std::uint32_t>& points) {
   points.clear();
@@ -37,4 +37,4 @@ void NearbyPoints::add(const Sphere& around, PointSet& points) const {
   }
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include "update/points/local_points.hpp"
 #include "update/points/ownership.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A set of points that gives them back in ascending order.
 class PointSet {
@@ -38,4 +38,4 @@ class NearbyPoints {
   std::vector<Sphere> leaf_vertices_;  // per leaf of the order: contains the vertices that it owns
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 
 #include "geometry/farthest_along.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
                std::span<std::uint32_t> core) {
@@ -40,4 +40,4 @@ void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t
   for (std::uint32_t& p : along) p = owned[p];
 }
 
-}  // namespace morula
+}  // namespace morula::detail

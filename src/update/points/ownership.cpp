@@ -11,7 +11,7 @@
 
 #include "update/points/facet_hull.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Where a corner lies in the plane of a facet. Nothing for a corner that is not on it, which only a cover made
@@ -189,4 +189,4 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
   return result;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

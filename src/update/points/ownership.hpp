@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument unless mesh and tree are usable, mesh, tree and cover have the right sizes for each
 /// other, every index is in range, regions are the disjoint unions of their children's, and the tree was made from a
@@ -44,4 +44,4 @@ bool is_on_edge(const CutPoint& cut_point);
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 using Real = long double;
@@ -123,4 +123,4 @@ std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tr
   return faults;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 
 #include "update/points/ownership.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Every violated promise, in words; empty when, for every leaf that needs cut points and every facet, each corner that
 /// the leaf owns lies within `tolerance` (in |x| + |y| of the facet's weights) of the convex hull of the corners that
@@ -22,4 +22,4 @@ std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tr
                                           const LeafOrder& order, const Ownership& ownership,
                                           std::span<const std::uint8_t> needs_cut_points, double tolerance);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 
 #include "update/points/kernels.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Appends the points that a leaf owns, ascending: whole groups of consecutive ones as runs, the rest to a list that is
 /// padded to whole groups.
@@ -26,4 +26,4 @@ inline void append_in_runs(std::span<const std::uint32_t> owned, std::vector<Poi
   while (points.size() % points_per_group != 0) points.push_back(owned.back());
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -32,7 +32,7 @@
 
 #include "geometry/rounded_up.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// What the points of one frame allow for.
 struct Rounding {
@@ -60,4 +60,4 @@ struct Rounding {
   }
 };
 
-}  // namespace morula
+}  // namespace morula::detail

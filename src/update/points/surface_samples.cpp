@@ -14,7 +14,7 @@
 #include <span>
 #include <stdexcept>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -241,4 +241,4 @@ void SurfaceSamples::measure_volume(const Reader& positions) noexcept {
   volume_ = std::abs(six_times) / 6;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 #include <morula/geometry/sphere.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Lanes of one block: loops over them are of fixed length, so that compilers turn them into vector instructions.
 inline constexpr std::size_t block_size = 16;
@@ -88,4 +88,4 @@ class SurfaceSamples {
   bool inside_out_ = false;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -15,7 +15,7 @@
 
 #include "parallel/float_environment.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // Where a point goes on to that was at a, b, c: with the last speed, turning as it turned. Straight lines and circles
@@ -132,4 +132,4 @@ void OwnThread::run(std::shared_ptr<RebuildJob>) {}
 
 OwnThread::~OwnThread() = default;
 
-}  // namespace morula
+}  // namespace morula::detail

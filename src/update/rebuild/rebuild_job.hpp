@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// A body, and how loose it was at the pose it was made for, per level set.
 struct Epoch {
@@ -79,4 +79,4 @@ class OwnThread {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

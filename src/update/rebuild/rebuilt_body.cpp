@@ -12,6 +12,7 @@
 #include "update/rebuild/rebuild_job.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 using Clock = std::chrono::steady_clock;

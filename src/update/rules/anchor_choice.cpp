@@ -9,7 +9,7 @@
 #include <numeric>
 #include <optional>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
@@ -221,7 +221,7 @@ AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const L
     span = possible;
   }
   choice.degenerate = span.dimensions < 3;
-  std::copy_n(span.points.begin(), 3, choice.frame.begin());
+  std::copy_n(span.points.begin(), 3, choice.axes.begin());
 
   double reach = 0;  // lengths are measured in it, so that ridges and costs mean the same at every scale
   for (const std::uint32_t i : chosen) reach = std::max(reach, distance(as_double(points[i]), center));
@@ -252,4 +252,4 @@ AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const L
   return choice;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

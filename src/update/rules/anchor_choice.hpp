@@ -11,7 +11,7 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 struct AnchorChoice {
   std::vector<std::uint32_t> points;  ///< ascending
@@ -19,7 +19,7 @@ struct AnchorChoice {
   bool reproduces = false;            ///< the weighted sum is the centre; otherwise it falls short of it
   bool degenerate = false;            ///< fewer than four anchors that span space: equal weights
   /// Three anchors that show how all of them turn; repeated ones where they are collinear or fewer.
-  std::array<std::uint32_t, 3> frame{};
+  std::array<std::uint32_t, 3> axes{};
 };
 
 /// candidates: points that may become anchors, ascending, each once; none gives no anchors.
@@ -30,4 +30,4 @@ struct AnchorChoice {
 AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const LocalPoint> points,
                             std::span<const std::uint32_t> candidates);
 
-}  // namespace morula
+}  // namespace morula::detail

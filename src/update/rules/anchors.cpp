@@ -6,20 +6,20 @@
 
 #include "update/rules/anchor_choice.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 Vec3f position(const LocalPoint& p) {
   return {p.x, p.y, p.z};
 }
 
-// An orthonormal frame that turns with three points; total, and the same for the same points. Where they do not tell a
+// Orthonormal axes that turn with three points; total, and the same for the same points. Where they do not tell a
 // direction, some perpendicular one is as good: then all anchors lie on a line (or in a point), and what matters of the
 // remainder is its share along the line and its length.
-struct Axes {
+struct TurnedAxes {
   Vec3f a, b, c;
 };
-Axes axes_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
+TurnedAxes axes_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
   const Vec3f a = normalized(q - p), side = r - p;
   Vec3f b = side - a * dot(a, side);
   constexpr float parallel = 1e-12f;
@@ -36,9 +36,9 @@ Axes axes_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
   return {a, b, cross(a, b)};
 }
 Vec3f carried(const CenterTie& tie, std::span<const LocalPoint> points) {
-  const Axes f =
-      axes_of(position(points[tie.frame[0]]), position(points[tie.frame[1]]), position(points[tie.frame[2]]));
-  return f.a * tie.in_frame.x + f.b * tie.in_frame.y + f.c * tie.in_frame.z;
+  const TurnedAxes f =
+      axes_of(position(points[tie.axes[0]]), position(points[tie.axes[1]]), position(points[tie.axes[2]]));
+  return f.a * tie.in_axes.x + f.b * tie.in_axes.y + f.c * tie.in_axes.z;
 }
 
 }  // namespace
@@ -53,15 +53,15 @@ void Anchors::tie(const Vec3f& center, float radius, std::span<const LocalPoint>
   for (const double w : choice.weights) weights_.push_back(static_cast<float>(w));
   tie.end = static_cast<std::uint32_t>(points_.size());
   tie.degenerate = choice.degenerate;
-  tie.frame = choice.frame;
+  tie.axes = choice.axes;
   tie.rest_sum = weighted_sum(tie, rest_points);
 
   if (!choice.reproduces && !choice.points.empty()) {
     const Vec3 remainder = Vec3(center) - Vec3(tie.rest_sum);
     tie.carries = length(remainder) > 1e-7 * static_cast<double>(radius);
-    const Axes f = axes_of(position(rest_points[tie.frame[0]]), position(rest_points[tie.frame[1]]),
-                           position(rest_points[tie.frame[2]]));
-    tie.in_frame = Vec3f(Vec3{dot(remainder, Vec3(f.a)), dot(remainder, Vec3(f.b)), dot(remainder, Vec3(f.c))});
+    const TurnedAxes f = axes_of(position(rest_points[tie.axes[0]]), position(rest_points[tie.axes[1]]),
+                                 position(rest_points[tie.axes[2]]));
+    tie.in_axes = Vec3f(Vec3{dot(remainder, Vec3(f.a)), dot(remainder, Vec3(f.b)), dot(remainder, Vec3(f.c))});
     tie.rest_carried = carried(tie, rest_points);
   }
   ties_.push_back(tie);
@@ -100,4 +100,4 @@ Vec3f Anchors::center(std::size_t k, std::span<const LocalPoint> points) const n
   return center;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

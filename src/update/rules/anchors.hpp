@@ -11,22 +11,22 @@
 
 #include "simd/float4.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// A centre c as a function of its anchors x, with weights w that add up to 1:
 ///   c = c0 + (sum w x - sum w x0) + (turned(e) - e)      x0: at rest
-/// Where the weights reproduce c0, e is zero and any affine motion of the anchors moves the centre along.
-/// Where it is not, e = c0 - sum w x0 is carried by a frame of three anchors, so that at least rigid motion does. The
-/// frame is built anew from positions alone; nothing remembers the frame before.
+/// Where the weights reproduce c0, e is zero and an affine map of the anchors moves the centre along.
+/// Where it is not, e = c0 - sum w x0 is carried by axes of three anchors, so that at least a rigid one does. The
+/// axes are built anew from positions alone; nothing remembers the frame before.
 struct CenterTie {
   Vec3f rest_center;
-  Vec3f rest_sum;                        ///< sum w x0, by the very routine that runs per frame
-  std::uint32_t begin = 0, end = 0;      ///< range in points and weights
-  bool carries = false;                  ///< e is not zero
-  bool degenerate = false;               ///< as in AnchorChoice
-  std::array<std::uint32_t, 3> frame{};  ///< anchors; repeated ones where they are collinear or fewer
-  Vec3f in_frame;                        ///< e in the frame's coordinates
-  Vec3f rest_carried;                    ///< e, by the very routine that runs per frame
+  Vec3f rest_sum;                       ///< sum w x0, by the very routine that runs per frame
+  std::uint32_t begin = 0, end = 0;     ///< range in points and weights
+  bool carries = false;                 ///< e is not zero
+  bool degenerate = false;              ///< as in AnchorChoice
+  std::array<std::uint32_t, 3> axes{};  ///< anchors; repeated ones where they are collinear or fewer
+  Vec3f in_axes;                        ///< e in the coordinates of these axes
+  Vec3f rest_carried;                   ///< e, by the very routine that runs per frame
 };
 
 /// Ties of many centres, with what they share.
@@ -55,4 +55,4 @@ class Anchors {
   std::vector<float> weights_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

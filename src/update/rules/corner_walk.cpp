@@ -9,7 +9,7 @@
 
 #include "update/points/point_runs.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;
@@ -170,4 +170,4 @@ std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points
   return tested;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

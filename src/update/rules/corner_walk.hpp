@@ -13,7 +13,7 @@
 #include "update/points/kernels.hpp"
 #include "update/points/ownership.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class CornerWalk {
  public:
@@ -76,4 +76,4 @@ class CornerWalk {
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

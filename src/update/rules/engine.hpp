@@ -15,11 +15,11 @@
 #include "update/points/local_points.hpp"
 #include "update/points/ownership.hpp"
 
-namespace morula {
+namespace morula::detail {
 
-class ModalMotion;
+class ModalPoser;
 struct ModalPose;
-class SkinMotion;
+class SkinPoser;
 struct BonePose;
 
 /// One frame, as engines see it.
@@ -43,8 +43,8 @@ struct Binding {
   const TriangleBvh* bvh;                 ///< of the mesh; none where no node follows a link
   const LocalPoints& local;               ///< at rest
   const RuleFrame& rest;                  ///< without modes and bones
-  ModalMotion* modal_motion;              ///< of a body with modes
-  const SkinMotion* skin_motion;          ///< of a body with a skin
+  ModalPoser* modal_poser;                ///< of a body with modes
+  const SkinPoser* skin_poser;            ///< of a body with a skin
   std::span<const Spheref> tree_spheres;  ///< the tree's, about the rest origin
   std::span<Spheref> spheres;  ///< at rest: engines write those of their nodes; nobody has written the tree's
   BindReport& report;
@@ -112,4 +112,4 @@ class EngineList {
   std::vector<std::unique_ptr<RuleEngine>> engines_;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 
 #include "update/rules/engine.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Binds all nodes that follow the rules which the engine serves, and writes their spheres at rest.
 using BindEngine = std::unique_ptr<RuleEngine>(const Binding& binding);
@@ -34,4 +34,4 @@ static_assert(std::all_of(rule_table.begin(), rule_table.end(),
                           [](const RuleTraits& row) { return has_one_engine(row.rule); }),
               "every rule needs one engine");
 
-}  // namespace morula
+}  // namespace morula::detail

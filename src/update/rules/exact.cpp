@@ -10,7 +10,7 @@
 #include "update/points/outermost.hpp"
 #include "update/rules/engine_table.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 64;
@@ -147,8 +147,8 @@ std::size_t ExactRule::update_changed(const RuleFrame& frame, std::span<const st
 // Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
 // they were at rest are good already.
 Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
-  constexpr float most_growth = 1.01f;
-  const float enough = most_growth * core_radius_[k];
+  constexpr float most_factor = 1.01f;
+  const float enough = most_factor * core_radius_[k];
   return kernels().pull(points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]},
                         anchors_.center(k, points));
 }
@@ -170,4 +170,4 @@ std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

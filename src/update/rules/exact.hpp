@@ -11,7 +11,7 @@
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class ExactRule final : public RuleEngine {
  public:
@@ -56,4 +56,4 @@ class ExactRule final : public RuleEngine {
   Rounding rounding_;  // of the last update
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 std::vector<std::uint32_t> vertices_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
@@ -52,4 +52,4 @@ std::vector<double> vertex_areas(const Mesh& mesh) {
   return areas;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

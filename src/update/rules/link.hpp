@@ -7,7 +7,7 @@
 #include <morula/tree/sphere_tree.hpp>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 struct Links {
   std::vector<std::uint32_t> vertices;  ///< of the mesh, ascending, each once; never empty
@@ -25,4 +25,4 @@ Links enclosed_vertices(const Mesh& mesh, const TriangleBvh& bvh, const SphereTr
 /// A third of each facet's area to each of its vertices, at rest.
 std::vector<double> vertex_areas(const Mesh& mesh);
 
-}  // namespace morula
+}  // namespace morula::detail

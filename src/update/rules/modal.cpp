@@ -32,7 +32,7 @@
 #include "update/points/rounding.hpp"
 #include "update/rules/engine_table.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
@@ -74,8 +74,8 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalMotion::ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
-                         std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
+ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+                       std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
   guide_rest_ = mesh.positions[guide];
@@ -91,7 +91,7 @@ ModalMotion::ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes
   largest_row_ = reach_;
 }
 
-bool ModalMotion::accepts(std::span<const double> coordinates, std::size_t& first_bad) const noexcept {
+bool ModalPoser::accepts(std::span<const double> coordinates, std::size_t& first_bad) const noexcept {
   double sum = 0, most = -1;
   first_bad = 0;
   for (std::size_t j = 0; j < coordinates.size(); ++j) {
@@ -106,7 +106,7 @@ bool ModalMotion::accepts(std::span<const double> coordinates, std::size_t& firs
   return sum <= largest_displacement;
 }
 
-ModalPose ModalMotion::pose(std::span<const double> coordinates) const noexcept {
+ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
   // As move_by_modes moves the guide.
   Vec3 guide = guide_rest_;
   double largest = rest_reach_;
@@ -151,7 +151,7 @@ ModalRule::ModalRule(const Binding& binding)
     double steepest = 0;
     for (const Vec3& column : row.gradient) steepest = std::max(steepest, max_norm(column));
     const double across = 3 * steepest * nodes_[i / mode_count_].rest.radius;
-    binding.modal_motion->add_row(i % mode_count_, std::max(max_norm(row.shift), across));
+    binding.modal_poser->add_row(i % mode_count_, std::max(max_norm(row.shift), across));
   }
 }
 
@@ -228,9 +228,9 @@ Sphere ModalRule::by_gradients(std::size_t slot, std::span<const double> coordin
 std::unique_ptr<RuleEngine> bind_modal(const Binding& binding) {
   auto engine = std::make_unique<ModalRule>(binding);
   const std::vector<double> at_rest(binding.options.modes.mode_count, 0.0);
-  const ModalPose pose = binding.modal_motion->pose(at_rest);
+  const ModalPose pose = binding.modal_poser->pose(at_rest);
   engine->update({.origin = pose.origin, .modes = &pose}, binding.spheres.size(), binding.spheres, binding.workers);
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -10,7 +10,7 @@
 #include "update/rules/engine.hpp"
 #include "update/rules/mode_rows.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument unless the modes have the mesh's vertices, one displacement each, all finite.
 void require_modes(const Modes& modes, const Mesh& mesh);
@@ -22,11 +22,11 @@ struct ModalPose {
   double pad = 0;  ///< what radii are rounded up by (modal.cpp)
 };
 
-class ModalMotion {
+class ModalPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  ModalMotion(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
-              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
+  ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+             std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   std::size_t mode_count() const { return reach_.size(); }
   /// Whether the coordinates are finite and move nothing farther than spheres in single precision can follow. If not,
@@ -84,4 +84,4 @@ class ModalRule final : public RuleEngine {
   std::vector<LinearModeRow> linear_rows_;  // likewise; none with ModalBound::shift
 };
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <morula/geometry/enclosing_sphere.hpp>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // The middle of the smallest sphere about the points; one of them where they are so large or so near each other that
@@ -147,4 +147,4 @@ double largest_stretch(const std::array<Vec3, 3>& columns) {
   return std::sqrt(mean + 2 * p * f) * (1 + 0x1p-40);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace morula {
+namespace morula::detail {
 
 /// Of one node and one mode. For every owned corner, u its displacement per unit of the coordinate: |u - shift| <=
 /// stray.
@@ -61,4 +61,4 @@ inline Vec3 times(const std::array<Vec3, 3>& columns, const Vec3& v) {
 /// rotations.
 double largest_stretch(const std::array<Vec3, 3>& columns);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -11,7 +11,7 @@
 #include "update/rules/engine_table.hpp"
 #include "update/rules/link.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 struct FourPoints {
@@ -324,4 +324,4 @@ std::unique_ptr<RuleEngine> bind_paper_rules(const Binding& binding) {
   return std::make_unique<PaperRules>(binding);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

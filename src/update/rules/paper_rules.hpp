@@ -9,7 +9,7 @@
 
 #include "update/rules/engine.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 class PaperRules final : public RuleEngine {
  public:
@@ -74,4 +74,4 @@ class PaperRules final : public RuleEngine {
   std::size_t tested_points_ = 0;
 };
 
-}  // namespace morula
+}  // namespace morula::detail

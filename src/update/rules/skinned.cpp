@@ -14,9 +14,9 @@
 #include "update/points/rounding.hpp"
 #include "update/rules/engine_table.hpp"
 #include "update/rules/mode_rows.hpp"
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
@@ -124,9 +124,9 @@ class SkinnedRule final : public RuleEngine {
 std::unique_ptr<RuleEngine> bind_skinned(const Binding& binding) {
   auto engine = std::make_unique<SkinnedRule>(binding);
   const std::vector<AffineTransform> at_rest(binding.options.skin.bone_count);
-  const BonePose pose = binding.skin_motion->pose(binding.options.skin, at_rest);
+  const BonePose pose = binding.skin_poser->pose(binding.options.skin, at_rest);
   engine->update({.origin = pose.origin, .bones = &pose}, binding.spheres.size(), binding.spheres, binding.workers);
   return engine;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

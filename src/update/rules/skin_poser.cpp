@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "update/rules/skin_motion.hpp"
+#include "update/rules/skin_poser.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "update/points/narrow.hpp"
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
 // As for modes: with a rest body within largest_local_coordinate, all that is computed stays far inside the range of
@@ -45,8 +45,8 @@ void require_skin(const Skin& skin, const Mesh& mesh) {
   }
 }
 
-SkinMotion::SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& skin,
-                       std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
+SkinPoser::SkinPoser(const Mesh& mesh, const CoveredTree& built, const Skin& skin,
+                     std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];
   for (const std::uint32_t v : used_vertices) {
@@ -58,7 +58,7 @@ SkinMotion::SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& s
   for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
 }
 
-bool SkinMotion::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {
+bool SkinPoser::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad)
     if (!is_finite(transforms[first_bad])) return false;
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad) {
@@ -71,9 +71,9 @@ bool SkinMotion::accepts(std::span<const AffineTransform> transforms, std::size_
   return true;
 }
 
-BonePose SkinMotion::pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept {
+BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept {
   const Vec3 guide = skinned_vertex(skin, guide_, guide_rest_, transforms);
   return {transforms, origin_near(rest_origin_ + (guide - guide_rest_), size_)};
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Skin motion: the transforms that can move a body with a skin, and where its origin goes.
+// Skin poser: the transforms that can move a body with a skin, and where its origin goes.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
@@ -8,7 +8,7 @@
 #include <morula/update/skin.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// Throws std::invalid_argument unless the skin has the mesh's vertices, its influences name its bones, and the weights
 /// of every vertex that facets use are finite and add up to 1 within 1e-6.
@@ -35,11 +35,11 @@ struct BonePose {
   Vec3 origin;  ///< of the spheres, as LocalPoints has it for the moved positions, bit for bit
 };
 
-class SkinMotion {
+class SkinPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  SkinMotion(const Mesh& mesh, const CoveredTree& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
-             const Vec3& rest_origin, double size);
+  SkinPoser(const Mesh& mesh, const CoveredTree& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
+            const Vec3& rest_origin, double size);
 
   /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,
   /// first_bad is the lowest bone that is not finite or, when all are, the lowest that moves too far.
@@ -55,4 +55,4 @@ class SkinMotion {
   double largest_weights_ = 1;  // largest sum of |weights| of a vertex
 };
 
-}  // namespace morula
+}  // namespace morula::detail

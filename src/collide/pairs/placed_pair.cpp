@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/pairs/pair_frame.hpp"
+#include "collide/pairs/placed_pair.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "geometry/rounded_up.hpp"
 
-namespace morula {
+namespace morula::detail {
 
 PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin) {
   PlacedPair pair;
@@ -47,4 +47,4 @@ PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
   return pair;
 }
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have travelled.
-#include "collide/front/front_motion.hpp"
+#include "collide/front/front_travel.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,7 @@
 #include "specimens.hpp"
 
 namespace morula {
+using namespace detail;
 namespace {
 
 // In the world: distance of the spheres of a child of one node and a child of another, or of themselves.
@@ -25,7 +26,7 @@ struct Pairs {
   std::vector<double> gap;
 };
 
-TEST(FrontMotion, no_gap_changes_by_more_than_was_travelled) {
+TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
   Random random(4);
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
@@ -33,7 +34,7 @@ TEST(FrontMotion, no_gap_changes_by_more_than_was_travelled) {
   b.place(test::random_placement(random, 1));
   const SphereTree &tree_a = a.body->rest_tree(), &tree_b = b.body->rest_tree();
   Front::Pair bodies;
-  begin_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
+  begin_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
   const Pairs first(a, b);
   std::vector<double> scratch;
   double closest = 1e9;
@@ -55,7 +56,7 @@ TEST(FrontMotion, no_gap_changes_by_more_than_was_travelled) {
       turned.translation = place.translation + Vec3{step, 0, 0};
       b.place(turned);
     }
-    follow_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
+    follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
     const Pairs now(a, b);
     const std::size_t count_b = tree_b.node_count();
     const auto check = [&](std::uint32_t i, std::uint32_t j, std::uint32_t above_i, std::uint32_t above_j) {
@@ -75,16 +76,16 @@ TEST(FrontMotion, no_gap_changes_by_more_than_was_travelled) {
 }
 
 // Nothing travels when nothing has changed, whatever the number of updates.
-TEST(FrontMotion, at_rest_nothing_travels) {
+TEST(FrontTravel, at_rest_nothing_travels) {
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
   a.place(RigidTransform::from_axis({1, 2, 3}, 0.5, {1e6, 0, 0}));
   Front::Pair bodies;
-  begin_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
+  begin_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
   const Front::Pair before = bodies;
   std::vector<double> scratch;
   a.body->update(a.positions);
-  follow_motion(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
+  follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
   EXPECT_EQ(bodies.a.travelled, before.a.travelled);
   EXPECT_EQ(bodies.b.travelled, before.b.travelled);
   EXPECT_EQ(bodies.a.frame, before.a.frame + 1);

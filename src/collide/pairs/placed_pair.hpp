@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Frame of a pair: one body's spheres seen from the other, and how pair tests survive rounding.
+// Placed pair: one body's spheres seen from the other, and how pair tests survive rounding.
 //
 // Local coordinates of a body are about its origin, without its placement. A test looks at a sphere (c_a, r_a) of a and
-// a sphere (c_b, r_b) of b, moved into a's local frame by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and
+// a sphere (c_b, r_b) of b, moved into a's coordinates by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and
 // W = R origin + t. It says "separated" only when no point of the world lies in both regions. Let e = 2^-24, v = 2^-53,
 // |.|_1 the sum of absolute coordinates, U the largest |coordinate| of u, A the sum over both bodies of the largest
 // |coordinates| of origin and translation.
@@ -30,10 +30,10 @@
 #include <morula/collide/collider.hpp>
 #include <span>
 
-namespace morula {
+namespace morula::detail {
 
 /// What a kernel needs to move spheres of b, in float.
-struct PairFrame {
+struct NarrowPair {
   float rows[3][3];
   float translation[3];
   float pad;
@@ -50,14 +50,14 @@ struct PlacedPair {
   double margin = 0;
   double pad = 0;       ///< without margin
   double rounding = 0;  ///< of it, what the world's coordinates cost
-  PairFrame narrow{};
+  NarrowPair narrow{};
 
   Vec3 moved(const Vec3f& center) const {
     const Vec3 c(center);
     return Vec3{dot(rows[0], c), dot(rows[1], c), dot(rows[2], c)} + translation;
   }
   /// By how much each of two spheres may be grown by a test, margin left out.
-  double growth(const Spheref& a, const Spheref& b) const {
+  double allowance(const Spheref& a, const Spheref& b) const {
     const auto size = [](const Spheref& s) {
       return static_cast<double>(std::abs(s.center.x) + std::abs(s.center.y) + std::abs(s.center.z) + 2 * s.radius);
     };
@@ -70,4 +70,4 @@ PlacedPair placed_pair(const Collider& a, const Collider& b, double margin);
 /// Of M and u; coordinates: A.
 PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin);
 
-}  // namespace morula
+}  // namespace morula::detail

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/front/front_motion.hpp"
+#include "collide/front/front_travel.hpp"
 
 #include <algorithm>
 #include <cstring>
 
-namespace morula {
+namespace morula::detail {
 namespace {
 
-// A thousand times what the pads of pair tests are of a sphere's size: see pair_frame.hpp.
+// A thousand times what the pads of pair tests are of a sphere's size: see placed_pair.hpp.
 constexpr double verdict_rounding = 0x1p-16;
 
 void stamp(Front::Side& side, const Collider& collider) {
@@ -43,29 +43,27 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
                                         max_norm(bodies.translation));
 }
 
-// moved(i): by how much the centre of node i has moved. least: added to every node's motion.
+// moved(i): by how much the centre of node i has moved. least: added to every node's way.
 template <class Moved>
-void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& motion,
-            const Moved& moved) {
+void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& way, const Moved& moved) {
   const std::span<const Spheref> spheres = collider.pose().spheres;
   const SphereTree& tree = collider.tree();
-  motion.resize(spheres.size());
+  way.resize(spheres.size());
   for (std::uint32_t i = 0; i < spheres.size(); ++i)
-    motion[i] = (length(moved(i)) +
-                 std::abs(static_cast<double>(spheres[i].radius) - static_cast<double>(side.spheres[i].radius))) *
-                    (1 + 0x1p-40) +
-                least;
+    way[i] = (length(moved(i)) +
+              std::abs(static_cast<double>(spheres[i].radius) - static_cast<double>(side.spheres[i].radius))) *
+                 (1 + 0x1p-40) +
+             least;
   for (std::uint32_t i = 0; i < spheres.size(); ++i) {
-    double farthest = motion[i];
-    for (std::uint32_t k = 0; k < tree.child_count[i]; ++k)
-      farthest = std::max(farthest, motion[tree.first_child[i] + k]);
+    double farthest = way[i];
+    for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
     side.travelled[i] += farthest;
   }
 }
 
 }  // namespace
 
-void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                   bool with_spheres) {
   stamp(bodies, a, b, placed);
   if (with_spheres) {
@@ -77,19 +75,19 @@ void begin_motion(Front::Pair& bodies, const Collider& a, const Collider& b, con
   bodies.b.travelled.assign(bodies.b.spheres.size(), 0.0);
 }
 
-void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch) {
   const std::span<const Spheref> now_a = a.pose().spheres, now_b = b.pose().spheres;
-  const bool same_frame = bodies.rows == placed.rows && bodies.translation == placed.translation &&
+  const bool same_place = bodies.rows == placed.rows && bodies.translation == placed.translation &&
                           bodies.a.origin == a.pose().origin && bodies.b.origin == b.pose().origin;
   // A pad that has changed is a radius that has: one side takes it for both. Far from the origin pads are large, and
   // bodies that come back have none of it, even if they have not moved against each other.
   const double pad_change = std::abs(static_cast<double>(placed.narrow.pad) - bodies.pad);
   const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
-    return !same_frame || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
+    return !same_place || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
   };
   const bool moved_a = pad_change > 0 || has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
-  const double least = same_frame ? 0 : placed.rounding;
+  const double least = same_place ? 0 : placed.rounding;
   if (moved_a) {
     const Vec3 shift = a.pose().origin - bodies.a.origin;
     travel(bodies.a, a, least + pad_change, scratch,
@@ -110,4 +108,4 @@ void follow_motion(Front::Pair& bodies, const Collider& a, const Collider& b, co
   if (moved_a || moved_b) take_spheres(bodies, a, b);
 }
 
-}  // namespace morula
+}  // namespace morula::detail

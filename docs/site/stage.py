@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lays out the pages of the site: README, the pages of docs and those beside README in one folder, with their links.
+
+A link to another page leads to that page, one to a source leads to a copy of that source. A link to nothing is an error.
+usage: stage.py FOLDER
+"""
+import pathlib
+import posixpath
+import re
+import shutil
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".cmake": "cmake", ".txt": "cmake", ".bib": "bibtex"}
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1])
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "pictures").mkdir(parents=True)
+    for picture in (ROOT / "docs/pictures").iterdir():
+        shutil.copy(picture, folder / "pictures")
+    for extra in ("mark.svg", "file_worker.js"):
+        shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
+
+    pages = {f"docs/{p.name}": p.name for p in sorted((ROOT / "docs").glob("*.md"))}
+    pages |= {p.name: p.name.lower() for p in sorted(ROOT.glob("*.md"))}
+    sources, faults = {}, []
+
+    def place(source, link):
+        """Where a link of a page leads on the site."""
+        path, _, anchor = link.partition("#")
+        if not path or re.match(r"[a-z]+:", link):
+            return link
+        target = posixpath.normpath(posixpath.join(posixpath.dirname(source), path))
+        if target in pages:
+            return pages[target] + (f"#{anchor}" if anchor else "")
+        if target.startswith("docs/pictures/"):
+            return target.removeprefix("docs/")
+        if not (ROOT / target).is_file():
+            faults.append(f"{source}: a link to {link}")
+            return link
+        return sources.setdefault(target, "source/" + target.replace("/", "_").replace(".", "_") + ".md")
+
+    titles = {name: (ROOT / source).read_text().partition("# ")[2].partition("\n")[0] for source, name in pages.items()}
+    titles["readme.md"] = "README"
+
+    def rewritten(source, text, link):
+        """A link, whose text is the title of its page where it was the name of a file."""
+        target = place(source, link)
+        name = target.partition("#")[0]
+        if name in titles and re.fullmatch(r"(docs/)?\w+\.md", text):
+            text = titles[name]
+        return f"[{text}]({target})"
+
+    for source, name in pages.items():
+        # What a fence encloses is code: every second piece.
+        pieces = re.split(r"(?m)(^```.*?^```$)", (ROOT / source).read_text(), flags=re.S)
+        for i in range(0, len(pieces), 2):
+            pieces[i] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", lambda m: rewritten(source, m[1], m[2]), pieces[i])
+        (folder / name).write_text("".join(pieces))
+
+    (folder / "source").mkdir()
+    for target, name in sources.items():
+        language = LANGUAGES.get(pathlib.Path(target).suffix, "text")
+        text = (ROOT / target).read_text()
+        (folder / name).write_text(f"# {target}\n\n````{language}\n{text}````\n")
+
+    if faults:
+        sys.exit("\n".join(faults))
+    print(f"site: {len(pages)} pages, {len(sources)} sources")
+
+
+main()

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What is shown, in the page's address: '#frame=3&level=1&colour=growth&camera=…'. A copied address shows the same.
+// Only what the reader changed is there. Links to places of a report have no '=' and are left alone.
+const kinds = {
+  scene: 'count', frame: 'count', level: 'count', picked: 'count',
+  colour: ['level', 'branch', 'empty', 'growth'],
+  measure: ['looseness', 'bare_area', 'gap', 'growth'],
+  body: 'flag', spheres: 'flag', bare: 'flag', facets: 'flag', contacts: 'flag',
+  opacity: 'share', sectionAxis: ['', 'x', 'y', 'z'], sectionAt: 'share', sectionFlip: 'flag',
+};
+
+function read(kind, text) {
+  if (Array.isArray(kind)) return kind.includes(text) ? text : undefined;
+  if (kind === 'flag') return text === '1' ? true : text === '0' ? false : undefined;
+  const value = text.trim() === '' ? NaN : Number(text);
+  if (kind === 'count') return Number.isInteger(value) && value >= 0 && value < 2 ** 31 ? value : undefined;
+  return value >= 0 && value <= 1 ? value : undefined;
+}
+const written = (kind, value) => (kind === 'flag' ? (value ? '1' : '0') : kind === 'share' ? String(Number(value.toFixed(3))) : String(value));
+
+/** {values: of the state, camera: text or null}; null when the address says nothing of them. What is unknown is passed over. */
+export function readAddress(hash) {
+  if (!hash.includes('=')) return null;
+  const parameters = new URLSearchParams(hash.replace(/^#/, ''));
+  const values = {};
+  for (const [name, kind] of Object.entries(kinds)) {
+    const value = parameters.has(name) ? read(kind, parameters.get(name)) : undefined;
+    if (value !== undefined) values[name] = value;
+  }
+  return { values, camera: parameters.get('camera') };
+}
+
+/** values, first: of the state now and as the page began. camera: '' when it was not moved. */
+export function writeAddress(values, first, camera) {
+  const parameters = Object.entries(kinds)
+    .filter(([name]) => values[name] !== undefined && values[name] !== first[name] && !(name === 'picked' && values[name] < 0))
+    .map(([name, kind]) => `${name}=${written(kind, values[name])}`);
+  if (camera) parameters.push(`camera=${camera}`);
+  return parameters.length === 0 ? '' : `#${parameters.join('&')}`;
+}
