@@ -108,15 +108,18 @@ Looseness LoosenessMeter::measure_open(const PositionView& positions, std::span<
   result.union_volume = volume_of(counts.in_union);
   constexpr std::size_t quarter = 0, half = 1, three_quarters = 2;
   if (counts.inside[three_quarters] == 0) return result;
+  // The volume of the closed surface is known exactly: voxels only say by how much that of the open one differs. A body
+  // that is aligned with the lattice would gain or lose a layer of voxels.
+  const double beyond_voxels = sign * (signed_volume(closed) - static_cast<double>(counts.closed_turns) * voxel_volume);
+  const auto object_at = [&](std::size_t threshold) { return volume_of(counts.inside[threshold]) + beyond_voxels; };
+  if (!(object_at(three_quarters) > 0)) return result;
   const auto looseness_at = [&](std::size_t threshold) {
-    return static_cast<double>(counts.in_union - counts.in_both[threshold]) /
-           static_cast<double>(counts.inside[threshold]);
+    return volume_of(counts.in_union - counts.in_both[threshold]) / object_at(threshold);
   };
-  result.object_volume = volume_of(counts.inside[half]);
+  result.object_volume = object_at(half);
   result.outside_volume = volume_of(counts.in_union - counts.in_both[half]);
   result.looseness = looseness_at(half);
-  result.missed_volume =
-      static_cast<double>(counts.inside[half] - counts.in_both[half]) / static_cast<double>(counts.inside[half]);
+  result.missed_volume = volume_of(counts.inside[half] - counts.in_both[half]) / object_at(half);
   result.range = Looseness::Range{looseness_at(quarter), looseness_at(three_quarters)};
   return result;
 }

@@ -220,6 +220,7 @@ class StripCounter {
           add_far(counts, caps, winding, x, y, z, std::min(end, near_begin));
           add_near(counts, caps, winding, x, y, std::max(z, near_begin), std::min(end, near_end));
           add_far(counts, caps, winding, x, y, std::max(z, near_end), end);
+          counts.closed_turns += static_cast<std::int64_t>(winding) * std::max(0, end - z);
           z = std::max(z, end);
           if (!crosses) break;
           winding += crossings_[next++].change;
@@ -364,6 +365,7 @@ OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& c
   for (const OpenVoxelCounts& p : count_strips<OpenVoxelCounts>(
            lattice, closed, true, spheres, workers, [&](StripCounter& counter) { return counter.count_open(caps); })) {
     counts.in_union += p.in_union;
+    counts.closed_turns += p.closed_turns;
     for (std::size_t t = 0; t < counts.inside.size(); ++t) {
       counts.inside[t] += p.inside[t];
       counts.in_both[t] += p.in_both[t];

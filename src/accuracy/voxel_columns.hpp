@@ -35,6 +35,7 @@ inline constexpr std::array<double, 3> inside_thresholds{0.25, 0.5, 0.75};
 struct OpenVoxelCounts {
   std::size_t in_union = 0;
   std::array<std::size_t, 3> inside{}, in_both{};  ///< by threshold
+  std::int64_t closed_turns = 0;                   ///< winding numbers of the closed surface, added up over all voxels
 };
 
 /// Of an open surface by its generalised winding number: that of the closed one, whose crossings are counted, less that

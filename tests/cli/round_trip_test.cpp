@@ -290,7 +290,7 @@ TEST(MeasureCommand, open_meshes_have_a_figure_and_say_how_uncertain_it_is) {
     EXPECT_FALSE(closed[j].contains("inside"));
     EXPECT_EQ(open[j]["inside"], "winding number");
     const double figure = open[j]["looseness"].get<double>();
-    EXPECT_NEAR(figure, closed[j]["looseness"].get<double>(), 0.1 * (1 + figure));
+    EXPECT_NEAR(figure, closed[j]["looseness"].get<double>(), 0.02 * figure);
     EXPECT_LE(open[j]["looseness_low"].get<double>(), figure);
     EXPECT_GE(open[j]["looseness_high"].get<double>(), figure);
   }

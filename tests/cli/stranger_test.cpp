@@ -111,14 +111,15 @@ TEST(Stranger, in_surgery) {
             {"moved.npz"}},
            {"info moved.npz", 0},
            {"sample tool -o tool.obj", 0, {}, {"tool.obj"}},
-           {"deform leber.ply -o poke.npy --poke 0.3 --frames 4", 0, {}, {"poke.npy"}},
+           {"deform leber.ply -o poke.npy --poke --frames 4", 0, {}, {"poke.npy"}},
            {"collide leber.ply tool.obj --tree-a leber.morula --motion-a poke.npy --place-b 0,0.8,0 -o contacts.csv "
             "--plot contacts.svg",
             0,
             {"summary"},
             {"contacts.csv", "contacts.svg"}},
            {"update leber.ply leber.morula gone/ -o moved.npz", 2, {"no such folder"}},
-           {"update tool.obj leber.morula poke.npy -o other.npz", 2, {"leber.morula"}},
+           {"deform tool.obj -o tool.npy --twist 20 --frames 2", 0, {}, {"tool.npy"}},
+           {"update tool.obj leber.morula tool.npy -o other.npz", 2, {"leber.morula"}},
        });
 }
 
@@ -133,7 +134,9 @@ TEST(Stranger, in_robotics) {
            {"measure \"Größe 链接.obj\" link.json --resolution 48", 0, {"Covers"}},
            {"convert link.json link.sph", 0, {}, {"link.sph"}},
            {"convert link.sph link.morula --mesh \"Größe 链接.obj\"", 0, {}, {"link.morula"}},
-           {"build \"Größe 链接.obj\" -o link.ply --spheres 0", 2, {"--spheres 0"}},
+           {"build \"Größe 链接.obj\" -o link.ply --spheres 0",
+            2,
+            {"--spheres", "'0' is not a whole number of 1 or more"}},
            {"build \"Größe 链接.obj\" -o link.ply", 2, {"--spheres"}},
            {"--licenses", 0, {"CLI11", "three"}},
        });
@@ -154,7 +157,7 @@ TEST(Stranger, with_data) {
                   {"build torus.obj -o torus.npz --method octree", 0, {}, {"torus.npz"}},
                   {"info torus.npz", 0},
                   {"info half.obj", 2, {"half.obj"}},
-                  {"build words.obj -o x.morula", 2, {"words.obj", "line 1"}},
+                  {"build words.obj -o x.morula", 2, {"words.obj:1", "not a number"}},
                   {"build empty.obj -o x.morula", 2, {"empty.obj"}},
                   {"build picture.png -o x.morula", 2, {"picture.png", ".obj"}},
                   {"info cut.morula", 2, {"cut.morula"}},

@@ -66,6 +66,8 @@ class MeasuredFiles {
       files_ = trees_in(path);
     } else if (kind_ == FileKind::motion) {
       throw UsageError(fmt::format("{}: holds positions, not spheres; give it with --motion", path));
+    } else if (!std::filesystem::exists(path)) {
+      throw UsageError(fmt::format("{}: there is no such file or folder; check the name, or where you are", path));
     } else {
       files_ = {path};
     }

@@ -176,7 +176,9 @@ void require_shape(const std::string& file, const NpyArray& array, const NpyShap
     std::vector<std::uint64_t> last(needed.sizes.size(), 0);
     last.back() = needed.sizes.back();
     line = transposition(array.shape, last);
-    if (line.empty()) throw FileError(problem + "; save an array with these axes, in this order");
+    if (line.empty())
+      throw FileError(but(needed.known_words.empty() ? needed.words : needed.known_words) +
+                      "; save an array with these axes, in this order");
   }
   if (!line.empty())
     throw FileError(but(needed.known_words.empty() ? needed.words : needed.known_words) +
