@@ -118,7 +118,7 @@ TEST(Stranger, in_surgery) {
             {"summary"},
             {"contacts.csv", "contacts.svg"}},
            {"update leber.ply leber.morula gone/ -o moved.npz", 2, {"no such folder"}},
-           {"deform tool.obj -o tool.npy --twist 20 --frames 2", 0, {}, {"tool.npy"}},
+           {"deform tool.obj -o tool.npy --twist 20 --frames 3", 0, {}, {"tool.npy"}},
            {"update tool.obj leber.morula tool.npy -o other.npz", 2, {"leber.morula"}},
        });
 }
