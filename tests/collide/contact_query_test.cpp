@@ -428,6 +428,41 @@ TEST_F(TwoBodies, carried_back_from_far_away_it_forgets_what_only_distance_blurr
   EXPECT_GT(blurred, 0u) << "what the test is about";
 }
 
+// Bars about the origin keep their distance bit for bit where it is a multiple of 2^-22 and they move by a power of
+// two: nothing but the pads changes.
+TEST(TwoBars, carried_back_from_a_power_of_two_away_have_the_contacts_of_a_fresh_front) {
+  Specimen a{"bar", 4, quick}, b{"bar", 4, quick};
+  ContactQuery query;
+  query.add(*a.collider, *b.collider);
+  std::size_t blurred = 0;
+  for (const double far : {0x1p26, 0x1p28, 0x1p30})
+    for (const double gap : {0x1p-22, 0x1p-20, 0x1p-18, 0x1p-16}) {
+      double apart = 0;
+      const auto place = [&](double away) {
+        a.place({.translation = {away, 0, 0}});
+        b.place({.translation = {away + apart, 0, 0}});
+      };
+      double touching = 0;
+      for (double step = 8; step > 0x1p-23; step /= 2) {
+        apart = touching + step;
+        place(0);
+        if (overlap(*a.collider, *b.collider)) touching = apart;
+      }
+      apart = touching + gap;
+      place(far);
+      ASSERT_TRUE(query.start());
+      const std::size_t then = query.contacts().contacts.size();
+      place(0);
+      ASSERT_TRUE(query.carry());
+      ContactQuery fresh;
+      fresh.add(*a.collider, *b.collider);
+      ASSERT_TRUE(fresh.start());
+      EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(fresh.contacts())) << far << ' ' << gap;
+      blurred += then > fresh.contacts().contacts.size() ? 1 : 0;
+    }
+  EXPECT_GT(blurred, 0u) << "what the test is about";
+}
+
 TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   ContactQuery query({.budget = 500});
   query.add(*a.collider, *b.collider);

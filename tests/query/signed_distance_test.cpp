@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/brute_force.hpp>
 #include <morula/query/signed_distance.hpp>
@@ -73,6 +75,65 @@ TEST(SignedDistance, pseudo_normals_are_right_at_spikes_ridges_and_saddles) {
     ASSERT_EQ(object.method(), SignMethod::pseudo_normal);
     expect_right_sides(mesh, object, 600, seed);
   }
+}
+
+// Every edge of a turned box is parted at places that no longer lie on it by rounding, and a facet as thin as that
+// fills the slit: its computed normal points anywhere. What is inside the box is known without the mesh.
+TEST(SignedDistance, facets_as_thin_as_rounding_do_not_turn_it_around) {
+  Random random(11);
+  for (int turn = 0; turn < 12; ++turn) {
+    const RigidTransform placed = RigidTransform::from_axis(
+        {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, random.uniform(0.1, 3), {});
+    Mesh mesh = box_mesh({-1, -1, -1}, {1, 1, 1});
+    for (Vec3& p : mesh.positions) p = placed(p);
+    const std::vector<Facet> whole = mesh.facets;
+    mesh.facets.clear();
+    for (const Facet& f : whole) {
+      // From the first side of each facet, which is the second or third of its neighbour or the same.
+      const auto m = static_cast<std::uint32_t>(mesh.positions.size());
+      const double t = random.uniform(0.2, 0.8);
+      mesh.positions.push_back(mesh.positions[f[0]] * (1 - t) + mesh.positions[f[1]] * t);
+      mesh.facets.push_back({f[0], m, f[2]});
+      mesh.facets.push_back({m, f[1], f[2]});
+      mesh.facets.push_back({f[0], f[1], m});
+    }
+    const SignedDistance object(mesh, SignMethod::pseudo_normal);
+    for (std::size_t v = 8; v < mesh.positions.size(); ++v)
+      for (int k = 0; k < 40; ++k) {
+        const double far = std::pow(10, random.uniform(-8, -0.5));
+        const Vec3 p =
+            mesh.positions[v] + far * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        const double out = max_norm(placed.turn_back(p)) - 1;  // from the faces, roughly; the sign is exact enough
+        if (std::abs(out) < 1e-3 * far) continue;
+        EXPECT_EQ(object.at(p).distance < 0, out < 0) << "vertex " << v << ", " << far << " away, " << out;
+      }
+  }
+}
+
+// A sheet far thinner than its rim is long: at the rim the mean of two normals that nearly cancel is what rounding
+// left.
+TEST(SignedDistance, razor_edges_do_not_turn_it_around) {
+  Random random(12);
+  for (const double thickness : {1e-9, 1e-12, 1e-15})
+    for (int turn = 0; turn < 12; ++turn) {
+      const RigidTransform placed = RigidTransform::from_axis(
+          {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, random.uniform(0.1, 3), {});
+      // Two pyramids, almost flat, on a common square.
+      Mesh mesh;
+      mesh.positions = {{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {0.1, 0.2, thickness}, {0.1, 0.2, -thickness}};
+      for (Vec3& p : mesh.positions) p = placed(p);
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        mesh.facets.push_back({i, (i + 1) % 4, 4});
+        mesh.facets.push_back({(i + 1) % 4, i, 5});
+      }
+      const SignedDistance object(mesh, SignMethod::pseudo_normal);
+      for (int k = 0; k < 400; ++k) {
+        // Beside the square, in its plane and off it.
+        const Vec3 at{random.uniform(1.001, 2), random.uniform(-2, 2),
+                      random.uniform() < 0.5 ? 0.0 : random.uniform(-1, 1)};
+        EXPECT_GE(object.at(placed(at)).distance, 0) << thickness << ' ' << at.x << ' ' << at.y << ' ' << at.z;
+      }
+    }
 }
 
 // A plain sum of facet normals at the tip of this body points to the wrong side for many directions; weighted by angle
