@@ -135,5 +135,25 @@ TEST_F(ViewCommand, refuses_bad_input_and_writes_nothing) {
   }
 }
 
+TEST_F(ViewCommand, shows_a_modal_model) {
+  bench.require("sample limb -o limb.obj --resolution 12");
+  bench.require("build limb.obj -o limb.morula --method octree --depth 1");
+  bench.require("sample limb-modes -o modes.npy --resolution 12");
+  bench.require("sample limb-coords -o coords.npy");
+  const auto json =
+      bench.require("view limb.obj limb.morula --modes modes.npy --coords coords.npy -o limb.html --no-measure --json")
+          .json();
+  const auto page = manifest(bench.read("limb.html"));
+  EXPECT_EQ(page["motions"][0]["name"], "coords.npy");
+  EXPECT_EQ(page["motions"][0]["frames"].size(), json["frames"].get<std::size_t>());
+  EXPECT_GT(json["frames"].get<std::size_t>(), 1U);
+  // The box of all frames is larger than that of the body at rest: it moves.
+  bench.require("view limb.obj limb.morula -o rest.html --no-measure");
+  EXPECT_NE(page["motions"][0]["step"], manifest(bench.read("rest.html"))["motions"][0]["step"]);
+  for (const char* wrong :
+       {"--modes modes.npy", "--coords coords.npy", "limb.obj --modes modes.npy --coords coords.npy"})
+    EXPECT_EQ(bench.run(std::string("view limb.obj limb.morula ") + wrong + " -o x.html").exit_code, 2) << wrong;
+}
+
 }  // namespace
 }  // namespace morula::test

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
@@ -30,6 +31,8 @@ struct Options {
   std::string mesh;
   std::string tree;
   std::string motion;
+  std::string modes;
+  std::string coordinates;
   std::string output;
   std::vector<std::string> rules;
   std::string study;
@@ -39,6 +42,9 @@ struct Options {
   bool rule_given = false;
   unsigned threads = 0;
   bool json = false;
+
+  /// The file that holds what changes from frame to frame; empty for a body at rest.
+  const std::string& moving() const { return modes.empty() ? motion : coordinates; }
 };
 
 std::string file_name(const std::filesystem::path& path) {
@@ -47,10 +53,19 @@ std::string file_name(const std::filesystem::path& path) {
 
 PageMotion read_motion(const Options& o, const Mesh& mesh) {
   PageMotion motion{.body = std::filesystem::path(o.mesh).stem().string(),
-                    .name = o.motion.empty() ? "rest" : file_name(o.motion),
+                    .name = o.moving().empty() ? "rest" : file_name(o.moving()),
                     .facets = mesh.facets,
                     .frame_names = {},
                     .frames = {}};
+  if (!o.modes.empty()) {
+    const Modes modes = read_modes(o.modes, mesh);
+    const ModalCoordinates coordinates = read_coordinates(o.coordinates, modes.mode_count);
+    for (std::size_t i = 0; i < coordinates.frame_count(); ++i) {
+      motion.frame_names.push_back(fmt::format("{} frame {}", file_name(o.coordinates), i));
+      move_by_modes(modes, mesh.positions, coordinates.frame(i), motion.frames.emplace_back(mesh.positions));
+    }
+    return motion;
+  }
   if (o.motion.empty()) {
     motion.frame_names = {file_name(o.mesh)};
     motion.frames = {mesh.positions};
@@ -111,7 +126,7 @@ void print_result(const Options& o, const PageContent& content, const BuildRepor
   if (o.json) {
     Json json{{"mesh", o.mesh},
               {"tree", o.tree},
-              {"motion", o.motion.empty() ? Json(nullptr) : Json(o.motion)},
+              {"motion", o.moving().empty() ? Json(nullptr) : Json(o.moving())},
               {"output", o.output},
               {"rules", rules},
               {"frames", motion.frames.size()},
@@ -135,7 +150,12 @@ int view_command(const Options& o) {
   const std::string ending = extension(o.output);
   if (ending != ".html" && ending != ".htm") throw UsageError(fmt::format("{}: pages are written as .html", o.output));
   require_output_place(o.output);
-  require_not_input(o.output, {o.mesh, o.tree, o.motion, o.study});
+  if (o.modes.empty() != o.coordinates.empty())
+    throw UsageError(
+        fmt::format("a modal model needs both: add {}", o.modes.empty() ? "--modes FILE" : "--coords FILE"));
+  if (!o.modes.empty() && !o.motion.empty())
+    throw UsageError(fmt::format("both positions ({}) and --modes are given: leave out one", o.motion));
+  require_not_input(o.output, {o.mesh, o.tree, o.motion, o.modes, o.coordinates, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
   for (const std::vector<Rule>& list : rules) require_position_rules(list);
@@ -190,6 +210,10 @@ void add_view(CLI::App& app, Run& run) {
   command
       ->add_option("MOTION", o->motion, "Positions: folder of meshes, glob, .npy or .npz; without it the body at rest")
       ->type_name("");
+  command->add_option("--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
+      ->type_name("FILE");
+  command->add_option("--coords", o->coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
+      ->type_name("FILE");
   command->add_option("-o,--output", o->output, "Page: one .html file that needs no network")
       ->type_name("PAGE")
       ->required();
