@@ -40,7 +40,13 @@ void Progress::update(double share) {
   const std::size_t width = 30;
   const double clamped = std::clamp(share, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(clamped * static_cast<double>(width));
-  say("\r\x1b[K[{}{}] {:3.0f}% {}", std::string(filled, '#'), std::string(width - filled, '.'), 100 * clamped, label_);
+  const double elapsed = std::chrono::duration<double>(now - begun_).count();
+  constexpr double enough_to_judge = 0.02;
+  std::string rest;
+  if (elapsed >= 1 && clamped >= enough_to_judge && label_.find(" left") == std::string::npos)
+    rest = time_left(elapsed * (1 - clamped) / clamped);
+  say("\r\x1b[K[{}{}] {:3.0f}% {}{}", std::string(filled, '#'), std::string(width - filled, '.'), 100 * clamped, label_,
+      rest);
 }
 
 void Progress::update(double share, std::string label) {

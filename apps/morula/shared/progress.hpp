@@ -18,7 +18,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// share: of the work done, 0…1.
+  /// share: of the work done, 0…1. After a second the bar says how long the rest takes at the rate so far, unless the
+  /// label says it already.
   void update(double share);
   void update(double share, std::string label);
 
@@ -26,7 +27,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string label_;
   bool shown_;  // stderr is a terminal
-  Clock::time_point last_{};
+  Clock::time_point begun_ = Clock::now(), last_{};
 };
 
 /// ", about 3 min left"; nothing while it is not known, and for less than a second.
