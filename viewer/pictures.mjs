@@ -14,9 +14,17 @@ async function body(rule, size) {
   await settled(page);
   await page.selectOption('#choose-rule', rule);
   await slide(page, 'frame', worst);
+  await slide(page, 'level', 3);
   await page.click('#colouring [data-value=branch]');
   // The stage without what lies over it and without its background.
-  await page.addStyleTag({ content: `#legend, #picked, #fit { display: none !important } #stage { background: #fff !important } #stage { flex: none !important; height: ${size.height}px }` });
+  // Element by element: the page's policy takes no other style sheet.
+  await page.evaluate((height) => {
+    for (const id of ['legend', 'picked', 'fit']) document.getElementById(id).style.setProperty('display', 'none', 'important');
+    const stage = document.getElementById('stage').style;
+    stage.setProperty('background', '#fff', 'important');
+    stage.setProperty('flex', 'none', 'important');
+    stage.height = `${height}px`;
+  }, size.height);
   await settled(page);
   await page.keyboard.press('f');
   await settled(page);

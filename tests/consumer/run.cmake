@@ -19,12 +19,12 @@ if(WAY STREQUAL find_package)
   endif()
   file(CONFIGURE OUTPUT "${FOLDER}/readme_example.cpp" @ONLY CONTENT "#include <morula/morula.hpp>
 int main() {
-  const std::vector<morula::Vec3> positions = morula::read_mesh(\"liver.obj\").positions;
+  const std::vector<morula::Vec3> positions = morula::read_mesh(\"limb.obj\").positions;
 @CMAKE_MATCH_1@
   return figures.size() == built.tree.level_count() ? 0 : 1;
 }
 ")
-  configure_file("${MESH}" "${FOLDER}/liver.obj" COPYONLY)
+  configure_file("${MESH}" "${FOLDER}/limb.obj" COPYONLY)
   configure_file("${MESH}" "${FOLDER}/tool.obj" COPYONLY)
 
   list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
