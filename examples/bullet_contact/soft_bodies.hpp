@@ -55,7 +55,8 @@ struct Model {
 
   Model(const char* name, int resolution, double z) : mesh(morula::sample_body(name, resolution)) {
     for (Vec3& p : mesh.positions) p.z += z;
-    built = std::make_shared<const morula::CoveredTree>(morula::build(mesh, {.method = morula::Method::grid}));
+    built =
+        std::make_shared<const morula::CoveredTree>(morula::build(mesh, {.method = morula::Method::grid, .depth = 3}));
   }
 };
 

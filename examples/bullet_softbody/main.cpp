@@ -100,7 +100,7 @@ int fall(int steps) {
   const morula::Mesh mesh = morula::sample_body("blob", 48);
   World world;
   const btSoftBody& soft = world.add(mesh);
-  morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid}));
+  morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid, .depth = 3}));
   std::printf("%zu vertices, %zu spheres; a node of Bullet's is %zu bytes\n", mesh.vertex_count(),
               body.spheres().size(), sizeof(btSoftBody::Node));
   std::printf("%6s %10s %12s %12s %14s  %s\n", "step", "lowest z", "step ms", "spheres ms", "inside by", "covered");

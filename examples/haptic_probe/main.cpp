@@ -54,7 +54,7 @@ double largest_move(const std::vector<Vec3>& from, const std::vector<Vec3>& to) 
 
 int main() {
   const morula::Mesh mesh = morula::sample_body("limb");
-  morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid}));
+  morula::Body body(mesh, morula::build(mesh, {.method = morula::Method::grid, .depth = 3}));
   morula::Collider limb(mesh, body);
   morula::InsideQuery inside(limb);
   morula::Mesh now = mesh;                   // the limb of this frame
