@@ -1,0 +1,220 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// tinygltf is given no more than it needs: the JSON is parsed and cut down to shape and motion here, so that it meets
+// neither images nor extensions, and of a .glb it gets that JSON and the binary chunk as if it were a file. It decodes
+// data URIs and fills structures.
+#define TINYGLTF_IMPLEMENTATION
+#include "io/gltf/model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <morula/io/mesh_file.hpp>
+#include <nlohmann/json.hpp>
+
+#include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
+
+namespace morula::gltf {
+using namespace detail;
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::string_view binary_chunk = "morula:binary-chunk";
+
+// A file's parts, before anything is decoded.
+struct Container {
+  fs::path path;
+  std::string_view json, binary;
+  bool is_binary = false;
+};
+
+Container opened(const fs::path& path, std::string_view bytes) {
+  Container file{.path = path, .json = bytes, .binary = {}};
+  // Counts of what tinygltf is given are 32-bit.
+  if (bytes.size() > 0x7fffffff) throw FileError(path.string() + ": is larger than 2 GiB, which is not read");
+  if (bytes.substr(0, 4) != "glTF") return file;
+  file.is_binary = true;
+  ByteReader in(path, bytes, std::endian::little);
+  in.skip(4, "the header");
+  if (const auto version = in.read<std::uint32_t>("the header"); version != 2)
+    in.fail("is glTF version " + std::to_string(version) + "; write it as version 2");
+  if (in.read<std::uint32_t>("the header") > bytes.size()) in.fail("the file is shorter than its header says");
+  constexpr std::uint32_t json_type = 0x4E4F534A, binary_type = 0x004E4942;
+  for (bool first = true; in.bytes_left() >= 8; first = false) {
+    const auto length = in.read<std::uint32_t>("a chunk");
+    const auto type = in.read<std::uint32_t>("a chunk");
+    const std::string_view chunk = bytes.substr(bytes.size() - in.bytes_left(), length);
+    in.skip(length, "a chunk");
+    if (first != (type == json_type)) in.fail(first ? "the first chunk is not JSON" : "there is a second JSON chunk");
+    if (first) file.json = chunk;
+    if (type == binary_type && file.binary.empty()) file.binary = chunk;
+  }
+  if (file.json.data() == bytes.data()) in.fail("the file ends before its JSON");
+  return file;
+}
+
+// Extensions that change no position: a file may require these.
+bool is_harmless(std::string_view extension) {
+  constexpr std::array<std::string_view, 6> prefixes{"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                     "KHR_lights_",    "KHR_xmp",      "MSFT_texture_"};
+  return extension == "KHR_mesh_quantization" ||
+         std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
+}
+
+// What is neither shape nor motion goes, wherever it is.
+void strip(Json& value) {
+  if (value.is_object())
+    for (const char* const key : {"extensions", "extras"}) value.erase(key);
+  if (value.is_structured())
+    for (Json& part : value) strip(part);
+}
+
+Json parsed(const Container& file) {
+  const std::string name = file.path.string();
+  // As deep as glTF goes is 8; what recurses after this, here and in tinygltf, then cannot run out of stack.
+  constexpr int deepest = 32;
+  const auto is_shallow = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
+    return true;
+  };
+  try {
+    return Json::parse(file.json.begin(), file.json.end(), is_shallow);
+  } catch (const Json::parse_error& error) {
+    throw FileError(name + ": is not JSON at byte " + std::to_string(error.byte) +
+                    " of its text; it was cut short or edited wrongly");
+  } catch (const Json::exception&) {
+    throw FileError(name + ": holds a number that is too large for double precision");
+  }
+}
+
+Json cut_down(const Container& file) {
+  const auto fail = [&](const std::string& problem) { throw FileError(file.path.string() + ": " + problem); };
+  Json all = parsed(file), kept;
+  if (!all.is_object()) fail("is JSON, but no glTF: that is an object");
+  if (const auto required = all.find("extensionsRequired"); required != all.end() && required->is_array())
+    for (const Json& extension : *required)
+      if (!extension.is_string() || !is_harmless(extension.get<std::string>()))
+        fail("requires the extension " + in_quotes(extension.is_string() ? extension.get<std::string>() : "?") +
+             ", which is not read; write the file without it (uncompressed)");
+  for (const char* const key :
+       {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "skins", "animations"}) {
+    const auto member = all.find(key);
+    if (member == all.end()) continue;
+    const bool is_list = std::string_view(key) != "asset" && std::string_view(key) != "scene";
+    if (is_list && !member->is_array()) fail("\"" + std::string(key) + "\" is not a list");
+    if (is_list)
+      for (const Json& item : *member)
+        if (!item.is_object()) fail("\"" + std::string(key) + "\" holds something that is not an object");
+    kept[key] = std::move(*member);
+  }
+  strip(kept);
+  if (const auto asset = kept.find("asset"); asset != kept.end() && asset->is_object()) {
+    const auto version = asset->find("version");
+    if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
+      fail("is not glTF version 2; write it as that");
+  } else {
+    fail("has no \"asset\" with the version; that is no glTF");
+  }
+  // tinygltf asks for what glTF leaves out.
+  if (kept.contains("skins"))
+    for (Json& skin : kept["skins"])
+      if (!skin.contains("inverseBindMatrices")) skin["inverseBindMatrices"] = -1;
+  if (kept.contains("animations"))
+    for (Json& animation : kept["animations"]) {
+      const auto channels = animation.find("channels");
+      if (channels == animation.end() || !channels->is_array()) continue;
+      Json with_node = Json::array();
+      for (Json& channel : *channels)
+        if (channel.is_object() && channel.contains("target") && channel["target"].is_object() &&
+            channel["target"].contains("node"))
+          with_node.push_back(std::move(channel));
+      *channels = std::move(with_node);
+    }
+  if (file.is_binary && kept.contains("buffers") && !kept["buffers"].empty() && !kept["buffers"][0].contains("uri"))
+    kept["buffers"][0]["uri"] = binary_chunk;
+  return kept;
+}
+
+// Names beside the file: none that leads elsewhere.
+fs::path beside(const Container& file, const std::string& uri) {
+  const fs::path relative(uri);
+  const bool is_inside =
+      !uri.empty() && relative.is_relative() && !relative.has_root_path() &&
+      uri.find_first_of(std::string_view("\\:\0", 3)) == std::string::npos &&
+      std::none_of(relative.begin(), relative.end(), [](const fs::path& part) { return part == ".."; });
+  if (!is_inside)
+    throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
+                    "; only files in its folder are read, by relative names without '..'");
+  return file.path.parent_path() / relative;
+}
+
+// A buffer, as tinygltf asks for it. It checks the size against what was announced, a chunk may have padding.
+bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::string& uri, void* user) {
+  const auto& file = *static_cast<const Container*>(user);
+  const auto whole = [&](const fs::path& path) {
+    try {
+      return read_whole(path);
+    } catch (const FileError& error) {
+      throw FileError(file.path.string() + ": its buffer " + in_quotes(uri) + " cannot be read: " + error.what());
+    }
+  };
+  const std::string bytes = uri == binary_chunk ? std::string(file.binary) : whole(beside(file, uri));
+  out->assign(bytes.begin(), bytes.end());
+  return true;
+}
+
+morula_tinygltf::Model decoded(Container& file) {
+  Json json = cut_down(file);
+  // The chunk may be up to three bytes longer than its buffer.
+  if (json.contains("buffers"))
+    for (Json& buffer : json["buffers"]) {
+      if (!buffer.contains("uri") || buffer["uri"] != binary_chunk) continue;
+      const auto length = buffer.find("byteLength");
+      if (length == buffer.end() || !length->is_number_unsigned() ||
+          length->get<std::uint64_t>() > file.binary.size() || file.binary.size() - length->get<std::uint64_t>() > 3)
+        throw FileError(file.path.string() + ": its first buffer has not the length of the file's binary chunk, " +
+                        std::to_string(file.binary.size()) + " bytes; it was cut short, or its counts are wrong");
+      file.binary = file.binary.substr(0, length->get<std::size_t>());
+    }
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  morula_tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks(
+      {[](const std::string&, void*) { return true; }, [](const std::string& name, void*) { return name; }, read_buffer,
+       [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }, &file});
+  morula_tinygltf::Model model;
+  std::string error, warning;
+  bool good = false;
+  try {
+    good = loader.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& problem) {
+    error = problem.what();
+  }
+  // It goes on after some errors, and leaves out what it did not understand.
+  if (!good || !error.empty()) {
+    while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();
+    for (char& c : error)
+      if (c < ' ' || c > '~') c = ' ';
+    if (error.size() > 300) error.resize(300);
+    throw FileError(file.path.string() + ": is no glTF that can be read: " + (error.empty() ? "unknown fault" : error));
+  }
+  return model;
+}
+
+}  // namespace
+
+LoadedModel load_model(const fs::path& path, std::string_view bytes) {
+  Container file = opened(path, bytes);
+  LoadedModel loaded{decoded(file), 0};
+  loaded.bytes = file.json.size();
+  for (const morula_tinygltf::Buffer& buffer : loaded.model.buffers) loaded.bytes += buffer.data.size();
+  return loaded;
+}
+
+}  // namespace morula::gltf

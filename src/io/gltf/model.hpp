@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A glTF file as tinygltf decodes it: structures whose indices, sizes and types nobody has checked.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "io/gltf/tinygltf.hpp"
+
+namespace morula::gltf {
+
+struct LoadedModel {
+  morula_tinygltf::Model model;
+  std::size_t bytes;  ///< of the text and of all buffers
+};
+
+/// bytes: of a .gltf or a .glb, told apart by how they begin. Buffers beside the file are read. Throws FileError.
+LoadedModel load_model(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace morula::gltf
