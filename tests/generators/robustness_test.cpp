@@ -106,7 +106,6 @@ TEST_P(RobustnessBy, covers_hard_meshes_with_few_finite_spheres) {
 }
 
 TEST_P(RobustnessBy, size_and_place_hardly_change_the_tightness) {
-  if (GetParam() == Method::combined) GTEST_SKIP() << "as its parts";
   const Mesh mesh = sample_body("limb", 12);
   const auto loose = [&](const Mesh& m) {
     return looseness(m, level_set_spheres(build(m, options()).tree, 2), {.resolution = 64}).looseness.value();
