@@ -13,17 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What every error is: one line, with a code, and nothing touched.
-void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& fragment) {
-  const auto before = bench.listing();
-  const CommandResult result = bench.run(arguments);
-  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
-  EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << arguments << "\n" << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_NE(result.err.find(fragment), std::string::npos) << arguments << "\n" << result.err;
-  EXPECT_EQ(bench.listing(), before) << arguments;
-}
-
 struct SmallBench : Workbench {
   SmallBench() {
     require("sample bar -o bar.obj --resolution 4");
@@ -43,26 +32,26 @@ TEST(Outputs, none_is_an_input_of_the_same_command) {
   fs::create_symlink("motion/0001.obj", bench / "frame.csv");
   fs::create_directory_symlink("motion", bench / "other");
   const std::string also = "is also what is read";
-  expect_refused(bench, "measure bar.obj bar.morula --csv bar.obj", also);
-  expect_refused(bench, "measure bar.obj bar.morula --csv ./bar.morula", also);
-  expect_refused(bench, "measure bar.obj spheres --motion motion --csv spheres/0001.sph", also);
-  expect_refused(bench, "measure bar.obj spheres --motion motion --csv frame.csv", also);
-  expect_refused(bench, "build bar.obj -o hard.morula", also);
-  expect_refused(bench, "build bar.ply -o link.ply --spheres 10", also);
-  expect_refused(bench, "medial bar.ply -o bar.ply", also);
-  expect_refused(bench, "convert bar.obj bar.obj", also);
-  expect_refused(bench, "convert bar.morula bar.obj/../bar.morula", "");
-  expect_refused(bench, "convert bar.ply link.ply", also);
-  expect_refused(bench, "update bar.obj bar.morula motion -o motion", also);
-  expect_refused(bench, "update bar.obj bar.morula motion -o other", also);
-  expect_refused(bench, "update bar.obj bar.morula 'motion/*.obj' -o motion", also);
-  expect_refused(bench, "update bar.obj bar.morula motion -o tree.npz", also);
-  expect_refused(bench, "update bar.obj spheres/0002.sph motion -o spheres", "would replace spheres/0002.sph");
-  expect_refused(bench, "deform motion/0000.obj -o motion --twist 40 --frames 3", "would replace motion/0000.obj");
-  expect_refused(bench, "collide bar.obj bar.obj -o frame.csv --motion-a motion/0001.obj", also);
+  bench.expect_refused("measure bar.obj bar.morula --csv bar.obj", also);
+  bench.expect_refused("measure bar.obj bar.morula --csv ./bar.morula", also);
+  bench.expect_refused("measure bar.obj spheres --motion motion --csv spheres/0001.sph", also);
+  bench.expect_refused("measure bar.obj spheres --motion motion --csv frame.csv", also);
+  bench.expect_refused("build bar.obj -o hard.morula", also);
+  bench.expect_refused("build bar.ply -o link.ply --spheres 10", also);
+  bench.expect_refused("medial bar.ply -o bar.ply", also);
+  bench.expect_refused("convert bar.obj bar.obj", also);
+  bench.expect_refused("convert bar.morula bar.obj/../bar.morula", "");
+  bench.expect_refused("convert bar.ply link.ply", also);
+  bench.expect_refused("update bar.obj bar.morula motion -o motion", also);
+  bench.expect_refused("update bar.obj bar.morula motion -o other", also);
+  bench.expect_refused("update bar.obj bar.morula 'motion/*.obj' -o motion", also);
+  bench.expect_refused("update bar.obj bar.morula motion -o tree.npz", also);
+  bench.expect_refused("update bar.obj spheres/0002.sph motion -o spheres", "would replace spheres/0002.sph");
+  bench.expect_refused("deform motion/0000.obj -o motion --twist 40 --frames 3", "would replace motion/0000.obj");
+  bench.expect_refused("collide bar.obj bar.obj -o frame.csv --motion-a motion/0001.obj", also);
   const CommandResult page = bench.run("view bar.obj bar.morula -o link.html");
   if (page.err.find("built without its page") == std::string::npos)
-    expect_refused(bench, "view bar.obj bar.morula -o link.html", also);
+    bench.expect_refused("view bar.obj bar.morula -o link.html", also);
   fs::create_symlink("bar.csv", bench / "same.csv");
   bench.require("measure bar.obj bar.morula --csv same.csv");
   EXPECT_TRUE(fs::is_symlink(bench / "same.csv"));
@@ -98,7 +87,7 @@ TEST(Outputs, a_failing_update_leaves_the_older_one_whole) {
   Mesh broken = mesh;
   broken.positions[0].x = 1e30;
   write_mesh(bench / "far/0002.obj", broken);
-  expect_refused(bench, "update bar.obj bar.morula far -o spheres", "too far away");
+  bench.expect_refused("update bar.obj bar.morula far -o spheres", "too far away");
   bench.write("spheres/readme.txt", "mine");
   const std::string before = bench.read("spheres/0001.sph");
   fs::remove(bench / "far/0002.obj");
@@ -112,7 +101,7 @@ TEST(Outputs, what_plainly_does_not_fit_is_refused) {
   const SmallBench bench;
   // Some 5 TB.
   bench.require("sample limb -o limb.ply --resolution 400");
-  expect_refused(bench, "deform limb.ply -o limb.npy --twist 30 --frames 1000000", "its disk has");
+  bench.expect_refused("deform limb.ply -o limb.npy --twist 30 --frames 1000000", "its disk has");
 }
 
 TEST(Inputs, a_frame_that_is_missing_is_named) {
@@ -120,10 +109,10 @@ TEST(Inputs, a_frame_that_is_missing_is_named) {
   bench.require("deform bar.obj -o long --twist 30 --frames 5");
   bench.require("update bar.obj bar.morula long -o balls");
   fs::remove(bench / "balls/0001.sph");
-  expect_refused(bench, "measure bar.obj balls --motion long", "0001.sph is missing between");
+  bench.expect_refused("measure bar.obj balls --motion long", "0001.sph is missing between");
   fs::remove(bench / "long/0002.obj");
-  expect_refused(bench, "update bar.obj bar.morula long -o out", "0002.obj is missing between 0001.obj and 0003.obj");
-  expect_refused(bench, "update bar.obj bar.morula 'long/*.obj' -o out", "0002.obj is missing");
+  bench.expect_refused("update bar.obj bar.morula long -o out", "0002.obj is missing between 0001.obj and 0003.obj");
+  bench.expect_refused("update bar.obj bar.morula 'long/*.obj' -o out", "0002.obj is missing");
 }
 
 TEST(Streams, stderr_closed_changes_nothing) {
@@ -205,7 +194,7 @@ TEST(Numbers, are_finite_and_written_as_such_in_every_option) {
       ++options;
       for (const std::string value : {"nan", "inf", "-inf", "1e999", "0x10", "1,5", "''", "'1 2'", "--"}) {
         if (name == "view" && bench.run(command).err.find("built without its page") != std::string::npos) continue;
-        expect_refused(bench, command + " " + option + "=" + value, value == "--" ? "" : option);
+        bench.expect_refused(command + " " + option + "=" + value, value == "--" ? "" : option);
       }
     }
   }
@@ -215,7 +204,7 @@ TEST(Numbers, are_finite_and_written_as_such_in_every_option) {
 TEST(Numbers, are_not_negative_where_that_means_nothing) {
   const SmallBench bench;
   const auto refused = [&](const std::string& command, const std::vector<std::string>& options) {
-    for (const std::string& option : options) expect_refused(bench, command + " " + option + "=-1", option);
+    for (const std::string& option : options) bench.expect_refused(command + " " + option + "=-1", option);
   };
   refused("build bar.obj -o out.morula", {"--seed", "--threads", "--spheres", "--max-protrusion", "--time-limit"});
   refused("build bar.obj -o out.morula --optimiser balance --method medial", {"--balance-excess"});
@@ -229,7 +218,7 @@ TEST(Numbers, are_not_negative_where_that_means_nothing) {
   for (const std::string command : {"build bar.obj -o out.morula", "sample bar -o out.obj"})
     for (const std::string option : {"--branching=-1", "--resolution=-1", "--depth=-1", "--depth=9", "--branching=1"})
       if (bench.run(command.substr(0, 6) + " --help").out.find(option.substr(0, option.find('='))) != std::string::npos)
-        expect_refused(bench, command + " " + option, "");
+        bench.expect_refused(command + " " + option, "");
   // 010 is ten, not eight, and a sign is a sign.
   bench.require("sample bar -o ten.obj --resolution 10");
   bench.require("sample bar -o padded.obj --resolution 010");
@@ -247,9 +236,9 @@ TEST(Numbers, placements_may_be_as_long_or_short_as_they_like) {
     bench.require(command + "--turn-b " + turn + " --place-b 0.1,0.2,0.3");
     EXPECT_EQ(bench.read("out.csv"), expected) << turn;
   }
-  expect_refused(bench, command + "--turn-b 0,0,0,90", "no direction");
-  expect_refused(bench, command + "--turn-b 0,0,1,nan", "three numbers");
-  expect_refused(bench, command + "--budget 1e14ms", "--budget");
+  bench.expect_refused(command + "--turn-b 0,0,0,90", "no direction");
+  bench.expect_refused(command + "--turn-b 0,0,1,nan", "three numbers");
+  bench.expect_refused(command + "--budget 1e14ms", "--budget");
 }
 
 }  // namespace

@@ -13,18 +13,6 @@ namespace {
 const std::vector<std::string> commands{"build", "measure", "deform", "update",  "collide", "view", "medial",
                                         "info",  "repair",  "sample", "convert", "demo",    "study"};
 
-/// Bad use: exit 2, one line on stderr that says what is wrong, nothing on stdout, nothing written.
-void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& reason) {
-  const std::vector<std::string> before = bench.listing();
-  const CommandResult result = bench.run(arguments);
-  EXPECT_EQ(result.exit_code, 2) << "morula " << arguments << "\n" << result.err;
-  EXPECT_EQ(result.out, "") << arguments;
-  EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << arguments << "\n" << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_NE(result.err.find(reason), std::string::npos) << arguments << "\n" << result.err;
-  EXPECT_EQ(bench.listing(), before) << arguments;
-}
-
 TEST(Help, lists_the_commands_that_exist_and_no_others) {
   const Workbench bench;
   const std::string help = bench.require("--help").out;
@@ -69,40 +57,40 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
   bench.require("build bar.obj -o bar.morula --method octree --depth 1");
-  expect_refused(bench, "biuld bar.obj -o x.morula", "did you mean build?");
-  expect_refused(bench, "build bar.obj -o x.morula --methd grid", "did you mean --method?");
-  expect_refused(bench, "build bar.obj -o x.morula --method gird",
-                 "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
-  expect_refused(bench, "build bar.obj -o x.morula --method xyzzy", "unknown method 'xyzzy'; known: octree, grid");
-  expect_refused(bench, "sample lim -o x.obj", "did you mean limb?");
-  expect_refused(bench, "sample lim-modes -o x.npy", "did you mean limb?");
-  expect_refused(bench, "sample limb-mode -o x.npy", "known: modes, coords, weights, bones; did you mean modes?");
-  expect_refused(bench, "sample limb --modes 3 -o x.obj", "a mesh has none; did you mean limb-modes?");
-  expect_refused(bench, "sample limb-modes --frames 3 -o x.npy", "--frames: limb-modes has none");
-  expect_refused(bench, "update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
-  expect_refused(bench, "measure bar.obj bar.morula --grid levels", "known: level, fixed; did you mean level?");
-  expect_refused(bench, "deform bar.obj -o m --bend 90 --axis w", "unknown axis 'w'; known: x, y, z, auto");
+  bench.expect_refused("biuld bar.obj -o x.morula", "did you mean build?");
+  bench.expect_refused("build bar.obj -o x.morula --methd grid", "did you mean --method?");
+  bench.expect_refused("build bar.obj -o x.morula --method gird",
+                       "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
+  bench.expect_refused("build bar.obj -o x.morula --method xyzzy", "unknown method 'xyzzy'; known: octree, grid");
+  bench.expect_refused("sample lim -o x.obj", "did you mean limb?");
+  bench.expect_refused("sample lim-modes -o x.npy", "did you mean limb?");
+  bench.expect_refused("sample limb-mode -o x.npy", "known: modes, coords, weights, bones; did you mean modes?");
+  bench.expect_refused("sample limb --modes 3 -o x.obj", "a mesh has none; did you mean limb-modes?");
+  bench.expect_refused("sample limb-modes --frames 3 -o x.npy", "--frames: limb-modes has none");
+  bench.expect_refused("update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
+  bench.expect_refused("measure bar.obj bar.morula --grid levels", "known: level, fixed; did you mean level?");
+  bench.expect_refused("deform bar.obj -o m --bend 90 --axis w", "unknown axis 'w'; known: x, y, z, auto");
 }
 
 TEST(BadUse, missing_and_surplus_arguments_are_named) {
   const Workbench bench;
-  expect_refused(bench, "build", "MESH is required; see morula build --help");
-  expect_refused(bench, "build bar.obj", "--output is required");
-  expect_refused(bench, "sample bar -o x.obj y.obj", "unexpected argument 'y.obj'");
-  expect_refused(bench, "sample bar -o x.obj --resolution many", "--resolution");
-  expect_refused(bench, "sample bar -o x.obj --resolution 2", "resolution");
+  bench.expect_refused("build", "MESH is required; see morula build --help");
+  bench.expect_refused("build bar.obj", "--output is required");
+  bench.expect_refused("sample bar -o x.obj y.obj", "unexpected argument 'y.obj'");
+  bench.expect_refused("sample bar -o x.obj --resolution many", "--resolution");
+  bench.expect_refused("sample bar -o x.obj --resolution 2", "resolution");
 }
 
 TEST(BadUse, outputs_that_cannot_be_are_refused_before_any_work) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
-  expect_refused(bench, "sample bar -o bar.stl", "meshes are written as .obj, .off or .ply");
-  expect_refused(bench, "sample bar-modes -o bar.obj", "bar.obj: arrays are written as .npy");
-  expect_refused(bench, "sample bar -o nowhere/bar.obj", "there is no folder nowhere");
-  expect_refused(bench, "build bar.obj -o bar.tree", "trees are written as .morula");
-  expect_refused(bench, "build missing.obj -o nowhere/bar.morula", "there is no folder nowhere");
-  expect_refused(bench, "deform bar.obj -o motion.obj --bend 90", "folder of meshes or a .npy file");
-  expect_refused(bench, "measure bar.obj bar.obj --csv nowhere/x.csv", "there is no folder nowhere");
+  bench.expect_refused("sample bar -o bar.stl", "meshes are written as .obj, .off or .ply");
+  bench.expect_refused("sample bar-modes -o bar.obj", "bar.obj: arrays are written as .npy");
+  bench.expect_refused("sample bar -o nowhere/bar.obj", "there is no folder nowhere");
+  bench.expect_refused("build bar.obj -o bar.tree", "trees are written as .morula");
+  bench.expect_refused("build missing.obj -o nowhere/bar.morula", "there is no folder nowhere");
+  bench.expect_refused("deform bar.obj -o motion.obj --bend 90", "folder of meshes or a .npy file");
+  bench.expect_refused("measure bar.obj bar.obj --csv nowhere/x.csv", "there is no folder nowhere");
 }
 
 TEST(BadInput, broken_files_are_named_and_nothing_is_written) {
@@ -113,16 +101,16 @@ TEST(BadInput, broken_files_are_named_and_nothing_is_written) {
   bench.write("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n");
   bench.write("lying.morula", "this is no tree");
   bench.write("short.sph", "2 8\n0 0 0 1 0\n");
-  expect_refused(bench, "build missing.obj -o x.morula", "missing.obj");
-  expect_refused(bench, "build empty.obj -o x.morula", "empty.obj");
-  expect_refused(bench, "build broken.obj -o x.morula", "broken.obj");
-  expect_refused(bench, "build nan.obj -o x.morula", "nan.obj");
-  expect_refused(bench, "build bar.xyz -o x.morula", "bar.xyz");
-  expect_refused(bench, "measure bar.obj lying.morula", "lying.morula");
-  expect_refused(bench, "measure bar.obj short.sph --csv x.csv", "short.sph");
-  expect_refused(bench, "info bar.xyz", "neither a mesh");
-  expect_refused(bench, "convert lying.morula x.sph", "lying.morula");
-  expect_refused(bench, "deform broken.obj -o motion --twist 90", "broken.obj");
+  bench.expect_refused("build missing.obj -o x.morula", "missing.obj");
+  bench.expect_refused("build empty.obj -o x.morula", "empty.obj");
+  bench.expect_refused("build broken.obj -o x.morula", "broken.obj");
+  bench.expect_refused("build nan.obj -o x.morula", "nan.obj");
+  bench.expect_refused("build bar.xyz -o x.morula", "bar.xyz");
+  bench.expect_refused("measure bar.obj lying.morula", "lying.morula");
+  bench.expect_refused("measure bar.obj short.sph --csv x.csv", "short.sph");
+  bench.expect_refused("info bar.xyz", "neither a mesh");
+  bench.expect_refused("convert lying.morula x.sph", "lying.morula");
+  bench.expect_refused("deform broken.obj -o motion --twist 90", "broken.obj");
 }
 
 }  // namespace

@@ -9,25 +9,12 @@
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <support/zip.hpp>
 
 #include "workbench.hpp"
 
 namespace morula::test {
 namespace {
-
-/// Exit code 2, one line that holds the fragment, nothing touched.
-void expect_refused(const Workbench& bench, const std::string& arguments, const std::string& fragment) {
-  const auto before = bench.listing();
-  const CommandResult result = bench.run(arguments);
-  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_NE(result.err.find(fragment), std::string::npos) << arguments << "\n" << result.err;
-  EXPECT_EQ(bench.listing(), before) << arguments;
-}
-
-bool has_page(const Workbench& bench) {
-  return bench.run("view bar.obj bar.morula -o x.html").err.find("built without its page") == std::string::npos;
-}
 
 struct Bench : Workbench {
   Bench() {
@@ -64,7 +51,7 @@ TEST(RoundTrip, flat_sets_are_read_wherever_they_make_sense) {
       bench.require("collide bar.obj bar.obj --tree-a set.ply --tree-b bar.morula --place-b 0.3,0,0 --json").json();
   EXPECT_FALSE(contacts["frames"][0]["contacts"].empty());
   bench.require("update bar.obj set.ply motion -o moved.npz");
-  if (has_page(bench)) bench.require("view bar.obj set.ply -o set.html --no-measure");
+  if (bench.has_page()) bench.require("view bar.obj set.ply -o set.html --no-measure");
 }
 
 TEST(RoundTrip, medial_balls_are_measured_as_they_are) {
@@ -92,23 +79,23 @@ TEST(RoundTrip, spheres_of_an_update_are_measured_with_their_motion) {
   auto folder = bench.require("measure bar.obj spheres" + with).json()["frames"];
   ASSERT_EQ(archive.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(archive[i]["levels"], folder[i]["levels"]) << i;
-  expect_refused(bench, "measure bar.obj spheres.npz", "give their positions with --motion");
+  bench.expect_refused("measure bar.obj spheres.npz", "give their positions with --motion");
 
   bench.require("convert spheres.npz one.json --frame 1");
   EXPECT_EQ(read_tree(bench / "one.json").tree.spheres, read_tree(bench / "spheres/0001.json").tree.spheres);
   bench.require("deform bar.obj -o posed --twist 30 --frames 3");
   bench.require("convert spheres.npz one.morula --frame 1 --mesh posed/0001.obj");
   EXPECT_EQ(bench.require("info one.morula --check --mesh posed/0001.obj").exit_code, 0);
-  expect_refused(bench, "convert spheres.npz x.json", "say which one with --frame N");
-  expect_refused(bench, "convert spheres.npz x.json --frame 3", "has frames 0 to 2");
-  expect_refused(bench, "convert bar.morula x.json --frame 0", "--frame belongs to the .npz of an update");
+  bench.expect_refused("convert spheres.npz x.json", "say which one with --frame N");
+  bench.expect_refused("convert spheres.npz x.json --frame 3", "has frames 0 to 2");
+  bench.expect_refused("convert bar.morula x.json --frame 0", "--frame belongs to the .npz of an update");
   for (const std::string command :
        {"update bar.obj spheres.npz motion -o x", "collide bar.obj bar.obj --tree-a spheres.npz"})
-    expect_refused(bench, command, "holds the spheres of 3 frames, where one tree is needed");
-  if (!has_page(bench)) return;
+    bench.expect_refused(command, "holds the spheres of 3 frames, where one tree is needed");
+  if (!bench.has_page()) return;
   bench.require("view bar.obj spheres.npz motion -o page.html --no-measure");
-  expect_refused(bench, "view bar.obj spheres.npz -o x.html", "give the motion that they were updated for");
-  expect_refused(bench, "view bar.obj spheres.npz motion -o x.html --rule exact", "is shown as it is");
+  bench.expect_refused("view bar.obj spheres.npz -o x.html", "give the motion that they were updated for");
+  bench.expect_refused("view bar.obj spheres.npz motion -o x.html --rule exact", "is shown as it is");
 }
 
 TEST(RoundTrip, trees_as_archives_are_trees) {
@@ -126,18 +113,13 @@ TEST(RoundTrip, trees_as_archives_are_trees) {
 TEST(RoundTrip, motions_as_archives_are_motions) {
   const Bench bench;
   bench.require("deform bar.obj -o motion.npy --twist 30 --frames 3");
-  // A zip of one array by another program, if there is one.
-  if (bench
-          .shell("python3 -c 'import zipfile; zipfile.ZipFile(\"motion.npz\", \"w\").write(\"motion.npy\", "
-                 "\"positions.npy\")'")
-          .exit_code != 0)
-    GTEST_SKIP() << "no python3";
+  bench.write("motion.npz", zip({{"positions.npy", bench.read("motion.npy")}}));
   bench.require("update bar.obj bar.morula motion.npz -o a.npz");
   bench.require("update bar.obj bar.morula motion.npy -o b.npz");
   EXPECT_EQ(bench.read("a.npz"), bench.read("b.npz"));
   bench.require("collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --motion-a motion.npz");
-  expect_refused(bench, "measure bar.obj motion.npz", "holds positions, not spheres; give it with --motion");
-  expect_refused(bench, "info motion.npz", "positions of frames");
+  bench.expect_refused("measure bar.obj motion.npz", "holds positions, not spheres; give it with --motion");
+  bench.expect_refused("info motion.npz", "positions of frames");
 }
 
 TEST(Early, what_can_be_known_is_known_before_any_work) {
@@ -145,36 +127,36 @@ TEST(Early, what_can_be_known_is_known_before_any_work) {
   // Minutes of building, if it began.
   bench.require("sample limb -o limb.obj --resolution 96");
   const std::string slow = "build limb.obj --method medial --depth 6 -o ";
-  expect_refused(bench, "collide limb.obj missing.obj", "missing.obj: there is no such file");
-  expect_refused(bench, "collide limb.obj bar.obj --tree-b missing.morula", "missing.morula: there is no such file");
-  expect_refused(bench, "collide limb.obj bar.obj --motion-b missing", "missing: there is no such folder");
-  expect_refused(bench, "collide limb.obj bar.obj --turn-b 0,0,0,3", "no direction");
-  expect_refused(bench, slow + "missing/x.morula", "there is no folder missing");
-  expect_refused(bench, slow + std::string(300, 'x') + ".morula", "");
+  bench.expect_refused("collide limb.obj missing.obj", "missing.obj: there is no such file");
+  bench.expect_refused("collide limb.obj bar.obj --tree-b missing.morula", "missing.morula: there is no such file");
+  bench.expect_refused("collide limb.obj bar.obj --motion-b missing", "missing: there is no such folder");
+  bench.expect_refused("collide limb.obj bar.obj --turn-b 0,0,0,3", "no direction");
+  bench.expect_refused(slow + "missing/x.morula", "there is no folder missing");
+  bench.expect_refused(slow + std::string(300, 'x') + ".morula", "");
   bench.shell("mkdir closed && chmod 500 closed");
   if (bench.shell("touch closed/x 2>/dev/null").exit_code != 0) {
-    expect_refused(bench, slow + "closed/x.morula", "cannot make a file in this folder");
-    expect_refused(bench, "update bar.obj bar.morula motion -o closed/x", "cannot make a folder in");
-    expect_refused(bench, "study -o closed/x", "closed");
+    bench.expect_refused(slow + "closed/x.morula", "cannot make a file in this folder");
+    bench.expect_refused("update bar.obj bar.morula motion -o closed/x", "cannot make a folder in");
+    bench.expect_refused("study -o closed/x", "closed");
   }
   bench.shell("chmod 700 closed");
-  expect_refused(bench, "study --quick --mesh bar.obj,missing.obj -o study", "missing.obj: there is no such file");
+  bench.expect_refused("study --quick --mesh bar.obj,missing.obj -o study", "missing.obj: there is no such file");
   bench.shell(
       "mkdir trees && cp bar.obj trees/ && printf '1 8\n0 0 0 9 1\n' > trees/bar-mine.sph && printf '1 8\n' > "
       "trees/bar-other.sph");
-  expect_refused(bench, "study --quick --mesh bar.obj --trees trees -o study", "bar-other.sph");
-  expect_refused(bench, "study --quick --mesh missing.obj -o bar.obj", "is a file; name a folder");
+  bench.expect_refused("study --quick --mesh bar.obj --trees trees -o study", "bar-other.sph");
+  bench.expect_refused("study --quick --mesh missing.obj -o bar.obj", "is a file; name a folder");
 }
 
 TEST(Messages, missing_folders_and_fractions_are_named_like_everything_else) {
   const Bench bench;
-  expect_refused(bench, "update bar.obj bar.morula moton -o x", "moton: there is no such folder");
-  expect_refused(bench, "update bar.obj bar.morula 'moton/*.obj' -o x", "moton: there is no such folder");
-  expect_refused(bench, "measure bar.obj sphres --motion motion", "sphres: there is no such file or folder");
-  expect_refused(bench, "build bar.obj -o x.morula --branching 8.5", "'8.5' is not a whole number from 2 to 64");
-  expect_refused(bench, "build bar.obj -o x.morula --depth 9", "'9' is not a whole number from 0 to 8");
-  expect_refused(bench, "build bar.obj -o x.morula --spheres 0", "'0' is not a whole number of 1 or more");
-  expect_refused(bench, "sample bar -o x.obj --resolution 2", "'2' is not a whole number from 3 to 4096");
+  bench.expect_refused("update bar.obj bar.morula moton -o x", "moton: there is no such folder");
+  bench.expect_refused("update bar.obj bar.morula 'moton/*.obj' -o x", "moton: there is no such folder");
+  bench.expect_refused("measure bar.obj sphres --motion motion", "sphres: there is no such file or folder");
+  bench.expect_refused("build bar.obj -o x.morula --branching 8.5", "'8.5' is not a whole number from 2 to 64");
+  bench.expect_refused("build bar.obj -o x.morula --depth 9", "'9' is not a whole number from 0 to 8");
+  bench.expect_refused("build bar.obj -o x.morula --spheres 0", "'0' is not a whole number of 1 or more");
+  bench.expect_refused("sample bar -o x.obj --resolution 2", "'2' is not a whole number from 3 to 4096");
 }
 
 TEST(Messages, every_command_takes_threads) {
@@ -235,8 +217,8 @@ TEST(Licenses, are_those_of_what_is_compiled_in) {
        {"Apache License, version 2.0", "CLI11", "University of Cincinnati", "{fmt}", "Victor Zverovich",
         "Niels Lohmann", "Permission is hereby granted", "Redistributions in binary form"})
     EXPECT_NE(text.find(name), std::string::npos) << name;
-  EXPECT_EQ(text.find("three.js authors") != std::string::npos, has_page(bench));
-  EXPECT_EQ(text.find("Leon Sorokin") != std::string::npos, has_page(bench));
+  EXPECT_EQ(text.find("three.js authors") != std::string::npos, bench.has_page());
+  EXPECT_EQ(text.find("Leon Sorokin") != std::string::npos, bench.has_page());
   EXPECT_NE(bench.require("--help").out.find("--licenses"), std::string::npos);
 }
 
@@ -267,10 +249,10 @@ TEST(RepairCommand, says_what_it_did_and_info_names_it) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   const std::string nothing = bench.require("repair whole.obj -o same.ply").out;
   EXPECT_NE(nothing.find("nothing to do"), std::string::npos) << nothing;
-  expect_refused(bench, "repair loose.obj -o loose.obj", "is also what is read");
-  expect_refused(bench, "repair loose.obj -o x.obj --merge -1", "--merge");
-  expect_refused(bench, "repair loose.obj -o x.obj --cap 501", "'501' is not a whole number from 0 to 500");
-  expect_refused(bench, "repair loose.obj -o x.obj --merge 100", "no facet is left");
+  bench.expect_refused("repair loose.obj -o loose.obj", "is also what is read");
+  bench.expect_refused("repair loose.obj -o x.obj --merge -1", "--merge");
+  bench.expect_refused("repair loose.obj -o x.obj --cap 501", "'501' is not a whole number from 0 to 500");
+  bench.expect_refused("repair loose.obj -o x.obj --merge 100", "no facet is left");
 }
 
 TEST(MeasureCommand, open_meshes_have_a_figure_and_say_how_uncertain_it_is) {

@@ -12,28 +12,21 @@ namespace {
 
 constexpr std::size_t megabyte = 1'000'000;
 
-/// Where node or npm were missing when the command was built, it has no page; then it says what to do about it.
-bool has_page(const Workbench& bench) {
-  bench.require("sample torus -o probe.obj --resolution 12");
-  bench.require("build probe.obj -o probe.morula --method octree --depth 1");
-  const CommandResult result = bench.run("view probe.obj probe.morula -o probe.html");
-  if (result.exit_code == 0) return true;
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("built without its page: "), std::string::npos) << result.err;
-  EXPECT_FALSE(std::filesystem::exists(bench / "probe.html"));
-  return false;
-}
-
 nlohmann::json manifest(const std::string& page) {
   const std::string open = "id=\"morula-manifest\">";
   const std::size_t begin = page.find(open) + open.size();
   return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
-/// A build without npm has no page to test: has_page() then checks what the command says about that.
+/// A build without node and npm has no page to test; what the command says about that is.
 struct ViewCommand : ::testing::Test {
   void SetUp() override {
-    if (!has_page(bench)) GTEST_SKIP() << "this build has no page: scripts/setup brings node and npm; then build again";
+    if (!bench.has_page()) {
+      bench.expect_refused("view no.obj no.morula -o no.html", "this morula was built without its page: ");
+      GTEST_SKIP() << "this build has no page: scripts/setup brings node and npm; then build again";
+    }
+    bench.require("sample torus -o probe.obj --resolution 12");
+    bench.require("build probe.obj -o probe.morula --method octree --depth 1");
   }
   const Workbench bench;
 };

@@ -63,6 +63,21 @@ CommandResult Workbench::require(const std::string& arguments) const {
   return result;
 }
 
+void Workbench::expect_refused(const std::string& arguments, const std::string& reason) const {
+  const std::vector<std::string> before = listing();
+  const CommandResult result = run(arguments);
+  EXPECT_EQ(result.exit_code, 2) << "morula " << arguments << "\n" << result.out << result.err;
+  EXPECT_EQ(result.out, "") << "morula " << arguments;
+  EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << "morula " << arguments << "\n" << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(reason), std::string::npos) << "morula " << arguments << "\n" << result.err;
+  EXPECT_EQ(listing(), before) << "morula " << arguments;
+}
+
+bool Workbench::has_page() const {
+  return run("view no.obj no.morula -o no.html").err.find("built without its page: ") == std::string::npos;
+}
+
 void Workbench::write(const std::string& name, const std::string& text) const {
   std::ofstream file(folder_ / name, std::ios::binary);
   file << text;

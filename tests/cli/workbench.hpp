@@ -33,6 +33,11 @@ class Workbench {
   CommandResult shell(const std::string& line) const;
   /// As run(), and fails the test unless the command says that all is done.
   CommandResult require(const std::string& arguments) const;
+  /// What every refusal is: exit code 2, nothing on stdout, one line on stderr that begins as errors do and holds
+  /// `reason`, and nothing touched.
+  void expect_refused(const std::string& arguments, const std::string& reason) const;
+  /// Whether the command was built with its page, which needs node and npm.
+  bool has_page() const;
   void write(const std::string& name, const std::string& text) const;
   std::string read(const std::string& name) const;
   /// Everything in the folder and below, sorted, with sizes and contents hashed: two equal listings, nothing touched.

@@ -9,6 +9,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <support/allocations.hpp>
+#include <support/zip.hpp>
 
 #include "files.hpp"
 
@@ -29,45 +30,8 @@ std::string raws(const std::vector<Value>& values) {
   return bytes;
 }
 
-// Bit by bit.
-std::uint32_t plain_crc(const std::string& bytes) {
-  std::uint32_t remainder = 0xffffffffu;
-  for (const char c : bytes)
-    for (int bit = 0; bit < 8; ++bit) {
-      const bool low = ((remainder ^ (static_cast<unsigned char>(c) >> bit)) & 1) != 0;
-      remainder = (remainder >> 1) ^ (low ? 0xedb88320u : 0);
-    }
-  return ~remainder;
-}
-
-struct Member {
-  std::string name, bytes;
-  std::uint16_t method = 0, flags = 0;
-};
-
-/// As numpy.savez writes them: 64-bit sizes in the local headers, ordinary ones in the directory.
-std::string zip(const std::vector<Member>& members) {
-  std::string archive, directory;
-  for (const Member& m : members) {
-    const std::string dates(4, '\x21');
-    const auto size = static_cast<std::uint32_t>(m.bytes.size());
-    const auto offset = static_cast<std::uint32_t>(archive.size());
-    archive += "PK\3\4" + raw(std::uint16_t{45}) + raw(m.flags) + raw(m.method) + dates + raw(plain_crc(m.bytes)) +
-               raw(0xffffffffu) + raw(0xffffffffu) + raw(static_cast<std::uint16_t>(m.name.size())) +
-               raw(std::uint16_t{20}) + m.name + raw(std::uint16_t{1}) + raw(std::uint16_t{16}) +
-               raw(std::uint64_t{size}) + raw(std::uint64_t{size}) + m.bytes;
-    directory += "PK\1\2" + raw(std::uint16_t{45}) + raw(std::uint16_t{45}) + raw(m.flags) + raw(m.method) + dates +
-                 raw(plain_crc(m.bytes)) + raw(size) + raw(size) + raw(static_cast<std::uint16_t>(m.name.size())) +
-                 raw(std::uint16_t{0}) + std::string(6, '\0') + raw(0u) + raw(offset) + m.name;
-  }
-  const auto count = static_cast<std::uint16_t>(members.size());
-  return archive + directory + "PK\5\6" + std::string(4, '\0') + raw(count) + raw(count) +
-         raw(static_cast<std::uint32_t>(directory.size())) + raw(static_cast<std::uint32_t>(archive.size())) +
-         std::string(2, '\0');
-}
-
 /// A root with two children, as lists of another program: 64-bit integers, no branching.
-std::vector<Member> small_tree() {
+std::vector<ZipMember> small_tree() {
   return {{"spheres.npy", npy("<f8", "(3, 4)", raws<double>({0, 0, 0, 2, -1, 0, 0, 1, 1, 0, 0, 1}))},
           {"level_begin.npy", npy("<i8", "(3,)", raws<std::int64_t>({0, 1, 3}))},
           {"parent.npy", npy("<i8", "(3,)", raws<std::int64_t>({-1, 0, 0}))},
@@ -125,7 +89,7 @@ TEST(TreeArchive, spheres_of_frames_are_read_one_by_one) {
 
 TEST(TreeArchive, what_is_no_tree_is_refused) {
   const ScratchFolder folder;
-  const auto refused = [&](std::vector<Member> members, const std::string& fragment) {
+  const auto refused = [&](std::vector<ZipMember> members, const std::string& fragment) {
     const fs::path path = folder.file("a.npz", zip(members));
     expect_file_error(path, 0, fragment, [&] { read_tree(path); });
     EXPECT_THROW(SphereFrames{path}, FileError) << fragment;
@@ -208,21 +172,21 @@ TEST(MotionArchive, is_its_only_array_or_the_one_called_positions) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   std::vector<double> numbers(18);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
-  const Member array{"arr_0.npy", npy("<f8", "(2, 3, 3)", raws(numbers))};
+  const ZipMember array{"arr_0.npy", npy("<f8", "(2, 3, 3)", raws(numbers))};
   const Motion only(folder.file("only.npz", zip({array})), mesh);
   EXPECT_EQ(only.frame_count(), 2u);
   EXPECT_EQ(only.frame(1)[2], (Vec3{15, 16, 17}));
   EXPECT_EQ(only.frame_name(1), "only.npz frame 1");
-  Member positions = array, other = array;
+  ZipMember positions = array, other = array;
   positions.name = "positions.npy";
   other.bytes = npy("<f8", "(1, 3, 3)", std::string(72, '\0'));
   EXPECT_EQ(Motion(folder.file("two.npz", zip({other, positions})), mesh).frame_count(), 2u);
 
-  const auto refused = [&](const std::vector<Member>& members, const std::string& fragment) {
+  const auto refused = [&](const std::vector<ZipMember>& members, const std::string& fragment) {
     const fs::path path = folder.file("a.npz", zip(members));
     expect_file_error(path, 0, fragment, [&] { Motion(path, mesh); });
   };
-  Member second = array;
+  ZipMember second = array;
   second.name = "arr_1.npy";
   refused({array, second}, "holds the arrays 'arr_0', 'arr_1', and none is called 'positions'");
   refused({}, "holds no arrays");

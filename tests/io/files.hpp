@@ -9,6 +9,7 @@
 #include <morula/io/tree_file.hpp>
 #include <string>
 #include <string_view>
+#include <support/raw.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -72,13 +73,6 @@ class CommaLocale {
  private:
   std::locale before_;
 };
-
-/// Numbers as they lie in binary files.
-template <class Value>
-std::string raw(Value value, bool big_endian = false) {
-  std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
-  return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
-}
 
 /// Puts the size and the checksum that its contents call for into a .morula.
 std::string resealed(std::string morula);

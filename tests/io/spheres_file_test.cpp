@@ -7,6 +7,7 @@
 #include <map>
 #include <morula/io/spheres_file.hpp>
 #include <stdexcept>
+#include <support/zip.hpp>
 
 #include "files.hpp"
 
@@ -21,17 +22,6 @@ Value at(const std::string& bytes, std::size_t offset) {
   if (offset + sizeof value > bytes.size()) throw std::out_of_range("past the end");
   std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
-}
-
-// Bit by bit.
-std::uint32_t plain_crc(const std::string& bytes) {
-  std::uint32_t remainder = 0xffffffffu;
-  for (const char c : bytes)
-    for (int bit = 0; bit < 8; ++bit) {
-      const bool low = ((remainder ^ (static_cast<unsigned char>(c) >> bit)) & 1) != 0;
-      remainder = (remainder >> 1) ^ (low ? 0xedb88320u : 0);
-    }
-  return ~remainder;
 }
 
 // The files of an archive, found from its end as unzip does; every local header must agree with the directory.
