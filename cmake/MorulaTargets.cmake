@@ -58,26 +58,14 @@ function(morula_configure_msvc target)
   endif()
 endfunction()
 
-# morula_precompile(TARGET HEADERS...): headers of others that most sources of a target include are compiled once. For tests
-# and benchmarks, of which each source takes 1.3 to 2 seconds less; sources of the library include less, and compile no
-# faster, and those of the command and the study spend their time on what they make of CLI11, fmt and JSON. Sources include
-# what they use all the same: by default nothing is precompiled.
-# morula_precompile(TARGET SHARED_WITH OTHER): those of OTHER, which is compiled with the same options.
-function(morula_precompile target)
-  cmake_parse_arguments(arg "" "SHARED_WITH" "" ${ARGN})
-  if(NOT MORULA_PRECOMPILE)
-    return()
-  endif()
-  if(arg_SHARED_WITH)
-    target_precompile_headers(${target} REUSE_FROM ${arg_SHARED_WITH})
-  else()
-    target_precompile_headers(${target} PRIVATE ${arg_UNPARSED_ARGUMENTS})
+# morula_compile_together(TARGET): its sources are compiled ten at once where MORULA_UNITY says so, so that headers are read
+# once for all of them. For tests and benchmarks, most of whose time goes into headers: the library and the command are
+# tested as everybody compiles them. A source whose headers do not agree with others' sets SKIP_UNITY_BUILD_INCLUSION.
+function(morula_compile_together target)
+  if(MORULA_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
   endif()
 endfunction()
-
-# What nearly every source of ours includes in the end.
-set(MORULA_COMMON_HEADERS <algorithm> <array> <cmath> <filesystem> <functional> <limits> <memory> <optional> <span>
-  <stdexcept> <string> <vector>)
 
 # morula_sanitizer_options(VARIABLE): how sources are compiled for MORULA_SANITIZE.
 function(morula_sanitizer_options variable)

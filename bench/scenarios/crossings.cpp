@@ -51,24 +51,24 @@ std::vector<Frame> bends(const Mesh& mesh, std::size_t ahead) {
   return frames;
 }
 
-using Pairs = std::vector<std::uint64_t>;
+using PairKeys = std::vector<std::uint64_t>;
 
-Pairs pairs_of(const CrossingQuery& found) {
-  Pairs pairs;
+PairKeys pairs_of(const CrossingQuery& found) {
+  PairKeys pairs;
   for (const Crossing& c : found.pairs()) pairs.push_back(std::uint64_t{c.facet_a} << 32 | c.facet_b);
   return pairs;
 }
 
-struct Rival {
+struct CrossingRival {
   const CrossingPeerKind* kind;
   std::unique_ptr<CrossingPeer> peer;
   Result result;
   std::size_t missed = 0, invented = 0;
 
-  void compare(const Pairs& ours, Pairs theirs) {
+  void compare(const PairKeys& ours, PairKeys theirs) {
     std::sort(theirs.begin(), theirs.end());
     theirs.erase(std::unique(theirs.begin(), theirs.end()), theirs.end());
-    Pairs difference;
+    PairKeys difference;
     std::set_difference(ours.begin(), ours.end(), theirs.begin(), theirs.end(), std::back_inserter(difference));
     missed += difference.size();
     difference.clear();
@@ -89,9 +89,10 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
     return moved;
   };
 
-  std::vector<Rival> rivals;
+  std::vector<CrossingRival> rivals;
   for (const CrossingPeerKind& kind : crossing_peer_kinds()) {
-    Rival rival{&kind, kind.make(a.mesh, b.mesh), {.scenario = "crossings", .item = kind.name, .mesh = input.name}};
+    CrossingRival rival{
+        &kind, kind.make(a.mesh, b.mesh), {.scenario = "crossings", .item = kind.name, .mesh = input.name}};
     if (!rival.peer) rival.result.note = std::string("peer not built: install ") + kind.package;
     rivals.push_back(std::move(rival));
   }
@@ -103,7 +104,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   CrossingQuery found;
   double pairs = 0, tested = 0, read = 0, leaf_pairs = 0;
   bool equal = true, moved = true;
-  std::vector<Pairs> expected;
+  std::vector<PairKeys> expected;
   for (std::size_t f = 0; f < a.frames.size(); ++f) {
     moved = moved && move(f);
     found.run(a.collider, b.collider);
@@ -121,13 +122,13 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   own.expect(equal, "not the pairs of brute force");
 
   bool same = true;
-  Pairs theirs;
+  PairKeys theirs;
   timed(settings, [&] {
     for (std::size_t f = 0; f < a.frames.size(); ++f) {
       move(f);
       own.seconds.push_back(processor_seconds_of([&] { found.run(a.collider, b.collider); }));
       same = same && pairs_of(found) == expected[f];
-      for (Rival& rival : rivals) {
+      for (CrossingRival& rival : rivals) {
         if (!rival.peer) continue;
         rival.peer->take(a.frames[f], b.frames[f]);
         theirs.clear();
@@ -145,7 +146,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
                  {"leaf pairs", leaf_pairs / frames},
                  {"brute force on frames", static_cast<double>(std::min(checks, a.frames.size()))}};
   std::vector<Result> results;
-  for (Rival& rival : rivals) {
+  for (CrossingRival& rival : rivals) {
     if (!rival.peer) continue;
     own.expect(!rival.kind->our_test || rival.invented == 0,
                std::string("missed pairs that were found by way of ") + rival.kind->name);
@@ -154,7 +155,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
                             {"pairs invented", static_cast<double>(rival.invented)}};
   }
   results.push_back(std::move(own));
-  for (Rival& rival : rivals) results.push_back(std::move(rival.result));
+  for (CrossingRival& rival : rivals) results.push_back(std::move(rival.result));
   return results;
 }
 

@@ -21,7 +21,7 @@ namespace morula::bench {
 namespace {
 
 // Slow answers are asked for this many of each item's questions, or a quarter of them.
-constexpr std::size_t checked = 12;
+constexpr std::size_t checked_distances = 12;
 
 Vec3 random_point(Random& random, double reach) {
   const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
@@ -83,7 +83,7 @@ class Scene {
     bent_.update(positions_);
     a_.set_positions(positions_);
     count_ = std::clamp<std::size_t>(settings.questions / 100, 10, 200);
-    checks_ = std::min(checked, count_ / 4);
+    checks_ = std::min(checked_distances, count_ / 4);
   }
 
   std::vector<Result> run() {

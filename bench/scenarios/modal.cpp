@@ -13,7 +13,7 @@ namespace morula::bench {
 namespace {
 
 constexpr std::size_t most_modes = 20;
-constexpr std::size_t frame_count = 9;
+constexpr std::size_t modal_frames = 9;
 
 // Bending across the first axis, bending across the second, twist; then the same with one half wave more. Displacements
 // of a unit coordinate are about a tenth of the body's length.
@@ -34,11 +34,11 @@ Modes bending_and_twist(const Mesh& mesh, std::size_t mode_count) {
 
 // Out and back, higher modes less: the first and the last frame are at rest.
 std::vector<double> coordinates_of(std::size_t frame, std::size_t mode_count) {
-  const double amplitude = std::sin(std::numbers::pi * static_cast<double>(frame) / (frame_count - 1));
+  const double amplitude = std::sin(std::numbers::pi * static_cast<double>(frame) / (modal_frames - 1));
   std::vector<double> q;
   for (std::size_t j = 0; j < mode_count; ++j) {
     const double sign = j % 2 == 0 ? 1 : -0.8;
-    q.push_back(frame + 1 == frame_count ? 0 : amplitude * sign / static_cast<double>((1 + j / 3) * (1 + j / 3)));
+    q.push_back(frame + 1 == modal_frames ? 0 : amplitude * sign / static_cast<double>((1 + j / 3) * (1 + j / 3)));
   }
   return q;
 }
@@ -62,7 +62,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
   UpdateStatus status;
   Mesh moved = input.mesh;
   double loosest = 0;
-  for (std::size_t f = 0; f < frame_count; ++f) {
+  for (std::size_t f = 0; f < modal_frames; ++f) {
     frames.push_back(coordinates_of(f, options.modes.mode_count));
     status = body.update_modal(frames.back());
     result.expect(static_cast<bool>(status), "an update was refused");
@@ -71,7 +71,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
     body.copy_spheres(spheres);
     result.expect(certify(body.cover(), moved.positions, spheres, *settings.workers).covered,
                   "surface outside the spheres");
-    if (f == frame_count / 2) loosest = leaf_looseness(moved, body, *settings.workers);
+    if (f == modal_frames / 2) loosest = leaf_looseness(moved, body, *settings.workers);
   }
   result.expect(hashes.front() == hashes.back(), "back at rest the spheres are not those of rest");
 

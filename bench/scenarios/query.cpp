@@ -16,7 +16,7 @@ namespace morula::bench {
 namespace {
 
 // Brute force looks at every facet: of all questions only these many, spread over the points, are asked twice.
-constexpr std::size_t checked = 64;
+constexpr std::size_t checked_balls = 64;
 
 /// Uniform in the box grown by a tenth of its diagonal; the radii reach from the surface to a twentieth of it.
 std::vector<Sphere> balls_about(const Mesh& mesh, std::size_t count) {
@@ -44,7 +44,7 @@ Result ask(std::string item, const Input& input, const std::vector<Sphere>& ball
       for (std::size_t i = begin; i < end; ++i) answers[i] = answer(balls[i]);
     });
   });
-  const std::size_t step = std::max<std::size_t>(1, balls.size() / checked);
+  const std::size_t step = std::max<std::size_t>(1, balls.size() / checked_balls);
   std::size_t wrong = 0, asked = 0;
   for (std::size_t i = 0; i < balls.size(); i += step, ++asked) wrong += !agrees(balls[i], answers[i]);
   if (wrong > 0)

@@ -43,7 +43,7 @@ Mesh mesh_at(const Mesh& mesh, const std::vector<Vec3f>& positions) {
   return moved;
 }
 
-struct Frame {
+struct RebuiltFrame {
   std::vector<Vec3f> positions;
   SphereTree tree{};
   double estimate = 0;  // of the leaf level
@@ -59,10 +59,10 @@ class Comparison {
         workers_(*settings.workers) {}
 
   /// The last frame is the one a second after the motion.
-  void report(const std::vector<Frame>& frames, Result& result) {
+  void report(const std::vector<RebuiltFrame>& frames, Result& result) {
     std::vector<double> over_fresh, over_paper;
     double bare = 0, error = 0;
-    for (const Frame& frame : frames) {
+    for (const RebuiltFrame& frame : frames) {
       const Figures now = measured(frame);
       over_fresh.push_back(now.ours / now.fresh);
       over_paper.push_back(now.ours / now.paper);
@@ -93,7 +93,7 @@ class Comparison {
     return meter_.measure(mesh.positions, leaves, {.resolution = 192}, workers_).looseness.value_or(NAN);
   }
 
-  Figures measured(const Frame& frame) {
+  Figures measured(const RebuiltFrame& frame) {
     const Mesh mesh = mesh_at(input_.mesh, frame.positions);
     paper_.update(frame.positions, workers_);
     const SphereTree paper = paper_.current_tree();
@@ -112,7 +112,7 @@ class Comparison {
 Result rebuilt_over(const NamedMotion& motion, const Input& input, const CoveredTree& home,
                     const BuildOptions& build_options, const Settings& settings) {
   Result result{.scenario = "rebuild", .item = motion.name, .mesh = input.name};
-  std::vector<Frame> compared;  // afterwards: the second core must not gain from what takes long here
+  std::vector<RebuiltFrame> compared;  // afterwards: the second core must not gain from what takes long here
   PacedThread second_core;
   std::size_t started_at = 0, frame = 0;
   RebuildOptions options{.thread = RebuildThread::host};

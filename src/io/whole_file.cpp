@@ -8,15 +8,11 @@
 #include <system_error>
 
 namespace morula::detail {
-namespace {
-
 namespace fs = std::filesystem;
 
 std::string reason(int error) {
   return std::generic_category().message(error);
 }
-
-}  // namespace
 
 std::uintmax_t size_of_file(const fs::path& path) {
   const std::string name = path.string();

@@ -20,6 +20,9 @@ std::string read_whole(const std::filesystem::path& path);
 /// `count` bytes from `offset` on, which must lie inside the file. Throws FileError.
 std::string read_part(const std::filesystem::path& path, std::uintmax_t offset, std::uintmax_t count);
 
+/// What the system says of an errno.
+std::string reason(int error);
+
 /// The extension with its dot, in lower case.
 std::string lower_extension(const std::filesystem::path& path);
 

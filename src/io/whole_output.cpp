@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "io/unfinished.hpp"
+#include "io/whole_file.hpp"
 
 namespace morula {
 using namespace detail;
@@ -30,10 +31,6 @@ namespace fs = std::filesystem;
 
 constexpr int most_attempts = 100;
 constexpr int most_links = 40;  // as the system follows
-
-std::string reason(int error) {
-  return std::generic_category().message(error);
-}
 
 struct Registry {
   std::mutex mutex;

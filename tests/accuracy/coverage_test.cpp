@@ -8,9 +8,9 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/query/power_diagram.hpp>
-#include <numbers>
 #include <stdexcept>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 namespace morula {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 using test::box_mesh;
 using test::grid_plate;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 // Distance to the union, negative inside, by looking at every sphere.
 double gap_at(std::span<const Sphere> spheres, const Vec3& x) {

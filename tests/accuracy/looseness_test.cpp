@@ -8,9 +8,9 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <numbers>
 #include <stdexcept>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 namespace morula {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 using test::box_mesh;
 using test::icosphere;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 VoxelGrid fixed_grid(double edge) {
   return {.kind = VoxelGrid::Kind::fixed, .voxel_edge = edge};

@@ -13,11 +13,11 @@
 namespace morula::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
-const json& cell_of(const json& demo, const std::string& method, const std::string& motion, const std::string& rule) {
-  for (const json& tree : demo["trees"]) {
-    for (const json& cell : tree["cells"]) {
+const Json& cell_of(const Json& demo, const std::string& method, const std::string& motion, const std::string& rule) {
+  for (const Json& tree : demo["trees"]) {
+    for (const Json& cell : tree["cells"]) {
       if (tree["method"] == method && cell["motion"] == motion && cell["rule"] == rule) return cell;
     }
   }
@@ -29,7 +29,7 @@ Triangle corners(const Mesh& mesh, const Facet& f) {
 }
 
 /// No budget misses a crossing of the two limbs, and the limbs that were written have as many as it says.
-void expect_contacts_hold(const Workbench& bench, const json& contacts, const std::string& text) {
+void expect_contacts_hold(const Workbench& bench, const Json& contacts, const std::string& text) {
   const std::vector<std::size_t> crossings = contacts["crossings"];
   ASSERT_EQ(crossings.size(), contacts["frames"].get<std::size_t>());
 
@@ -42,7 +42,7 @@ void expect_contacts_hold(const Workbench& bench, const json& contacts, const st
 
   ASSERT_EQ(contacts["budgets"].size(), 5u);
   double last_tests = 0;
-  for (const json& row : contacts["budgets"]) {
+  for (const Json& row : contacts["budgets"]) {
     EXPECT_EQ(row["missed"], 0) << row;
     EXPECT_GT(row["pair_tests"], last_tests) << row;
     last_tests = row["pair_tests"];
@@ -62,7 +62,7 @@ void expect_contacts_hold(const Workbench& bench, const json& contacts, const st
 TEST(LongDemoCommand, its_figures_come_again_from_files) {
   const Workbench bench;
   const CommandResult text = bench.require("demo --quick -o demo");
-  const json demo = json::parse(bench.read("demo/demo.json"));
+  const Json demo = Json::parse(bench.read("demo/demo.json"));
   ASSERT_EQ(demo["trees"].size(), 2u);
   ASSERT_EQ(demo["trees"][0]["cells"].size(), 15u);
   const std::string frames = std::to_string(demo["frame_count"].get<int>());
@@ -82,17 +82,17 @@ TEST(LongDemoCommand, its_figures_come_again_from_files) {
   for (const auto& [method, motion, rule] : cells) {
     bench.require("deform demo/limb.obj -o motion --" + motion + " --frames " + frames);
     bench.require("update demo/limb.obj limb-" + method + ".morula motion -o spheres --rule " + rule);
-    const json again = bench
+    const Json again = bench
                            .require(
                                "measure demo/limb.obj spheres --motion motion --grid fixed --no-protrusion --json "
                                "--resolution " +
                                resolution)
                            .json();
-    const json& cell = cell_of(demo, method, motion, rule);
+    const Json& cell = cell_of(demo, method, motion, rule);
     ASSERT_EQ(cell["frames"].size(), measured.size());
     double worst = 0;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      const json& leaves = again["frames"][measured[i]]["levels"].back();
+      const Json& leaves = again["frames"][measured[i]]["levels"].back();
       for (const char* figure : {"looseness", "missed_volume", "union_volume", "bare_area", "gap", "covered"}) {
         EXPECT_EQ(cell["frames"][i][figure], leaves[figure]) << method << ' ' << motion << ' ' << rule << ' ' << figure;
       }
@@ -105,11 +105,11 @@ TEST(LongDemoCommand, its_figures_come_again_from_files) {
 TEST(DemoCommand, what_it_says_is_what_it_measured) {
   const Workbench bench;
   const CommandResult text = bench.require("demo --quick -o demo");
-  const json demo = json::parse(bench.read("demo/demo.json"));
+  const Json demo = Json::parse(bench.read("demo/demo.json"));
   std::size_t bare_motions = 0;
   double most_bare = 0;
-  for (const json& tree : demo["trees"]) {
-    for (const json& cell : tree["cells"]) {
+  for (const Json& tree : demo["trees"]) {
+    for (const Json& cell : tree["cells"]) {
       EXPECT_TRUE(cell["returns_to_rest"].get<bool>()) << tree["method"] << cell["motion"] << cell["rule"];
       if (cell["rule"] == "exact") {
         EXPECT_EQ(cell["worst_bare_area"].get<double>(), 0);
@@ -130,15 +130,15 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
     percentage << std::fixed << 100 * most_bare << '%';
     EXPECT_NE(text.out.find("up to " + percentage.str()), std::string::npos) << percentage.str() << '\n' << text.out;
   }
-  for (const json& finding : demo["findings"]) {
+  for (const Json& finding : demo["findings"]) {
     EXPECT_NE(text.out.find(finding.get<std::string>()), std::string::npos) << finding;
   }
 
   expect_contacts_hold(bench, demo["contacts"], text.out);
 
   std::size_t measurements = 0;
-  for (const json& tree : demo["trees"]) {
-    for (const json& cell : tree["cells"]) measurements += cell["frames"].size();
+  for (const Json& tree : demo["trees"]) {
+    for (const Json& cell : tree["cells"]) measurements += cell["frames"].size();
   }
   const std::string csv = bench.read("demo/demo.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), measurements + 1);

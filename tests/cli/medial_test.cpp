@@ -12,7 +12,7 @@ namespace morula::test {
 namespace {
 
 /// The balls of a file, by its header's promise: four little-endian doubles a row.
-std::vector<Sphere> read_balls(const std::string& bytes) {
+std::vector<Sphere> balls_in(const std::string& bytes) {
   const std::string end = "property double radius\nend_header\n";
   const std::size_t begin = bytes.find(end) + end.size();
   std::vector<Sphere> balls((bytes.size() - begin) / sizeof(Sphere));
@@ -30,7 +30,7 @@ TEST(MedialCommand, writes_balls_that_fit_inside_and_reports_them) {
         bench.require("medial torus.obj -o balls.ply --samples 300 --json --kind " + kind).json();
     const std::string bytes = bench.read("balls.ply");
     EXPECT_EQ(bytes.rfind("ply\nformat binary_little_endian 1.0\nelement vertex ", 0), 0u);
-    const std::vector<Sphere> balls = read_balls(bytes);
+    const std::vector<Sphere> balls = balls_in(bytes);
     EXPECT_EQ(report["balls"], balls.size());
     EXPECT_EQ(report["kind"], kind);
     EXPECT_GT(balls.size(), 200u);

@@ -13,7 +13,7 @@
 namespace morula::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 const std::string small = "study --quick --mesh body.obj --frames 4 --resolution 32 --branching 4";
 
@@ -29,13 +29,13 @@ class StudyCommand : public testing::Test {
 
   static const Workbench& bench() { return *bench_; }
   static const std::string& text() { return text_; }
-  static json study(const std::string& folder = "study") { return json::parse(bench().read(folder + "/study.json")); }
+  static Json study(const std::string& folder = "study") { return Json::parse(bench().read(folder + "/study.json")); }
   /// Without what is measured in time.
-  static json untimed(json study) {
+  static Json untimed(Json study) {
     study.erase("cost");
     for (const char* part : {"claims", "tables"}) {
-      json kept = json::array();
-      for (const json& item : study[part])
+      Json kept = Json::array();
+      for (const Json& item : study[part])
         if (!item.value("timed", false)) kept.push_back(item);
       study[part] = kept;
     }
@@ -50,19 +50,19 @@ std::unique_ptr<Workbench> StudyCommand::bench_;
 std::string StudyCommand::text_;
 
 TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
-  const json data = study();
+  const Json data = study();
   std::set<std::string> figures;
-  for (const json& figure : data["figures"]) {
+  for (const Json& figure : data["figures"]) {
     figures.insert(figure["id"].get<std::string>());
     const bool pressed = figure["motion"] == "press";
     EXPECT_NE(figure["frame_axis"].get<bool>(), pressed) << figure["id"];
     const double last = pressed ? static_cast<double>(figure["x"]["names"].size()) - 1 : 3;
     EXPECT_FALSE(figure["y"]["unit"].get<std::string>().empty());
     ASSERT_FALSE(figure["series"].empty()) << figure["id"];
-    for (const json& series : figure["series"]) {
+    for (const Json& series : figure["series"]) {
       ASSERT_EQ(series["x"].size(), series["y"].size());
       EXPECT_EQ(std::set<std::string>({"method", "reference", "bare"}).count(series["role"]), 1u);
-      for (const json& x : series["x"]) {
+      for (const Json& x : series["x"]) {
         EXPECT_GE(x.get<double>(), 0);
         EXPECT_LE(x.get<double>(), last);
       }
@@ -74,16 +74,16 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
     EXPECT_EQ(figures.count(id), 1u) << id;
   }
   std::set<std::string> claims;
-  for (const json& claim : data["claims"]) {
+  for (const Json& claim : data["claims"]) {
     EXPECT_TRUE(claims.insert(claim["id"].get<std::string>()).second) << claim["id"];
     EXPECT_EQ(std::set<std::string>({"paper", "new"}).count(claim["source"]), 1u);
     EXPECT_EQ(std::set<std::string>({"holds", "partly", "fails", "untested"}).count(claim["verdict"]), 1u);
     EXPECT_NE(text().find(claim["claim"].get<std::string>()), std::string::npos) << claim["claim"];
     EXPECT_NE(text().find(claim["numbers"].get<std::string>()), std::string::npos) << claim["numbers"];
-    for (const json& figure : claim["figures"]) EXPECT_EQ(figures.count(figure), 1u) << figure;
+    for (const Json& figure : claim["figures"]) EXPECT_EQ(figures.count(figure), 1u) << figure;
   }
-  for (const json& table : data["tables"]) {
-    for (const json& row : table["rows"]) EXPECT_EQ(row.size(), table["columns"].size()) << table["id"];
+  for (const Json& table : data["tables"]) {
+    for (const Json& row : table["rows"]) EXPECT_EQ(row.size(), table["columns"].size()) << table["id"];
     EXPECT_TRUE(std::filesystem::is_regular_file(bench() / ("study/" + table["id"].get<std::string>() + ".csv")));
   }
   ASSERT_EQ(data["pictures"].size(), 1u);
@@ -105,8 +105,8 @@ TEST_F(StudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) {
   const std::string open = "id=\"morula-manifest\">";
   const std::size_t begin = page.find(open);
   ASSERT_NE(begin, std::string::npos);
-  const json manifest =
-      json::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
+  const Json manifest =
+      Json::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
   EXPECT_EQ(manifest["study"], study());
   EXPECT_EQ(manifest["motions"].size(), 3u) << "stretch, twist, bend";
   EXPECT_EQ(manifest["scenes"].size(), 6u) << "each by approach2 and by exact";
@@ -163,8 +163,8 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
       {"exact-below-approach1", judge.ratio("exact", "approach1", 1, false)},
       {"rebuilt-near-floor", judge.ratio("rebuilt", "fresh", 2, true)}};
   std::size_t compared = 0;
-  const json data = study();
-  for (const json& claim : data["claims"]) {
+  const Json data = study();
+  for (const Json& claim : data["claims"]) {
     const auto found = expected.find(claim["id"].get<std::string>());
     if (found == expected.end()) continue;
     EXPECT_EQ(claim["verdict"].get<std::string>(), found->second) << claim["id"] << claim["numbers"];
@@ -177,16 +177,16 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
 }
 
 TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
-  const json data = study();
-  const json& settings = data["settings"]["press"];
+  const Json data = study();
+  const Json& settings = data["settings"]["press"];
   std::map<std::string, int> cells;
-  for (const json& press : data["presses"]) {
+  for (const Json& press : data["presses"]) {
     ++cells[press["rule"].get<std::string>()];
     // Level 1, the budgets, all leaves.
     const std::size_t queries = settings["budgets"].size() + 2;
     ASSERT_EQ(press["figures"].size(), 3 * settings["amounts"].size() * queries);
     for (std::size_t i = 0; i < press["figures"].size(); ++i) {
-      const json& f = press["figures"][i];
+      const Json& f = press["figures"][i];
       const std::size_t query = f["query"];
       ASSERT_EQ(query, i % queries);
       const double amount = settings["amounts"][f["amount"].get<std::size_t>()];
@@ -209,7 +209,7 @@ TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
   }
   EXPECT_EQ(cells, (std::map<std::string, int>{{"approach2", 4}, {"exact", 4}, {"traditional", 4}}));
   // Two ways to the truth: the normal is a sum along the curve of crossings, the depth a search for the way out.
-  for (const json& truth : data["press_truths"][0]["truths"]) {
+  for (const Json& truth : data["press_truths"][0]["truths"]) {
     if (truth["amount"].get<double>() > 0.01) continue;
     const std::size_t axis = truth["axis"].get<std::string>()[0] - 'x';
     EXPECT_NEAR(truth["depth"].get<double>() / truth["amount"].get<double>(), -truth["normal"][axis].get<double>(), 0.1)
@@ -218,9 +218,9 @@ TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
   for (const std::string rule : {"exact", "approach2", "traditional"}) {
     int lost = 0;
     int total = 0;
-    for (const json& press : data["presses"]) {
+    for (const Json& press : data["presses"]) {
       if (press["rule"] != rule) continue;
-      for (const json& f : press["figures"]) {
+      for (const Json& f : press["figures"]) {
         const bool every = rule == "exact";
         if (!every && f["query"] != settings["budgets"].size() + 1) continue;
         lost += f["lost"] > 0 ? 1 : 0;
@@ -229,7 +229,7 @@ TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
     }
     const std::string id = rule == "exact" ? "exact-keeps-crossings" : rule + "-loses-crossings";
     const auto claim =
-        std::find_if(data["claims"].begin(), data["claims"].end(), [&](const json& c) { return c["id"] == id; });
+        std::find_if(data["claims"].begin(), data["claims"].end(), [&](const Json& c) { return c["id"] == id; });
     ASSERT_NE(claim, data["claims"].end());
     EXPECT_EQ((*claim)["verdict"], judged(rule == "exact" ? total - lost : lost, total)) << id;
   }
@@ -243,21 +243,21 @@ TEST_F(StudyCommand, a_press_is_what_collide_finds_there) {
       "--resolution 16");
   bench().require("build bar.obj -o bar.morula --method octree --depth 3");
   bench().require("deform bar.obj -o bent --bend 45 --frames 2 --one-way");
-  const json data = study("pressed");
-  const json& truths = data["press_truths"][0]["truths"];
-  const auto words = [](const json& v) { return v[0].dump() + "," + v[1].dump() + "," + v[2].dump(); };
+  const Json data = study("pressed");
+  const Json& truths = data["press_truths"][0]["truths"];
+  const auto words = [](const Json& v) { return v[0].dump() + "," + v[1].dump() + "," + v[2].dump(); };
   std::map<std::string, std::size_t> lost;
-  for (const json& press : data["presses"]) {
+  for (const Json& press : data["presses"]) {
     const std::string rule = press["rule"];
     for (std::size_t i = 0; i < truths.size(); ++i) {
-      const json found = bench()
+      const Json found = bench()
                              .require(
                                  "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --motion-a bent "
                                  "--motion-b bent --exact --json --rule " +
                                  rule + " --turn-b " + words(truths[i]["turn_b"]["axis"]) + ",90 --place-b " +
                                  words(truths[i]["place_b"]))
                              .json()["frames"][1];
-      const json& leaves = press["figures"][(i + 1) * press["figures"].size() / truths.size() - 1];
+      const Json& leaves = press["figures"][(i + 1) * press["figures"].size() / truths.size() - 1];
       const auto crossings = leaves["crossings"].get<std::size_t>();
       EXPECT_EQ(found["contacts"].size(), leaves["contacts"].get<std::size_t>());
       EXPECT_EQ(found["facet_pairs"].size(), crossings - leaves["lost"].get<std::size_t>());
@@ -273,7 +273,7 @@ TEST_F(StudyCommand, its_figures_come_again_from_files) {
   bench().require("build body.obj -o grid.morula --method grid --depth 2 --branching 4");
   bench().require("deform body.obj -o motion --twist 180 --frames 7");
   bench().require("update body.obj grid.morula motion -o spheres --rule approach2");
-  const json again =
+  const Json again =
       bench().require("measure body.obj spheres --motion motion --resolution 32 --no-protrusion --json").json();
   const Judge judge(rows_of(bench().read("study/cells.csv")));
   for (const int level : {1, 2}) {
@@ -290,9 +290,9 @@ TEST_F(StudyCommand, runs_on_trees_from_elsewhere) {
   bench().require(
       "study --quick -o elsewhere --mesh body.obj --trees trees --sph-origin none --frames 3 "
       "--resolution 16 --rules approach2,exact,fresh");
-  const json data = study("elsewhere");
+  const Json data = study("elsewhere");
   EXPECT_EQ(data["cells"].size(), 6u);
-  for (const json& cell : data["cells"]) {
+  for (const Json& cell : data["cells"]) {
     EXPECT_EQ(cell["method"], "octree");
     EXPECT_NE(cell["rule"], "fresh");
   }
@@ -302,14 +302,14 @@ TEST_F(StudyCommand, ranks_mixes_that_cover_before_the_others) {
   bench().require(
       "study --quick -o mixed --mesh body.obj --mixes --methods grid --rules exact --frames 3 "
       "--resolution 16");
-  const json data = study("mixed");
+  const Json data = study("mixed");
   const auto table =
-      std::find_if(data["tables"].begin(), data["tables"].end(), [](const json& t) { return t["id"] == "mixes"; });
+      std::find_if(data["tables"].begin(), data["tables"].end(), [](const Json& t) { return t["id"] == "mixes"; });
   ASSERT_NE(table, data["tables"].end());
   double last = 0;
   bool bare = false;
   std::size_t covering = 0;
-  for (const json& row : (*table)["rows"]) {
+  for (const Json& row : (*table)["rows"]) {
     const bool is_bare = row[2].get<double>() > 0;
     EXPECT_TRUE(is_bare || !bare) << row;
     if (is_bare != bare) last = 0;

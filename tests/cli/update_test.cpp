@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
+#include <support/npy.hpp>
 
 #include "workbench.hpp"
 
@@ -19,15 +19,7 @@ namespace {
 /// A .npy of doubles.
 void write_npy(const Workbench& bench, const std::string& name, const std::string& shape,
                const std::vector<double>& values) {
-  const std::string dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + ", }\n";
-  std::string bytes =
-      "\x93NUMPY\x01" + std::string(1, '\0') + static_cast<char>(dictionary.size()) + std::string(1, '\0') + dictionary;
-  for (const double value : values) {
-    char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);
-    bytes.append(raw, sizeof raw);
-  }
-  bench.write(name, bytes);
+  bench.write(name, npy("<f8", shape, values));
 }
 
 /// limb.obj, limb.morula, modes.npy with two modes, coords.npy with three frames, the first and last at rest.

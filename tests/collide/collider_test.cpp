@@ -8,6 +8,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
 #include <set>
+#include <support/numbers.hpp>
 
 #include "stale_pose.hpp"
 
@@ -31,7 +32,7 @@ TEST(RigidTransform, turns_right_handed_about_its_axis) {
 }
 
 TEST(RigidTransform, tells_what_is_not_rigid) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
+  using test::infinity;
   RigidTransform t;
   t.rows[1].y = -1;
   EXPECT_EQ(deviation_from_rigid(t), infinity) << "a reflection";

@@ -18,8 +18,7 @@ namespace {
 using test::Specimen;
 using Code = ContactStatus::Code;
 
-const BuildOptions quick{.method = Method::octree, .depth = 3};
-const BuildOptions narrow{.method = Method::octree, .branching = 4, .depth = 4};
+const BuildOptions four_wide{.method = Method::octree, .branching = 4, .depth = 4};
 constexpr Priority priorities[]{Priority::level, Priority::overlap, Priority::importance};
 
 using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
@@ -33,7 +32,7 @@ std::set<Key> finished_nodes(const Contacts& contacts) {
 }
 
 struct TwoBodies : ::testing::Test {
-  Specimen a{"limb", 9, quick}, b{"torus", 8, narrow};
+  Specimen a{"limb", 9, test::quick}, b{"torus", 8, four_wide};
   Random random{3};
   void SetUp() override { pose(); }
   void pose(double amplitude = 0.05) {
@@ -140,7 +139,7 @@ TEST_F(TwoBodies, resuming_ends_where_one_call_does) {
 }
 
 TEST_F(TwoBodies, any_number_of_workers_gives_the_same_front) {
-  Specimen c("blob", 8, quick);
+  Specimen c("blob", 8, test::quick);
   c.place(test::random_placement(random, 0.5));
   for (const Priority priority : priorities)
     for (const std::int64_t budget : {700, 6000, 1000000}) {
@@ -305,7 +304,7 @@ TEST_F(TwoBodies, work_adds_up_over_frames_at_rest) {
 }
 
 TEST_F(TwoBodies, several_pairs_share_one_budget) {
-  Specimen c("blob", 8, quick);
+  Specimen c("blob", 8, test::quick);
   c.place(a.collider->placement());
   ContactQuery query({.budget = 2000, .priority = Priority::importance});
   EXPECT_EQ(query.add(*a.collider, *b.collider, 1), 0u);
@@ -431,7 +430,7 @@ TEST_F(TwoBodies, carried_back_from_far_away_it_forgets_what_only_distance_blurr
 // Bars about the origin keep their distance bit for bit where it is a multiple of 2^-22 and they move by a power of
 // two: nothing but the pads changes.
 TEST(TwoBars, carried_back_from_a_power_of_two_away_have_the_contacts_of_a_fresh_front) {
-  Specimen a{"bar", 4, quick}, b{"bar", 4, quick};
+  Specimen a{"bar", 4, test::quick}, b{"bar", 4, test::quick};
   ContactQuery query;
   query.add(*a.collider, *b.collider);
   std::size_t blurred = 0;
@@ -505,7 +504,7 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   EXPECT_TRUE(query.carry());
 
   // A front of another body, of another tree on the same mesh, of another number of pairs.
-  Specimen other("limb", 9, narrow);
+  Specimen other("limb", 9, four_wide);
   ContactQuery stranger;
   stranger.add(*other.collider, *b.collider);
   stranger.set_front(query.front());

@@ -11,19 +11,13 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
+#include <support/placements.hpp>
 
 #include "simd/processors.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
-
-RigidTransform random_placement(Random& random, double reach) {
-  const auto number = [&] { return random.uniform(-1, 1); };
-  const double w = number(), x = number(), y = number(), z = number();
-  const double dx = number(), dy = number();
-  return RigidTransform::from_quaternion(w, x, y, z, Vec3{dx, dy, number()} * reach);
-}
 
 /// A mesh that was bent out of shape, with its collider somewhere in the world.
 struct Subject {
@@ -42,7 +36,7 @@ struct Subject {
     Random random(mesh.facet_count());
     EXPECT_TRUE(body.update(positions));
     collider.set_positions(positions);
-    collider.place(random_placement(random, reach));
+    collider.place(test::random_placement(random, reach));
   }
   Subject(const Subject&) = delete;
 };
@@ -66,7 +60,7 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
         const auto node = round == 0 ? 0 : static_cast<std::uint32_t>(random.next() % nodes);
         const Sphere s = one.body.sphere(node);
         // Inside the sphere, commonly; on the surface; far away.
-        Vec3 p = one.collider.placement()(s.center + random_placement(random, s.radius).translation);
+        Vec3 p = one.collider.placement()(s.center + test::random_placement(random, s.radius).translation);
         const Triangle t = one.collider.triangle(one.collider.facets(node)[0]);
         if (round % 5 == 1) p = t[0] * 0.25 + t[1] * 0.75;
         if (round % 5 == 2) p = t[2];
@@ -134,7 +128,7 @@ TEST(RegionReach, contains_the_region_and_no_more_than_the_sphere) {
   scratch.start(one.collider, one.collider);
   Random random(7);
   for (std::uint32_t node = 0; node < one.built.tree.node_count(); ++node) {
-    const Vec3 direction = normalized(random_placement(random, 1).translation);
+    const Vec3 direction = normalized(test::random_placement(random, 1).translation);
     const double reach = region_reach(one.collider, node, direction, scratch);
     double farthest = -1e300;
     for (const std::uint32_t corner : one.built.cover.region_corners(node))
@@ -165,8 +159,8 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
   Random random(3);
   std::size_t contacts = 0, apart = 0;
   for (int pose = 0; pose < 6; ++pose) {
-    one.collider.place(random_placement(random, 0.3));
-    two.collider.place(random_placement(random, 0.3));
+    one.collider.place(test::random_placement(random, 0.3));
+    two.collider.place(test::random_placement(random, 0.3));
     scratch.start(one.collider, two.collider);
     std::vector<NodePair> close;
     for (std::uint32_t i = 0; i < one.built.tree.node_count(); ++i)
@@ -233,7 +227,7 @@ TEST(FacetKernels, give_the_bits_of_plain_loops) {
     list.column[k] = columns[k].data();
   }
   for (int round = 0; round < 50; ++round) {
-    const Vec3f p(random_placement(random, 2).translation);
+    const Vec3f p(test::random_placement(random, 2).translation);
     std::vector<float> expected(64), other(64);
     const float least = all_facet_kernels().front().squared_gaps(list, p, expected.data());
     const float reach = all_facet_kernels().front().reach(list, p);

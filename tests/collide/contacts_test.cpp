@@ -18,8 +18,6 @@ namespace {
 
 using test::Specimen;
 
-const BuildOptions quick{.method = Method::octree, .depth = 3};
-
 std::pair<std::uint32_t, std::uint32_t> nodes_of(const Contact& c) {
   return {c.node_a, c.node_b};
 }
@@ -44,7 +42,7 @@ bool reached(const Collider& a, const Collider& b, std::uint32_t node_a, std::ui
 
 TEST(Collide, finds_the_pairs_of_brute_force_at_every_level_and_margin) {
   Random random(1);
-  Specimen a("limb", 10, quick), b("torus", 9, {.method = Method::octree, .branching = 5, .depth = 4});
+  Specimen a("limb", 10, test::quick), b("torus", 9, {.method = Method::octree, .branching = 5, .depth = 4});
   std::size_t found = 0;
   for (int round = 0; round < 12; ++round) {
     a.deform(random, round == 0 ? 0 : 0.1);
@@ -100,7 +98,7 @@ TEST(Collide, misses_no_crossing_of_deformed_bodies) {
   for (const Case& c : {Case{1, 0}, Case{1, 1e6}, Case{1e-9, 0}, Case{1e9, 0}}) {
     Random random(7);
     const Vec3 far = c.scale * c.away * Vec3{1, -0.5, 0.25};
-    Specimen a("limb", 9, quick, c.scale, far), b("torus", 8, quick, c.scale);
+    Specimen a("limb", 9, test::quick, c.scale, far), b("torus", 8, test::quick, c.scale);
     for (int pose = 0; pose < 25; ++pose) {
       a.deform(random, 0.1);
       b.deform(random, 0.1);
@@ -129,7 +127,7 @@ TEST(Collide, misses_no_crossing_of_deformed_bodies) {
 // With a margin, near facets without a crossing count: corners of one body as samples.
 TEST(Collide, margin_reports_surfaces_that_are_near) {
   Random random(11);
-  Specimen a("blob", 8, quick), b("bar", 6, quick);
+  Specimen a("blob", 8, test::quick), b("bar", 6, test::quick);
   const double margin = 0.3;
   std::size_t near = 0;
   for (int pose = 0; pose < 20; ++pose) {
@@ -240,7 +238,7 @@ TEST_F(Balls, a_gap_within_the_margin_is_a_negative_depth) {
 
 TEST(Collide, facets_are_the_nearest_of_the_nodes) {
   Random random(5);
-  Specimen a("limb", 8, quick), b("torus", 8, quick);
+  Specimen a("limb", 8, test::quick), b("torus", 8, test::quick);
   a.deform(random, 0.05);
   a.place(RigidTransform::from_axis({1, 2, 3}, 1, {0.2, 0.3, 0}));
   const Contacts contacts = collide(*a.collider, *b.collider, {.surfaces = true});
@@ -265,7 +263,7 @@ TEST(Collide, facets_are_the_nearest_of_the_nodes) {
 }
 
 TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
-  Specimen a("blob", 6, quick), b("blob", 6, quick);
+  Specimen a("blob", 6, test::quick), b("blob", 6, test::quick);
   ContactQuery query;
   query.add(*a.collider, *b.collider);
   ASSERT_TRUE(query.run());
@@ -302,7 +300,7 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
 
 // Numbers at the end of the range: an answer that is right, not a trap.
 TEST(Collide, answers_far_beyond_the_range_of_float) {
-  Specimen a("blob", 6, quick), b("blob", 6, quick);
+  Specimen a("blob", 6, test::quick), b("blob", 6, test::quick);
   for (const double far : {1e18, 1e30, 1e60, 1e300}) {
     a.place({{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {far, -far, far}});
     b.place({});

@@ -3,12 +3,12 @@
 // Inside and outside against winding numbers summed over all facets, exact shapes, and points nothing is easy about.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 #include "placed_bodies.hpp"
 #include "stale_pose.hpp"
@@ -158,7 +158,7 @@ TEST(Containment, refuses_open_surfaces_and_bad_points) {
   PlacedBody ball(test::icosphere(1));
   InsideQuery inside(ball.collider);
   using Code = Status::Code;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  using test::nan;
   EXPECT_EQ(inside.locate({0, nan, 0}).status.code, Code::bad_shape);
   EXPECT_EQ(inside.probe({{0, 0, 0}, -1}).status.code, Code::bad_shape);
   Containment found;

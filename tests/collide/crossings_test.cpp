@@ -12,6 +12,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <set>
 #include <support/meshes.hpp>
+#include <support/placements.hpp>
 
 #include "collide/facets/box_kernels.hpp"
 #include "simd/processors.hpp"
@@ -22,7 +23,7 @@ using namespace detail;
 namespace {
 
 /// A body with all that a collider borrows.
-struct Specimen {
+struct Bent {
   std::string name;
   Mesh mesh;
   CoveredTree built;
@@ -31,14 +32,14 @@ struct Specimen {
   std::vector<Vec3f> narrow;
   Collider collider;
 
-  Specimen(std::string mesh_name, Mesh of)
+  Bent(std::string mesh_name, Mesh of)
       : name(std::move(mesh_name)),
         mesh(std::move(of)),
         built(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
         body(mesh, built),
         positions(mesh.positions),
         collider(mesh, body) {}
-  Specimen(const Specimen&) = delete;
+  Bent(const Bent&) = delete;
 
   PositionView view() const { return narrow.empty() ? PositionView(positions) : PositionView(narrow); }
   void deform_by(double amount, bool in_float) {
@@ -51,20 +52,13 @@ struct Specimen {
   }
 };
 
-std::vector<std::unique_ptr<Specimen>> specimens() {
-  std::vector<std::unique_ptr<Specimen>> all;
+std::vector<std::unique_ptr<Bent>> specimens() {
+  std::vector<std::unique_ptr<Bent>> all;
   for (const test::NamedMesh& named : test::all_meshes())
-    if (named.mesh.facet_count() <= 1500) all.push_back(std::make_unique<Specimen>(named.name, named.mesh));
+    if (named.mesh.facet_count() <= 1500) all.push_back(std::make_unique<Bent>(named.name, named.mesh));
   for (const std::string_view name : sample_body_names())
-    all.push_back(std::make_unique<Specimen>(std::string(name), sample_body(name, 14)));
+    all.push_back(std::make_unique<Bent>(std::string(name), sample_body(name, 14)));
   return all;
-}
-
-RigidTransform random_placement(Random& random, double reach) {
-  const auto number = [&] { return random.uniform(-1, 1); };
-  const double w = number(), x = number(), y = number(), z = number();
-  const double dx = number(), dy = number();
-  return RigidTransform::from_quaternion(w, x, y, z, Vec3{dx, dy, number()} * reach);
 }
 
 void expect_equal(std::span<const Crossing> found, const std::vector<Crossing>& expected) {
@@ -82,7 +76,7 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
   CrossingQuery result;
   std::size_t poses_that_cross = 0, pairs = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    Specimen &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
+    Bent &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
     // The same spot of both, where none may be: their boxes' centres, somewhere in the world.
     const double reach = 0.4 * std::min(size_of(a.mesh), size_of(b.mesh));
     for (int pose = 0; pose < 3; ++pose) {
@@ -90,10 +84,10 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
       if (&a != &b) {
         ASSERT_NO_FATAL_FAILURE(b.deform_by(0.3 * pose, pose == 2));
       }
-      RigidTransform place_a = random_placement(random, 1), place_b = random_placement(random, 1);
-      const Vec3 spot = random_placement(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
+      RigidTransform place_a = test::random_placement(random, 1), place_b = test::random_placement(random, 1);
+      const Vec3 spot = test::random_placement(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
       place_a.translation = spot - place_a.turn(bounding_box({a.positions, a.mesh.facets}).center());
-      place_b.translation = spot + random_placement(random, reach).translation -
+      place_b.translation = spot + test::random_placement(random, reach).translation -
                             place_b.turn(bounding_box({b.positions, b.mesh.facets}).center());
       a.collider.place(place_a);
       Collider other(b.mesh, b.body);
@@ -112,8 +106,7 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
 }
 
 TEST(Crossings, count_every_way_of_touching) {
-  const Specimen box("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3)),
-      twin("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3));
+  const Bent box("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3)), twin("box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 3));
   Collider a(box.mesh, box.body), b(twin.mesh, twin.body);
   CrossingQuery result;
   const auto pairs_at = [&](const Vec3& shift) {
@@ -135,7 +128,7 @@ TEST(Crossings, count_every_way_of_touching) {
 
 TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbours) {
   for (const char* const name : {"limb", "torus"}) {
-    const Specimen one(name, sample_body(name, 12)), two(name, sample_body(name, 12));
+    const Bent one(name, sample_body(name, 12)), two(name, sample_body(name, 12));
     Collider a(one.mesh, one.body), b(two.mesh, two.body);
     for (const RigidTransform& placement :
          {RigidTransform{}, RigidTransform::from_axis({1, 2, 3}, 0.7, {1e7, -3e6, 0.1})}) {
@@ -159,7 +152,7 @@ TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbour
 
 // The contract for pairs of nodes that the caller chose, inner ones among them.
 TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
-  const Specimen one("limb", sample_body("limb", 14)), two("torus", sample_body("torus", 14));
+  const Bent one("limb", sample_body("limb", 14)), two("torus", sample_body("torus", 14));
   Collider a(one.mesh, one.body), b(two.mesh, two.body);
   a.place(RigidTransform::from_axis({0, 1, 0}, 0.3, {0.6, 0.2, 0}));
   const std::vector<Crossing> all = brute_force::crossings(a, b);
@@ -191,7 +184,7 @@ TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
 }
 
 TEST(Crossings, refuse_what_is_not_current_and_keep_the_result) {
-  Specimen one("limb", sample_body("limb", 8)), two("limb", sample_body("limb", 8));
+  Bent one("limb", sample_body("limb", 8)), two("limb", sample_body("limb", 8));
   CrossingQuery result;
   result.run(one.collider, two.collider);
   const std::vector<Crossing> before(result.pairs().begin(), result.pairs().end());

@@ -6,6 +6,7 @@
 #include <limits>
 #include <morula/collide/distance.hpp>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 #include "placed_bodies.hpp"
 #include "stale_pose.hpp"
@@ -230,7 +231,7 @@ TEST(Distance, refuses_what_it_cannot_answer) {
   PlacedBody a(test::icosphere(1)), b(test::icosphere(1));
   b.collider.place({.translation = {5, 0, 0}});
   DistanceQuery query;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  using test::nan;
   using Code = Status::Code;
   EXPECT_EQ(query.run(a.collider, b.collider, {.tolerance = nan}).status.code, Code::bad_option);
   EXPECT_EQ(query.run(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);

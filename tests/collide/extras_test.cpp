@@ -19,8 +19,6 @@ namespace {
 
 using test::Specimen;
 
-const BuildOptions quick{.method = Method::octree, .depth = 3};
-
 std::set<std::pair<std::uint32_t, std::uint32_t>> facets_of(std::span<const Crossing> crossings) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const Crossing& c : crossings) pairs.emplace(c.facet_a, c.facet_b);
@@ -34,7 +32,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> nodes_of(const Contacts& conta
 
 TEST(ExactContacts, hold_the_facet_pairs_of_brute_force_for_every_pair_of_bodies) {
   Random random(3);
-  Specimen a("limb", 8, quick), b("torus", 8, quick), c("blob", 6, quick);
+  Specimen a("limb", 8, test::quick), b("torus", 8, test::quick), c("blob", 6, test::quick);
   for (int pose = 0; pose < 10; ++pose) {
     for (Specimen* s : {&a, &b, &c}) {
       s->deform(random, 0.05);
@@ -61,7 +59,7 @@ TEST(ExactContacts, hold_the_facet_pairs_of_brute_force_for_every_pair_of_bodies
 }
 
 TEST(Containment, comes_with_contacts_and_tells_a_body_inside_another) {
-  Specimen outer("blob", 8, quick, 3.0), inner("blob", 6, quick, 0.5);
+  Specimen outer("blob", 8, test::quick, 3.0), inner("blob", 6, test::quick, 0.5);
   const CollideOptions options{.containment = true};
   ContactQuery query(options);
   query.add(*outer.collider, *inner.collider);
@@ -84,7 +82,7 @@ TEST(Containment, comes_with_contacts_and_tells_a_body_inside_another) {
 // The clock goes on by a microsecond every time somebody looks.
 TEST(SurfacesUnderABudgetOfTime, end_when_it_ends_and_leave_the_search_its_half) {
   Random random(5);
-  Specimen a("limb", 16, quick), b("limb", 16, quick);
+  Specimen a("limb", 16, test::quick), b("limb", 16, test::quick);
   for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
   b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
   const Contacts all = collide(*a.collider, *b.collider, {.surfaces = true});
@@ -123,7 +121,7 @@ struct LazyBodies : ::testing::Test {
       s->collider->set_positions(s->positions);
     }
   }
-  Specimen a{"limb", 16, quick}, b{"limb", 16, quick};
+  Specimen a{"limb", 16, test::quick}, b{"limb", 16, test::quick};
   CollideOptions options;
 };
 
@@ -171,8 +169,8 @@ TEST_F(LazyBodies, carry_fronts_between_lazy_and_full_frames) {
 
 TEST(RebuiltContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_epoch) {
   const Mesh mesh = sample_body("limb", 12);
-  RebuiltBody limb(mesh, build(mesh, quick), {.rebuild_every = 2, .gain = -1e9, .thread = RebuildThread::caller});
-  Specimen torus("torus", 8, quick);
+  RebuiltBody limb(mesh, build(mesh, test::quick), {.rebuild_every = 2, .gain = -1e9, .thread = RebuildThread::caller});
+  Specimen torus("torus", 8, test::quick);
   torus.place(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
   std::optional<Collider> collider;
   ContactQuery query({.exact = true});

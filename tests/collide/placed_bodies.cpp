@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 namespace morula::test {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double point_segment(const Vec3& x, const Vec3& p, const Vec3& q) {
   const Vec3 d = q - p;
@@ -86,17 +84,6 @@ std::vector<Vec3> rippled(const std::vector<Vec3>& positions, double amount, std
     p += amount * Vec3{std::sin(angle + phase.x), std::sin(angle + phase.y), std::sin(angle + phase.z)} + tilt * p.x;
   }
   return moved;
-}
-
-Vec3 random_point(Random& random, double reach) {
-  const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
-  return {x, y, random.uniform(-reach, reach)};
-}
-
-RigidTransform random_placement(Random& random, double reach, const Vec3& about) {
-  const Vec3 axis = random_point(random, 1.0);
-  const double angle = random.uniform(0, 2 * std::numbers::pi);
-  return RigidTransform::from_axis(axis, angle, about + random_point(random, reach));
 }
 
 double slow_segment_distance(const Vec3& p, const Vec3& q, const Triangle& t) {

@@ -8,6 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <string>
+#include <support/placements.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -31,8 +32,6 @@ std::vector<std::unique_ptr<PlacedBody>>& placed_bodies();
 
 /// Bent and rippled by up to `amount` of its size.
 std::vector<Vec3> rippled(const std::vector<Vec3>& positions, double amount, std::uint64_t seed);
-RigidTransform random_placement(Random& random, double reach, const Vec3& about = {});
-Vec3 random_point(Random& random, double reach);
 
 /// Distance of two triangles by features, in double; 0 when an edge of one goes through the other.
 double slow_distance(const Triangle& a, const Triangle& b);

@@ -20,7 +20,7 @@ namespace {
 
 using test::Specimen;
 
-const BuildOptions quick{.method = Method::octree, .branching = 8, .depth = 2};
+const BuildOptions shallow{.method = Method::octree, .branching = 8, .depth = 2};
 
 std::vector<Vec3> rippled(const Mesh& mesh, double amount, std::uint64_t seed) {
   Random random(seed);
@@ -57,7 +57,7 @@ void near_leaves(const Collider& a, const Collider& b, double margin, double uns
 }
 
 TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
-  Specimen limb("limb", 8, quick), torus("torus", 8, quick);
+  Specimen limb("limb", 8, shallow), torus("torus", 8, shallow);
   Random random(3);
   std::size_t crossed = 0;
   for (const int k : {6, 14, 26}) {
@@ -90,7 +90,7 @@ TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
 }
 
 TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
-  Specimen limb("limb", 8, quick), torus("torus", 8, quick);
+  Specimen limb("limb", 8, shallow), torus("torus", 8, shallow);
   const PosedSpheres imported(limb.built.tree);
   Collider alone(imported.pose());
   EXPECT_FALSE(alone.pose().covers);
@@ -123,7 +123,7 @@ TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
 }
 
 TEST(PosedTree, spheres_that_were_set_are_the_ones_asked) {
-  Specimen limb("limb", 6, quick), torus("torus", 6, quick);
+  Specimen limb("limb", 6, shallow), torus("torus", 6, shallow);
   PosedSpheres spheres(limb.built.tree);
   Collider collider(spheres.pose());
   const Vec3 away{50, 0, 0};
@@ -146,7 +146,7 @@ TEST(PosedTree, spheres_that_were_set_are_the_ones_asked) {
 }
 
 TEST(PosedTree, refuses_spheres_that_are_none_and_changes_nothing) {
-  Specimen limb("limb", 4, quick);
+  Specimen limb("limb", 4, shallow);
   PosedSpheres spheres(limb.built.tree);
   const std::vector<Spheref> before(spheres.pose().spheres.begin(), spheres.pose().spheres.end());
   const auto refused = [&](auto change) {
@@ -169,7 +169,7 @@ TEST(PosedTree, refuses_spheres_that_are_none_and_changes_nothing) {
 }
 
 TEST(PosedTree, two_poses_of_one_body_are_asked_against_each_other) {
-  Specimen limb("limb", 8, quick);
+  Specimen limb("limb", 8, shallow);
   const PosedSpheres then(limb.body->pose());
   Collider before(limb.mesh, limb.built.cover, then.pose());
   const std::vector<Vec3> rest = limb.mesh.positions;
@@ -193,7 +193,7 @@ TEST(Collider, stays_good_when_its_owner_moves) {
     CoveredTree built;
     Body body;
     Collider collider;
-    explicit Thing(Mesh m) : mesh(std::move(m)), built(build(mesh, quick)), body(mesh, built), collider(mesh, body) {}
+    explicit Thing(Mesh m) : mesh(std::move(m)), built(build(mesh, shallow)), body(mesh, built), collider(mesh, body) {}
   };
   std::vector<Thing> things;
   std::vector<std::size_t> contacts;
@@ -217,7 +217,7 @@ TEST(Collider, stays_good_when_its_owner_moves) {
 }
 
 TEST(Collider, reads_positions_where_the_body_was_given_them) {
-  Specimen limb("limb", 6, quick), torus("torus", 6, quick);
+  Specimen limb("limb", 6, shallow), torus("torus", 6, shallow);
   Collider fresh(limb.mesh, *limb.body);
   std::vector<Vec3f> narrow;
   for (const Vec3& p : limb.mesh.positions) narrow.push_back(Vec3f(p + Vec3{0.1, 0.2, 0.05}));
@@ -235,7 +235,7 @@ TEST(Collider, reads_positions_where_the_body_was_given_them) {
 }
 
 TEST(PairWalk, visits_the_leaf_pairs_within_the_margin) {
-  Specimen a("limb", 8, quick), b("torus", 8, quick);
+  Specimen a("limb", 8, shallow), b("torus", 8, shallow);
   Random random(11);
   std::size_t seen = 0;
   for (int i = 0; i < 40; ++i) {
@@ -259,7 +259,7 @@ TEST(PairWalk, visits_the_leaf_pairs_within_the_margin) {
 }
 
 TEST(PairWalk, skips_and_stops_where_it_is_told) {
-  Specimen a("limb", 8, quick), b("torus", 8, quick);
+  Specimen a("limb", 8, shallow), b("torus", 8, shallow);
   std::size_t all = 0, first = 0, without = 0;
   const auto count = [&](std::size_t& n, Step answer_of_final) {
     walk_pairs(*a.collider, *b.collider, {}, [&](NodePair, bool is_final) {
@@ -287,7 +287,7 @@ TEST(PairWalk, skips_and_stops_where_it_is_told) {
 }
 
 TEST(ContactQuery, surfaces_under_a_budget_are_those_of_finished_contacts) {
-  Specimen a("limb", 10, quick), b("torus", 10, quick);
+  Specimen a("limb", 10, shallow), b("torus", 10, shallow);
   ContactQuery whole({.surfaces = true}), part({.budget = 65, .surfaces = true});
   whole.add(*a.collider, *b.collider);
   part.add(*a.collider, *b.collider);
@@ -311,7 +311,7 @@ TEST(ContactQuery, surfaces_under_a_budget_are_those_of_finished_contacts) {
 }
 
 TEST(ContactQuery, warming_up_changes_no_answer) {
-  Specimen a("limb", 8, quick), b("torus", 8, quick);
+  Specimen a("limb", 8, shallow), b("torus", 8, shallow);
   for (const CollideOptions& options :
        {CollideOptions{.surfaces = true, .exact = true}, CollideOptions{.budget = 40}}) {
     ContactQuery cold(options), warm(options);

@@ -3,10 +3,10 @@
 // Half spaces, spheres and capsules against bodies: brute force over all facets, and exact shapes.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <morula/collide/primitives.hpp>
 #include <set>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 #include "placed_bodies.hpp"
 #include "stale_pose.hpp"
@@ -16,8 +16,8 @@ namespace {
 
 using test::PlacedBody;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+using test::infinity;
+using test::nan;
 
 double slow_signed_distance(const HalfSpace& h, const Triangle& t) {
   const double size = length(h.normal);
@@ -189,13 +189,13 @@ TEST(Primitives, refuse_what_is_no_shape) {
     return result.status.code;
   };
   EXPECT_EQ(fault(Sphere{{0, 0, 0}, -1}), Code::bad_shape);
-  EXPECT_EQ(fault(Sphere{{0, nan_value, 0}, 1}), Code::bad_shape);
+  EXPECT_EQ(fault(Sphere{{0, nan, 0}, 1}), Code::bad_shape);
   EXPECT_EQ(fault(Sphere{{0, 0, 0}, infinity}), Code::bad_shape);
   EXPECT_EQ(fault(HalfSpace{{0, 0, 0}, 1}), Code::bad_shape);
-  EXPECT_EQ(fault(HalfSpace{{0, 0, 1}, nan_value}), Code::bad_shape);
+  EXPECT_EQ(fault(HalfSpace{{0, 0, 1}, nan}), Code::bad_shape);
   EXPECT_EQ(fault(Capsule{{0, 0, 0}, {infinity, 0, 0}, 1}), Code::bad_shape);
-  EXPECT_EQ(fault(Capsule{{0, 0, 0}, {1, 0, 0}, nan_value}), Code::bad_shape);
-  EXPECT_EQ(fault(Sphere{{0, 0, 0}, 1}, {.margin = nan_value}), Code::bad_option);
+  EXPECT_EQ(fault(Capsule{{0, 0, 0}, {1, 0, 0}, nan}), Code::bad_shape);
+  EXPECT_EQ(fault(Sphere{{0, 0, 0}, 1}, {.margin = nan}), Code::bad_option);
   asked = &late.collider;
   EXPECT_EQ(fault(Sphere{{0, 0, 0}, 1}), Code::positions_not_current);
   EXPECT_THROW(touch(late.collider, Sphere{{0, 0, 0}, 1}), std::invalid_argument);

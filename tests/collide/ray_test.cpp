@@ -6,6 +6,7 @@
 #include <limits>
 #include <morula/collide/primitives.hpp>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 #include "placed_bodies.hpp"
 #include "stale_pose.hpp"
@@ -131,7 +132,7 @@ TEST(Ray, ends_where_it_ends) {
 
 TEST(Ray, refuses_what_is_no_ray) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}));
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  using test::nan;
   for (const Ray& bad : {Ray{{nan, 0, 0}, {0, 0, 1}}, Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{0, 0, 0}, {0, nan, 1}},
                          Ray{{0, 0, 0}, {0, 0, 1}, -1}, Ray{{0, 0, 0}, {0, 0, 1}, nan}}) {
     EXPECT_THROW(first_hit(box.collider, bad), std::invalid_argument);

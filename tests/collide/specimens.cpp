@@ -54,12 +54,6 @@ void Specimen::deform(Random& random, double amplitude) {
   collider->set_positions(positions);
 }
 
-RigidTransform random_placement(Random& random, double reach, const Vec3& about) {
-  const auto any = [&] { return random.uniform(-1, 1); };
-  const Vec3 shift{any(), any(), any()};
-  return RigidTransform::from_quaternion(any(), any(), any(), any(), about + reach * shift);
-}
-
 std::vector<Crossing> crossings_by_brute_force(const Collider& a, const Collider& b) {
   const auto triangles = [](const Collider& c) {
     std::vector<Triangle> list;

@@ -8,9 +8,13 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
 #include <string>
+#include <support/placements.hpp>
 #include <vector>
 
 namespace morula::test {
+
+/// What builds in no time.
+inline const BuildOptions quick{.method = Method::octree, .depth = 3};
 
 /// A body with all that it hangs on, and where its vertices are.
 struct Specimen {
@@ -27,8 +31,6 @@ struct Specimen {
   std::vector<Vec3> positions;
   double size;  ///< diagonal of the box at rest
 };
-
-RigidTransform random_placement(Random& random, double reach, const Vec3& about = {});
 
 /// A point where an edge of one facet goes through the other facet.
 struct Crossing {

@@ -7,15 +7,15 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <numbers>
 #include <regex>
 #include <stdexcept>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 namespace morula {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 Mesh deformed(const Mesh& mesh, const Deformations& deformations, double t = 1) {
   return {deform(mesh, deformations, t), mesh.facets};

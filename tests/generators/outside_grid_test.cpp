@@ -17,22 +17,22 @@ namespace morula {
 using namespace detail;
 namespace {
 
-struct Body {
+struct Solid {
   const char* name;
   Mesh mesh;
   double deep;  // about the radius of the largest ball inside
   SignedDistance shape;
   ObjectLines lines;
 
-  Body(const char* n, Mesh m, double d)
+  Solid(const char* n, Mesh m, double d)
       : name(n), mesh(std::move(m)), deep(d), shape(mesh), lines(mesh, shape, 200, serial_workers()) {}
 };
-const std::vector<std::unique_ptr<Body>>& bodies() {
+const std::vector<std::unique_ptr<Solid>>& bodies() {
   static const auto all = [] {
-    std::vector<std::unique_ptr<Body>> list;
-    list.push_back(std::make_unique<Body>("icosphere", test::icosphere(4), 1));
-    list.push_back(std::make_unique<Body>("torus", sample_body("torus", 48), 0.35));
-    list.push_back(std::make_unique<Body>("box", test::box_mesh({0, 0, 0}, {2.03, 1.11, 0.97}, 3), 0.48));
+    std::vector<std::unique_ptr<Solid>> list;
+    list.push_back(std::make_unique<Solid>("icosphere", test::icosphere(4), 1));
+    list.push_back(std::make_unique<Solid>("torus", sample_body("torus", 48), 0.35));
+    list.push_back(std::make_unique<Solid>("box", test::box_mesh({0, 0, 0}, {2.03, 1.11, 0.97}, 3), 0.48));
     return list;
   }();
   return all;
@@ -66,7 +66,7 @@ Vec3 direction(Random& random) {
     if (dot(v, v) > 0.01 && dot(v, v) < 1) return normalized(v);
   }
 }
-Vec3 surface_point(const Body& body, Random& random) {
+Vec3 surface_point(const Solid& body, Random& random) {
   return sample_surface(body.mesh, 1, random.next())[0].point;
 }
 
@@ -74,7 +74,7 @@ enum class Kind { deep, big, outside, rim };
 constexpr std::array kinds{Kind::deep, Kind::big, Kind::outside, Kind::rim};
 constexpr std::array kind_names{"deep", "big", "outside", "rim"};
 
-Sphere random_ball(const Body& body, Kind kind, Random& random) {
+Sphere random_ball(const Solid& body, Kind kind, Random& random) {
   if (kind == Kind::big) return {bounding_box(body.mesh).center() + direction(random) * 0.2, random.uniform(1.2, 1.8)};
   const Vec3 p = surface_point(body, random);
   if (kind == Kind::rim) return {p, body.deep * random.uniform(0.4, 1)};
@@ -90,7 +90,7 @@ struct Errors {
   double worst = 0, mean = 0;
 };
 // Shares of the balls' volumes.
-Errors errors_at(const Body& body, Kind kind, double cells_per_radius) {
+Errors errors_at(const Solid& body, Kind kind, double cells_per_radius) {
   Random random(7);
   constexpr int trials = 40;
   Errors errors;
@@ -148,7 +148,7 @@ TEST(OutsideGrid, counts_one_ball_the_same_with_and_without_preparation) {
 }
 
 TEST(OutsideGrid, stops_counting_above_enough_and_only_there) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 1), 0.1);
   Random random(5);
   for (int i = 0; i < 50; ++i) {
@@ -166,7 +166,7 @@ double lens(double d, double a, double b) {
 }
 
 TEST(OutsideGrid, a_ball_taken_in_makes_another_cost_less_by_their_overlap) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   Box box;
   box.add({3, 0, 0});
   OutsideGrid grid(body.lines, with_room(box, 1.6), 0.06);
@@ -273,7 +273,7 @@ TEST(FitBall, contains_its_points_and_never_costs_more_than_a_start) {
 }
 
 TEST(FitBall, finds_the_deep_centre_of_a_cap_from_the_spheres_centre) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 1.5), 0.06);
   for (const double above : {0.3, 0.6, 0.8}) {
     std::vector<Vec3> cap;
@@ -290,7 +290,7 @@ TEST(FitBall, finds_the_deep_centre_of_a_cap_from_the_spheres_centre) {
 }
 
 TEST(FitBall, of_points_that_are_one_point_is_that_point) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 0.5), 0.1);
   const GroupPoints points = in_grid(grid, std::vector<Vec3>(3, {1, 0, 0}));
   const GroupBall fitted = fit_ball(grid, points, {}, 0.15F, 0.25F);
@@ -324,7 +324,7 @@ TEST(Extremes, decide_the_radius_nearly_as_all_points_do) {
 
 // What is proposed may be any ball: it counts as far as the grid goes.
 TEST(OutsideGrid, takes_balls_of_any_size) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 0.5), 0.1);
   const GridBall ball(grid, {{0, 0, 0}, 1.2});
   const float alone = grid.new_outside(ball.cells);
@@ -343,7 +343,7 @@ TEST(OutsideGrid, takes_balls_of_any_size) {
 }
 
 TEST(Extremes, of_few_points_are_all_of_them) {
-  const Body& body = *bodies()[0];
+  const Solid& body = *bodies()[0];
   const OutsideGrid grid(body.lines, bounding_box(body.mesh), 0.1);
   std::vector<Vec3> points;
   for (const SurfacePoint& s : sample_surface(body.mesh, 150, 2)) points.push_back(s.point);

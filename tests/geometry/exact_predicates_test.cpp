@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
+#include <support/placements.hpp>
 #include <vector>
 
 namespace morula {
@@ -37,12 +38,6 @@ int integer_orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection p) 
                  (whole(b[j]) - whole(a[j])) * (whole(c[i]) - whole(a[i])));
 }
 
-Vec3 random_whole(Random& random, double most) {
-  const auto coordinate = [&] { return std::round(random.uniform(-most, most)); };
-  const double x = coordinate(), y = coordinate();
-  return {x, y, coordinate()};
-}
-
 // Nearly in the plane of three others, in integers below 2^40.
 Vec3 random_near_plane(Random& random, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double v = random.uniform(-1, 1), w = random.uniform(-1, 1);
@@ -56,8 +51,9 @@ TEST(ExactPredicates, agree_with_integers_on_grids_and_close_to_planes_at_any_sc
   std::size_t zeros = 0, exact = 0;
   for (int round = 0; round < 60000; ++round) {
     const double most = round % 3 == 0 ? 3 : round % 3 == 1 ? 0x1p20 : 0x1p38;
-    const Vec3 a = random_whole(random, most), b = random_whole(random, most), c = random_whole(random, most);
-    const Vec3 d = round % 2 == 0 ? random_whole(random, most) : random_near_plane(random, a, b, c);
+    const Vec3 a = test::random_whole(random, most), b = test::random_whole(random, most),
+               c = test::random_whole(random, most);
+    const Vec3 d = round % 2 == 0 ? test::random_whole(random, most) : random_near_plane(random, a, b, c);
     const int expected = integer_orient3d(a, b, c, d);
     zeros += expected == 0;
     const double s = scales[static_cast<std::size_t>(round / 7) % std::size(scales)];

@@ -10,6 +10,7 @@
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
+#include <support/placements.hpp>
 #include <vector>
 
 namespace morula {
@@ -79,12 +80,6 @@ bool oracle(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-Vec3 random_whole(Random& random, double most) {
-  const auto coordinate = [&] { return std::round(random.uniform(-most, most)); };
-  const double x = coordinate(), y = coordinate();
-  return {x, y, coordinate()};
-}
-
 Triangle scaled(const Triangle& t, double factor) {
   return {t[0] * factor, t[1] * factor, t[2] * factor};
 }
@@ -111,8 +106,8 @@ TEST(TriangleIntersection, equals_the_oracle_on_small_grids) {
   for (int round = 0; round < rounds; ++round) {
     const double most = 1 + round % 3;
     Triangle a, b;
-    for (Vec3& p : a) p = random_whole(random, most);
-    for (Vec3& p : b) p = random_whole(random, most);
+    for (Vec3& p : a) p = test::random_whole(random, most);
+    for (Vec3& p : b) p = test::random_whole(random, most);
     // One in four in one plane; one in eight flat, in sixteen a point.
     if (round % 4 == 1)
       for (Triangle* const t : {&a, &b})
@@ -134,15 +129,15 @@ TEST(TriangleIntersection, equals_the_oracle_where_triangles_hardly_touch) {
   constexpr int rounds = 12000;
   for (int round = 0; round < rounds; ++round) {
     Triangle a, b;
-    for (Vec3& p : a) p = random_whole(random, most);
-    for (Vec3& p : b) p = random_whole(random, most);
+    for (Vec3& p : a) p = test::random_whole(random, most);
+    for (Vec3& p : b) p = test::random_whole(random, most);
     // A corner of b comes to a's inside, to an edge or to a corner, but for a unit.
     double v = random.uniform(), w = random.uniform() * (1 - v);
     if (round % 3 == 1) w = 0;
     if (round % 3 == 2) v = 1, w = 0;
     const Vec3 near = a[0] + (a[1] - a[0]) * v + (a[2] - a[0]) * w;
     b[0] = {std::round(near.x), std::round(near.y), std::round(near.z)};
-    if (round % 5 == 0) b[0] += random_whole(random, 1);
+    if (round % 5 == 0) b[0] += test::random_whole(random, 1);
     if (round % 7 == 0)
       b[1] = near + (a[1] - a[0]) * 0.25, b[1] = {std::round(b[1].x), std::round(b[1].y), std::round(b[1].z)};
     const bool expected = oracle(a, b);

@@ -5,22 +5,19 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <numbers>
+#include <support/placements.hpp>
 
 namespace morula {
 namespace {
 
-Vec3 random_point(Random& random, double size) {
-  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
-}
-
 TEST(Triangle, closest_point_is_nearer_than_every_point_of_a_fine_grid) {
   Random random(7);
   for (int trial = 0; trial < 300; ++trial) {
-    Triangle t{random_point(random, 1), random_point(random, 1), random_point(random, 1)};
+    Triangle t{test::random_point(random, 1), test::random_point(random, 1), test::random_point(random, 1)};
     if (trial % 5 == 1) t[2] = t[0] + (t[1] - t[0]) * 0.3;  // a segment
     if (trial % 5 == 2) t[2] = t[1];                        // a repeated corner
     if (trial % 5 == 3) t = {t[0], t[0], t[0]};             // a point
-    const Vec3 p = random_point(random, 2);
+    const Vec3 p = test::random_point(random, 2);
     const TrianglePoint found = closest_point(t, p);
     const auto& b = found.barycentric;
     EXPECT_NEAR(b[0] + b[1] + b[2], 1, 1e-12);

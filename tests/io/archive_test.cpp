@@ -9,6 +9,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <support/allocations.hpp>
+#include <support/npy.hpp>
 #include <support/zip.hpp>
 
 #include "files.hpp"
@@ -18,25 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string npy(const std::string& descr, const std::string& shape, const std::string& data) {
-  std::string dictionary = "{'descr': '" + descr + "', 'fortran_order': False, 'shape': " + shape + ", }\n";
-  return std::string("\x93NUMPY\x01\x00", 8) + raw(static_cast<std::uint16_t>(dictionary.size())) + dictionary + data;
-}
-
-template <class Value>
-std::string raws(const std::vector<Value>& values) {
-  std::string bytes;
-  for (const Value value : values) bytes += raw(value);
-  return bytes;
-}
-
 /// A root with two children, as lists of another program: 64-bit integers, no branching.
 std::vector<ZipMember> small_tree() {
-  return {{"spheres.npy", npy("<f8", "(3, 4)", raws<double>({0, 0, 0, 2, -1, 0, 0, 1, 1, 0, 0, 1}))},
-          {"level_begin.npy", npy("<i8", "(3,)", raws<std::int64_t>({0, 1, 3}))},
-          {"parent.npy", npy("<i8", "(3,)", raws<std::int64_t>({-1, 0, 0}))},
-          {"first_child.npy", npy("<i4", "(3,)", raws<std::int32_t>({1, -1, -1}))},
-          {"child_count.npy", npy("<u4", "(3,)", raws<std::uint32_t>({2, 0, 0}))}};
+  return {{"spheres.npy", npy("<f8", "(3, 4)", std::vector<double>({0, 0, 0, 2, -1, 0, 0, 1, 1, 0, 0, 1}))},
+          {"level_begin.npy", npy("<i8", "(3,)", std::vector<std::int64_t>({0, 1, 3}))},
+          {"parent.npy", npy("<i8", "(3,)", std::vector<std::int64_t>({-1, 0, 0}))},
+          {"first_child.npy", npy("<i4", "(3,)", std::vector<std::int32_t>({1, -1, -1}))},
+          {"child_count.npy", npy("<u4", "(3,)", std::vector<std::uint32_t>({2, 0, 0}))}};
 }
 
 TEST(TreeArchive, reads_back_bit_for_bit) {
@@ -57,10 +46,10 @@ TEST(TreeArchive, of_another_program_is_read) {
   EXPECT_EQ(tree.branching, 2u);
   EXPECT_EQ(tree.spheres[2], (Sphere{{1, 0, 0}, 1}));
   auto members = small_tree();
-  members.push_back({"branching.npy", npy("<i8", "(1,)", raws<std::int64_t>({8}))});
+  members.push_back({"branching.npy", npy("<i8", "(1,)", std::vector<std::int64_t>({8}))});
   members.push_back({"notes.txt", "whatever"});
   EXPECT_EQ(read_tree(folder.file("b.npz", zip(members))).tree.branching, 8u);
-  members[0].bytes = npy("<f4", "(3, 4)", raws<float>({0, 0, 0, 2, -1, 0, 0, 1, 1, 0, 0, 1}));
+  members[0].bytes = npy("<f4", "(3, 4)", std::vector<float>({0, 0, 0, 2, -1, 0, 0, 1, 1, 0, 0, 1}));
   EXPECT_EQ(read_tree(folder.file("c.npz", zip(members))).tree.spheres[1].center.x, -1);
 }
 
@@ -109,17 +98,17 @@ TEST(TreeArchive, what_is_no_tree_is_refused) {
   refused(with(0, npy("<f8", "(4, 3)", std::string(96, '\0'))), "array.T");
   refused(with(0, npy("<f8", "(0, 3, 4)", "")), "has no frames");
   refused(with(0, npy("<f8", "(2, 4)", std::string(64, '\0'))), "differ in the number of nodes");
-  refused(with(1, npy("<i8", "(3,)", raws<std::int64_t>({0, 1, 4}))), "level_begin does not lead");
-  refused(with(1, npy("<i8", "(3,)", raws<std::int64_t>({0, 1, -1}))), "is -1, which is no index");
-  refused(with(1, npy("<i8", "(3,)", raws<std::int64_t>({0, 1, 1ll << 40}))), "which is no index");
-  refused(with(1, npy("<u8", "(3,)", raws<std::uint64_t>({0, 1, ~0ull}))), "which is no index");
-  refused(with(1, npy("<f8", "(3,)", raws<double>({0, 1, 3}))), "'<i4' or '<i8' is needed");
-  refused(with(2, npy("<i8", "(3,)", raws<std::int64_t>({-1, 0, 1}))), "parent or first_child are not those");
-  refused(with(3, npy("<i4", "(3,)", raws<std::int32_t>({2, -1, -1}))), "parent or first_child are not those");
-  refused(with(4, npy("<u4", "(3,)", raws<std::uint32_t>({1, 0, 0}))), "do not add up");
-  refused(with(4, npy("<u4", "(3,)", raws<std::uint32_t>({70, 0, 0}))), "the branching is 70, not 2 to 64");
+  refused(with(1, npy("<i8", "(3,)", std::vector<std::int64_t>({0, 1, 4}))), "level_begin does not lead");
+  refused(with(1, npy("<i8", "(3,)", std::vector<std::int64_t>({0, 1, -1}))), "is -1, which is no index");
+  refused(with(1, npy("<i8", "(3,)", std::vector<std::int64_t>({0, 1, 1ll << 40}))), "which is no index");
+  refused(with(1, npy("<u8", "(3,)", std::vector<std::uint64_t>({0, 1, ~0ull}))), "which is no index");
+  refused(with(1, npy("<f8", "(3,)", std::vector<double>({0, 1, 3}))), "'<i4' or '<i8' is needed");
+  refused(with(2, npy("<i8", "(3,)", std::vector<std::int64_t>({-1, 0, 1}))), "parent or first_child are not those");
+  refused(with(3, npy("<i4", "(3,)", std::vector<std::int32_t>({2, -1, -1}))), "parent or first_child are not those");
+  refused(with(4, npy("<u4", "(3,)", std::vector<std::uint32_t>({1, 0, 0}))), "do not add up");
+  refused(with(4, npy("<u4", "(3,)", std::vector<std::uint32_t>({70, 0, 0}))), "the branching is 70, not 2 to 64");
   auto members = small_tree();
-  members.push_back({"branching.npy", npy("<i4", "(2,)", raws<std::int32_t>({8, 8}))});
+  members.push_back({"branching.npy", npy("<i4", "(2,)", std::vector<std::int32_t>({8, 8}))});
   refused(members, "the branching is not one number");
   members = small_tree();
   members[0].method = 8;
@@ -129,7 +118,8 @@ TEST(TreeArchive, what_is_no_tree_is_refused) {
   refused(members, "is encrypted");
 
   const fs::path nan = folder.file(
-      "nan.npz", zip(with(0, npy("<f8", "(3, 4)", raws<double>({0, 0, 0, 2, -1, std::nan(""), 0, 1, 1, 0, 0, -1})))));
+      "nan.npz",
+      zip(with(0, npy("<f8", "(3, 4)", std::vector<double>({0, 0, 0, 2, -1, std::nan(""), 0, 1, 1, 0, 0, -1})))));
   expect_file_error(nan, 0, "node 1 has a number that is not finite", [&] { read_tree(nan); });
   std::string damaged = zip(small_tree());
   damaged[200] = static_cast<char>(damaged[200] ^ 1);  // among the spheres
@@ -172,7 +162,7 @@ TEST(MotionArchive, is_its_only_array_or_the_one_called_positions) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   std::vector<double> numbers(18);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
-  const ZipMember array{"arr_0.npy", npy("<f8", "(2, 3, 3)", raws(numbers))};
+  const ZipMember array{"arr_0.npy", npy("<f8", "(2, 3, 3)", raw(numbers))};
   const Motion only(folder.file("only.npz", zip({array})), mesh);
   EXPECT_EQ(only.frame_count(), 2u);
   EXPECT_EQ(only.frame(1)[2], (Vec3{15, 16, 17}));

@@ -125,6 +125,21 @@ bool same_bits(const BuildReport& a, const BuildReport& b) {
          a.dropped_spheres == b.dropped_spheres && a.notes == b.notes;
 }
 
+void expect_all_refused(const std::vector<HostileFile>& files,
+                        const std::function<void(const std::filesystem::path&)>& read) {
+  const ScratchFolder folder;
+  for (const HostileFile& hostile : files) {
+    SCOPED_TRACE(hostile.name + ": " + hostile.bytes.substr(0, 200));
+    const std::filesystem::path path = folder.file(hostile.name, hostile.bytes);
+    expect_file_error(path, hostile.line, hostile.fragment, [&] { read(path); });
+  }
+}
+
+const Mesh& one_facet() {
+  static const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  return mesh;
+}
+
 Mesh small_mesh() {
   return box_mesh({-1, -1, -1}, {1, 1, 1}, 3);
 }

@@ -46,6 +46,9 @@ struct HostileFile {
   std::size_t line;
   std::string fragment;
 };
+/// Each of them in a folder of its own, read by that function.
+void expect_all_refused(const std::vector<HostileFile>& files,
+                        const std::function<void(const std::filesystem::path&)>& read);
 
 /// Numbers that a careless writer or reader changes: the largest, the smallest, −0, many digits.
 std::vector<double> awkward_numbers();
@@ -61,6 +64,7 @@ bool same_bits(const BuildReport& a, const BuildReport& b);
 /// A cube under a root with eight children, one of which has two of its own; many of its facets are cut.
 CoveredTree small_built(const Mesh& mesh);
 Mesh small_mesh();
+const Mesh& one_facet();
 
 /// While it lives, streams write 1.234,5 for 1234.5.
 class CommaLocale {

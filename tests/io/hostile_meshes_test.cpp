@@ -12,18 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void expect_all_refused(const std::vector<HostileFile>& files) {
-  const ScratchFolder folder;
-  for (const HostileFile& hostile : files) {
-    SCOPED_TRACE(hostile.bytes.substr(0, 200));
-    const fs::path path = folder.file(hostile.name, hostile.bytes);
-    expect_file_error(path, hostile.line, hostile.fragment, [&] { read_mesh(path); });
-  }
+void expect_meshes_refused(const std::vector<HostileFile>& files) {
+  test::expect_all_refused(files, [](const fs::path& path) { read_mesh(path); });
 }
 
 TEST(HostileMeshes, obj) {
   const std::string v3 = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  expect_all_refused({
+  expect_meshes_refused({
       {"empty.obj", "", 0, "no facets"},
       {"only_vertices.obj", v3, 0, "has 3 vertices but no facets"},
       {"no_vertices.obj", "# nothing\nf 1 2 3\n", 2, "refers to vertex 3, but the file has 0 vertices"},
@@ -59,7 +54,7 @@ TEST(HostileMeshes, obj) {
 
 TEST(HostileMeshes, off) {
   const std::string v3 = "0 0 0\n1 0 0\n0 1 0\n";
-  expect_all_refused({
+  expect_meshes_refused({
       {"empty.off", "", 1, "the file is empty"},
       {"only_comments.off", "# a\n# b\n", 2, "the file is empty"},
       {"only_keyword.off", "OFF\n", 1, "ends before its counts"},
@@ -101,7 +96,7 @@ TEST(HostileMeshes, text_ply) {
   const std::string three = "element vertex 3\n" + xyz;
   const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
   const std::string v3 = "0 0 0\n1 0 0\n0 1 0\n";
-  expect_all_refused({
+  expect_meshes_refused({
       {"empty.ply", "", 1, "begins with a line 'ply'"},
       {"other.ply", "plywood\n", 1, "begins with a line 'ply'"},
       {"only_ply.ply", "ply\n", 1, "ends inside its header"},
@@ -162,7 +157,7 @@ TEST(HostileMeshes, binary_ply) {
   };
   const std::string first_byte = std::to_string(little(three + face, "").size());
   const std::string nan_vertex = raw(0.0f) + raw(std::numeric_limits<float>::quiet_NaN()) + raw(0.0f);
-  expect_all_refused({
+  expect_meshes_refused({
       {"only_header.ply", little(three + face, ""), 0, "byte " + first_byte + ": the file ends inside row 0 of 3"},
       {"truncated_vertex.ply", little(three + face, v3.substr(0, 35)), 0, "inside row 2 of 3 of element 'vertex'"},
       {"no_face_row.ply", little(three + face, v3), 0, "inside row 0 of 1 of element 'face'"},
@@ -201,7 +196,7 @@ TEST(HostileMeshes, stl) {
   triangle += "ab";
   std::string nan_triangle = triangle;
   nan_triangle.replace(12, 4, raw(std::numeric_limits<float>::quiet_NaN()));
-  expect_all_refused({
+  expect_meshes_refused({
       {"empty.stl", "", 0, "the file ends inside the header of a binary STL"},
       {"short_header.stl", head, 0, "byte 80: the file ends inside the header"},
       {"no_facets.stl", head + raw(0), 0, "has 0 vertices but no facets"},

@@ -13,18 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void expect_all_refused(const std::vector<HostileFile>& files) {
-  const ScratchFolder folder;
-  for (const HostileFile& hostile : files) {
-    SCOPED_TRACE(hostile.name);
-    const fs::path path = folder.file(hostile.name, hostile.bytes);
-    expect_file_error(path, hostile.line, hostile.fragment, [&] { read_tree(path); });
-  }
+void expect_trees_refused(const std::vector<HostileFile>& files) {
+  test::expect_all_refused(files, [](const fs::path& path) { read_tree(path); });
 }
 
 TEST(HostileTrees, sph) {
   const std::string root = "0 0 0 1 1\n";
-  expect_all_refused({
+  expect_trees_refused({
       {"empty.sph", "", 1, "the file is empty"},
       {"one_number.sph", "3\n", 1, "the line ends where the branching should be"},
       {"words.sph", "four eight\n", 1, "'four' is not a whole number"},
@@ -70,7 +65,7 @@ std::string node(const std::string& children, const std::string& radius = "1",
 TEST(HostileTrees, json) {
   std::string deep;
   for (int i = 1; i < 10; ++i) deep += node("[" + std::to_string(i) + "]") + ", ";
-  expect_all_refused({
+  expect_trees_refused({
       {"empty.json", "", 1, "is not JSON here"},
       {"truncated.json", json_tree("[" + node("[]")).substr(0, 120), 2, "is not JSON here"},
       {"broken.json", "{\n\"format\": \"morula spheres\",\n\"version\" 1}\n", 3, "is not JSON here"},
@@ -229,7 +224,7 @@ TEST(HostileTrees, native) {
     flipped[at] = static_cast<char>(flipped[at] ^ (1 << (at % 8)));
     files.push_back({"flipped_" + std::to_string(at) + ".morula", flipped, 0, "the checksum does not match"});
   }
-  expect_all_refused(files);
+  expect_trees_refused(files);
   EXPECT_TRUE(same_bits(read_tree(folder.file("copy.morula", good)).tree, built.tree));
 }
 

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <morula/io/modal_file.hpp>
+#include <support/npy.hpp>
 
 #include "files.hpp"
 
@@ -11,21 +12,6 @@ namespace morula::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const Mesh& one_facet() {
-  static const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  return mesh;
-}
-
-template <class Value>
-std::string npy(const std::string& descr, const std::string& shape, const std::vector<Value>& values) {
-  const std::string dictionary =
-      "{'descr': '" + descr + "', 'fortran_order': False, 'shape': " + shape + ", }          \n";
-  std::string bytes = "\x93NUMPY\x01" + std::string(1, '\0') + raw(static_cast<std::uint16_t>(dictionary.size()));
-  bytes += dictionary;
-  for (const Value value : values) bytes += raw(value);
-  return bytes;
-}
 
 template <class Value>
 std::vector<Value> counting(std::size_t count) {

@@ -4,6 +4,7 @@
 
 #include <morula/io/motion_file.hpp>
 #include <support/meshes.hpp>
+#include <support/npy.hpp>
 
 #include "files.hpp"
 
@@ -123,12 +124,6 @@ TEST(MotionFile, a_pattern_without_a_folder_means_this_folder) {
   EXPECT_EQ(frames, 1u);
 }
 
-std::string npy(const std::string& dictionary, const std::string& data, int version = 1) {
-  const std::string length = version == 1 ? raw(static_cast<std::uint16_t>(dictionary.size()))
-                                          : raw(static_cast<std::uint32_t>(dictionary.size()));
-  return "\x93NUMPY" + std::string(1, static_cast<char>(version)) + std::string(1, '\0') + length + dictionary + data;
-}
-
 TEST(MotionFile, npy_takes_all_versions_and_both_types) {
   const ScratchFolder folder;
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
@@ -138,15 +133,17 @@ TEST(MotionFile, npy_takes_all_versions_and_both_types) {
     doubles += raw(i * 0.1);
   }
   for (const int version : {1, 2, 3}) {
-    const Motion single(folder.file("f4.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 3), }   \n",
-                                                  floats, version)),
-                        mesh);
+    const Motion single(
+        folder.file("f4.npy", npy_with_header("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 3), }   \n",
+                                              floats, version)),
+        mesh);
     ASSERT_EQ(single.frame_count(), 2u);
     EXPECT_EQ(single.frame(1)[2], (Vec3{15 * 0.1f, 16 * 0.1f, 17 * 0.1f}));
     // Other spellings of the same dictionary; Python 2 wrote long integers with an L.
-    const Motion both(folder.file("f8.npy", npy("{\"shape\":(2L,3L,3L),\"descr\":\"<f8\",\"fortran_order\":False}",
-                                                doubles, version)),
-                      mesh);
+    const Motion both(
+        folder.file("f8.npy", npy_with_header("{\"shape\":(2L,3L,3L),\"descr\":\"<f8\",\"fortran_order\":False}",
+                                              doubles, version)),
+        mesh);
     ASSERT_EQ(both.frame_count(), 2u);
     EXPECT_EQ(both.frame(0)[1], (Vec3{3 * 0.1, 4 * 0.1, 5 * 0.1}));
   }
@@ -171,7 +168,7 @@ TEST(HostileMotions, npy) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   const std::string data(72, '\0');  // one frame of doubles
   const auto with = [&](const std::string& descr, const std::string& order, const std::string& shape) {
-    return npy("{'descr': " + descr + ", 'fortran_order': " + order + ", 'shape': " + shape + ", }", data);
+    return npy_with_header("{'descr': " + descr + ", 'fortran_order': " + order + ", 'shape': " + shape + ", }", data);
   };
   const std::string good = with("'<f8'", "False", "(1, 3, 3)");
   const std::vector<HostileFile> files{
@@ -181,13 +178,14 @@ TEST(HostileMotions, npy) {
       {"version_9.npy", "\x93NUMPY\x09" + good.substr(7), 0, "version 9 of the .npy format is not read"},
       {"version_0.npy", std::string("\x93NUMPY\0", 7) + good.substr(7), 0, "version 0"},
       {"cut_header.npy", good.substr(0, 40), 0, "ends inside the .npy header"},
-      {"huge_header.npy", npy("", data, 2).replace(8, 4, raw(0xffffffffu)), 0, "ends inside the .npy header"},
-      {"no_dictionary.npy", npy("", data), 0, "is malformed"},
-      {"open_dictionary.npy", npy("{'descr': '<f8'", data), 0, "is malformed"},
-      {"open_string.npy", npy("{'descr': '<f8, }", data), 0, "is malformed"},
-      {"open_tuple.npy", npy("{'shape': (1, 3, 3, }", data), 0, "is malformed"},
-      {"other_key.npy", npy("{'colour': 'red'}", data), 0, "is malformed"},
-      {"no_keys.npy", npy("{}", data), 0, "the array's type is ''"},
+      {"huge_header.npy", npy_with_header("", data, 2).replace(8, 4, raw(0xffffffffu)), 0,
+       "ends inside the .npy header"},
+      {"no_dictionary.npy", npy_with_header("", data), 0, "is malformed"},
+      {"open_dictionary.npy", npy_with_header("{'descr': '<f8'", data), 0, "is malformed"},
+      {"open_string.npy", npy_with_header("{'descr': '<f8, }", data), 0, "is malformed"},
+      {"open_tuple.npy", npy_with_header("{'shape': (1, 3, 3, }", data), 0, "is malformed"},
+      {"other_key.npy", npy_with_header("{'colour': 'red'}", data), 0, "is malformed"},
+      {"no_keys.npy", npy_with_header("{}", data), 0, "the array's type is ''"},
       {"integers.npy", with("'<i8'", "False", "(1, 3, 3)"), 0, "type is ''<i8''"},
       {"big_endian.npy", with("'>f8'", "False", "(1, 3, 3)"), 0, "astype('<f8')"},
       {"half.npy", with("'<f2'", "False", "(1, 3, 3)"), 0, "'<f4' or '<f8' is needed"},
@@ -203,8 +201,9 @@ TEST(HostileMotions, npy) {
       {"too_many.npy", with("'<f8'", "False", "(99999999999999999999, 3, 3)"), 0, "(frames, vertices, 3) is needed"},
       {"short_data.npy", good.substr(0, good.size() - 1), 0, "71 bytes follow the header"},
       {"long_data.npy", good + "x", 0, "73 bytes follow the header"},
-      {"no_frames.npy", npy("{'descr': '<f8', 'fortran_order': False, 'shape': (0, 3, 3), }", ""), 0, "has no frames"},
-      {"no_vertices.npy", npy("{'descr': '<f8', 'fortran_order': False, 'shape': (5, 0, 3), }", ""), 0,
+      {"no_frames.npy", npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (0, 3, 3), }", ""), 0,
+       "has no frames"},
+      {"no_vertices.npy", npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (5, 0, 3), }", ""), 0,
        "0 vertices a frame, but the mesh has 3"},
       {"other_vertices.npy", with("'<f4'", "False", "(1, 6, 3)"), 0, "6 vertices a frame, but the mesh has 3"},
   };

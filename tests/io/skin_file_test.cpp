@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <morula/io/skin_file.hpp>
+#include <support/npy.hpp>
 
 #include "files.hpp"
 
@@ -12,27 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Mesh& one_facet() {
-  static const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  return mesh;
-}
-
-template <class Value>
-std::string npy(const std::string& descr, const std::string& shape, const std::vector<Value>& values) {
-  const std::string dictionary =
-      "{'descr': '" + descr + "', 'fortran_order': False, 'shape': " + shape + ", }          \n";
-  std::string bytes = "\x93NUMPY\x01" + std::string(1, '\0') + raw(static_cast<std::uint16_t>(dictionary.size()));
-  bytes += dictionary;
-  for (const Value value : values) bytes += raw(value);
-  return bytes;
-}
-
 const std::vector<double> one_frame{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
 TEST(SkinFile, weights_are_kept_where_they_are_not_zero_and_add_up_to_one) {
   const ScratchFolder folder;
-  const Skin skin =
-      read_skin(folder.file("w.npy", npy<float>("<f4", "(3, 2)", {1, 0, 0.25f, 0.75f, 0.0f, 0.9995f})), one_facet());
+  const Skin skin = read_skin(
+      folder.file("w.npy", npy("<f4", "(3, 2)", std::vector<float>{1, 0, 0.25f, 0.75f, 0.0f, 0.9995f})), one_facet());
   EXPECT_EQ(skin.bone_count, 2u);
   EXPECT_EQ(skin.begin, (std::vector<std::uint32_t>{0, 1, 3, 4}));
   EXPECT_EQ(skin.bones, (std::vector<std::uint32_t>{0, 0, 1, 1}));
@@ -81,18 +67,18 @@ TEST(SkinFile, what_does_not_fit_is_refused_by_name) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   skin("v 0 0 0\n", "not a NumPy file");
-  skin(npy<double>("<f8", "(2, 1)", {1, 1}), "(3, bones) for the vertices");
-  skin(npy<double>("<f8", "(3, 0)", {}), "one bone or more");
-  skin(npy<double>("<f8", "(3,)", {1, 1, 1}), "(vertices, bones)");
-  skin(npy<double>("<f8", "(3, 1)", {1, 0.9, 1}), "vertex 1 add up to 0.9");
-  skin(npy<double>("<f8", "(3, 1)", {1, 1, nan}), "vertex 2 add up to nan");
+  skin(npy("<f8", "(2, 1)", std::vector<double>{1, 1}), "(3, bones) for the vertices");
+  skin(npy("<f8", "(3, 0)", std::vector<double>{}), "one bone or more");
+  skin(npy("<f8", "(3,)", std::vector<double>{1, 1, 1}), "(vertices, bones)");
+  skin(npy("<f8", "(3, 1)", std::vector<double>{1, 0.9, 1}), "vertex 1 add up to 0.9");
+  skin(npy("<f8", "(3, 1)", std::vector<double>{1, 1, nan}), "vertex 2 add up to nan");
   const auto bones = [&](const std::string& bytes, const std::string& fragment) {
     const fs::path path = folder.file("t.npy", bytes);
     expect_file_error(path, 0, fragment, [&] { read_bone_frames(path, 1); });
   };
   bones(npy("<f8", "(1, 1, 4, 3)", one_frame), "(frames, bones, 3, 4)");
-  bones(npy<double>("<f8", "(1, 1, 2, 4)", {1, 2, 3, 4, 5, 6, 7, 8}), "(frames, 1, 3, 4)");
-  bones(npy<double>("<f8", "(0, 1, 3, 4)", {}), "one frame or more");
+  bones(npy("<f8", "(1, 1, 2, 4)", std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}), "(frames, 1, 3, 4)");
+  bones(npy("<f8", "(0, 1, 3, 4)", std::vector<double>{}), "one frame or more");
   std::vector<double> bad = one_frame;
   bad[7] = nan;
   bones(npy("<f8", "(1, 1, 3, 4)", bad), "frame 0: the transform of bone 0 is not finite");

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/brute_force.hpp>
 #include <morula/query/triangle_bvh.hpp>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 #include "points.hpp"
 
@@ -20,7 +20,7 @@ using test::facet_soup;
 using test::hard_points;
 using test::icosphere;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using test::infinity;
 
 void expect_same(const ClosestFacetPoint& found, const ClosestFacetPoint& expected) {
   EXPECT_EQ(found.facet, expected.facet);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace morula::test {
 
@@ -12,6 +13,13 @@ template <class Value>
 std::string raw(Value value, bool big_endian = false) {
   std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
   return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+}
+
+template <class Value>
+std::string raw(const std::vector<Value>& values) {
+  std::string bytes;
+  for (const Value value : values) bytes += raw(value);
+  return bytes;
 }
 
 }  // namespace morula::test

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <numbers>
 #include <numeric>
 #include <support/meshes.hpp>
+#include <support/numbers.hpp>
 
 namespace morula::test {
 namespace {
@@ -157,7 +157,7 @@ Mesh bumpy_ball() {
 Mesh rough_soup() {
   Mesh soup = facet_soup(60, 7);
   Mesh mesh;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  using test::nan;
   for (const Vec3& p : soup.positions) {
     mesh.positions.push_back({nan, nan, nan});
     mesh.positions.push_back(p);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <morula/update/body.hpp>
 #include <stdexcept>
+#include <support/numbers.hpp>
 
 #include "bodies.hpp"
 
@@ -15,8 +16,8 @@ namespace {
 using test::Specimen;
 using test::specimens;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using test::infinity;
+using test::nan;
 
 TEST(UpdateErrors, a_wrong_count_is_reported_and_changes_nothing) {
   const Specimen& b = specimens()[0];

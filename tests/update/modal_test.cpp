@@ -3,12 +3,11 @@
 // The rule `modal` against a plain twin of the paper's formula, the certificate, and what it promises to cost.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/update/body.hpp>
-#include <numbers>
 #include <stdexcept>
+#include <support/numbers.hpp>
 
 #include "bodies.hpp"
 #include "update/rules/mode_rows.hpp"
@@ -23,8 +22,8 @@ using test::spheres_of;
 using Bound = RuleOptions::ModalBound;
 using Coordinates = std::vector<double>;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using test::infinity;
+using test::nan;
 
 UpdateOptions modal_options(Modes modes, Bound bound = Bound::gradient, std::vector<Rule> rules = {Rule::modal}) {
   UpdateOptions options{.rules = std::move(rules), .modes = std::move(modes)};

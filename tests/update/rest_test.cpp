@@ -175,10 +175,10 @@ TEST(Rest, any_layout_of_the_same_numbers_gives_the_same_spheres) {
     // A larger array in another order: vertex i is node 2 (n - i), other nodes are not numbers.
     const std::size_t count = records.size();
     std::vector<std::uint32_t> index;
-    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-    std::vector<Vec3f> nodes(2 * count + 1, Vec3f{nan, nan, nan});
+    constexpr float none = std::numeric_limits<float>::quiet_NaN();
+    std::vector<Vec3f> nodes(2 * count + 1, Vec3f{none, none, none});
     std::vector<Vec3> double_nodes(nodes.size(), Vec3(nodes[0]));
-    std::vector<Record> record_nodes(nodes.size(), Record{-1, nan, nan, nan, {}, nan, nan, nan, -1});
+    std::vector<Record> record_nodes(nodes.size(), Record{-1, none, none, none, {}, none, none, none, -1});
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t node = 2 * (count - i);
       index.push_back(static_cast<std::uint32_t>(node));

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/sample_motions.hpp>
-#include <numbers>
 #include <stdexcept>
+#include <support/numbers.hpp>
 
 namespace morula {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 // The bar is 4 × 1 × 1 about the origin.
 TEST(SampleMotions, modes_of_the_bar_are_sines_with_tilted_cross_sections) {

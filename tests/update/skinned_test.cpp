@@ -5,12 +5,12 @@
 
 #include <cstring>
 #include <functional>
-#include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>
 #include <support/allocations.hpp>
+#include <support/numbers.hpp>
 
 #include "bodies.hpp"
 
@@ -22,8 +22,8 @@ using test::Specimen;
 using test::specimens;
 using Transforms = std::vector<AffineTransform>;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using test::infinity;
+using test::nan;
 
 AffineTransform affine(const RigidTransform& t) {
   AffineTransform result{.columns = {}, .translation = t.translation};
