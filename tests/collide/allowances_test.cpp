@@ -218,6 +218,70 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
 TEST(FrontAllowance, pays_for_verdicts_that_rounding_alone_decides) {
   expect_the_contacts_of_a_fresh_front(e, 1500, 6);
 }
+// A body's origin goes with one of its vertices. Where that one leaves, the coordinates of all others grow, and with
+// them what a test allows for moving them: verdicts change that no travel accounts for.
+TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
+  const BuildOptions options{.method = Method::octree, .depth = 2};
+  test::Specimen a("blob", 5, options), b("limb", 5, options);
+  Random random(8);
+  const std::vector<Vec3> near = b.positions;
+  std::vector<Vec3> away = near;
+  const auto pose = [&](const std::vector<Vec3>& positions) {
+    ASSERT_TRUE(b.body->update(positions));
+    b.collider->set_positions(positions);
+  };
+  for (std::size_t guide = 0; guide < near.size(); ++guide) {
+    away = near;
+    away[guide] += Vec3{2000 * b.size, 1000 * b.size, 500 * b.size};
+    pose(near);
+    const Vec3 origin = b.collider->pose().origin;
+    pose(away);
+    if (length(b.collider->pose().origin - origin) > 100 * b.size) break;
+  }
+  const auto leaves = [](const test::Specimen& s) {
+    const SphereTree& tree = s.built.tree;
+    return std::pair{tree.level_begin[2], tree.level_begin[3]};
+  };
+  const auto [first_a, end_a] = leaves(a);
+  const auto [first_b, end_b] = leaves(b);
+  std::size_t changed = 0;
+  for (int round = 0; round < 400; ++round) {
+    const auto node_a = static_cast<std::uint32_t>(first_a + random.next() % (end_a - first_a));
+    const auto node_b = static_cast<std::uint32_t>(first_b + random.next() % (end_b - first_b));
+    RigidTransform place = test::random_placement(random, 0);
+    const Vec3 direction = normalized(random_vector(random));
+    pose(near);
+    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const auto farthest_touch = [&] {
+      double in = 0, out = 3 * a.size;
+      for (int step = 0; step < 50; ++step) {
+        place.translation = start + direction * (0.5 * (in + out));
+        b.place(place);
+        (TreePair(*a.collider, *b.collider, 0, leaf_level).overlaps(node_a, node_b) ? in : out) = 0.5 * (in + out);
+      }
+      return out;
+    };
+    const double before = farthest_touch();
+    pose(away);
+    const double after = farthest_touch();
+    if (!(before < after)) continue;
+    place.translation = start + direction * (before + (after - before) * random.uniform(0.5, 1));
+    b.place(place);
+    pose(near);
+    ContactQuery carried, fresh;
+    carried.add(*a.collider, *b.collider);
+    fresh.add(*a.collider, *b.collider);
+    ASSERT_TRUE(carried.start());
+    const auto were = pairs_of(carried.contacts());
+    pose(away);
+    ASSERT_TRUE(carried.carry());
+    ASSERT_TRUE(fresh.start());
+    ASSERT_EQ(pairs_of(carried.contacts()), pairs_of(fresh.contacts())) << "round " << round;
+    changed += were != pairs_of(fresh.contacts());
+  }
+  EXPECT_GT(changed, 100u);
+}
+
 TEST(FrontAllowance, a_clearance_is_no_longer_than_the_way_to_the_next_contact) {
   expect_the_contacts_of_a_fresh_front(1e-3, 600, 7);
 }
