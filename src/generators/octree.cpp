@@ -49,10 +49,8 @@ class OctreeDivider {
   Division operator()(const BuildNode& node) const {
     std::vector<BuildNode> cells = occupied(node);
     // A cell whose content lies in one sub-cell stands for that one: chains of single children waste levels.
-    // As long as it does lie there: a facet that cannot be cut goes whole to one sub-cell, and halving that would end
-    // in cells far smaller than what they hold, which cut the rest to slivers.
     constexpr int most_halvings = 60;
-    for (int i = 0; i < most_halvings && cells.size() == 1 && holds_content(cells[0]); ++i) cells = occupied(cells[0]);
+    for (int i = 0; i < most_halvings && cells.size() == 1; ++i) cells = occupied(cells[0]);
     // More children than eight allow: look one or two halvings deeper, then join what belongs together.
     for (int i = 0; i < 2 && cells.size() > 1 && 2 * cells.size() <= branching_; ++i) {
       std::vector<BuildNode> finer;
@@ -71,19 +69,6 @@ class OctreeDivider {
     const Sphere smallest = enclosing_sphere(points);
     const double radius = rounded_up_radius(smallest.radius, std::max(pad_, max_norm(smallest.center)));
     return {std::move(region), {smallest.center, radius}, cell, {}, {}, {}, {}};
-  }
-
-  // Does what the cell stands for lie in it, to within rounding?
-  bool holds_content(const BuildNode& node) const {
-    std::vector<Vec3> points;
-    corner_positions(mesh_, node.region, points);
-    const double slack = 0x1p-40 * pad_;
-    const Box& cell = node.cell;
-    return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
-      for (int axis = 0; axis < 3; ++axis)
-        if (!(cell.lower[axis] - slack <= p[axis] && p[axis] <= cell.upper[axis] + slack)) return false;
-      return true;
-    });
   }
 
   std::vector<BuildNode> occupied(const BuildNode& node) const {
