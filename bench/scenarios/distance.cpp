@@ -198,7 +198,7 @@ class Scene {
         [&](std::size_t i) {
           touched.run(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)},
                       {.nearest = true});
-          return touched.result().deepest.depth;
+          return touched.result().deepest->depth;
         },
         [&](std::size_t i, double depth) {
           return std::abs(depth - 0.02 * size_ * static_cast<double>(i % 5)) <= slack;
@@ -221,7 +221,7 @@ class Scene {
         "sphere, nearest point",
         [&](std::size_t i) {
           touched.run(a_, Sphere{points[i], radius}, {.nearest = true});
-          return touched.result().deepest.depth;
+          return touched.result().deepest->depth;
         },
         [&](std::size_t i, double depth) {
           return std::abs(radius - depth - std::sqrt(bvh.closest_point(points[i])->squared_distance)) <= slack;
@@ -237,7 +237,7 @@ class Scene {
         "capsule, deepest",
         [&](std::size_t i) {
           touched.run(a_, Capsule{points[i], others[i], radius}, {.nearest = true});
-          return touched.result().deepest.depth;
+          return touched.result().deepest->depth;
         },
         [&](std::size_t i, double depth) {
           double best = std::numeric_limits<double>::infinity();
@@ -262,7 +262,7 @@ class Scene {
             const Vec3 x = others[i] + direction * s;
             if (s >= 0 && closest_point(t, x).squared_distance <= slack * slack) first = std::min(first, s);
           }
-          return found.hit && std::abs(found.t - first) <= 1e-9;
+          return found.first && std::abs(found.first->t - first) <= 1e-9;
         });
     const MeshReport report = inspect(input_.mesh);
     if (!report.has_volume()) return;

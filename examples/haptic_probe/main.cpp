@@ -98,7 +98,7 @@ int main() {
     ball.step(hand((step + 1.0) / steps), force);
     nearest = probe.distance - distance(last, ball.center);
     const morula::RayHit hit = first_hit(limb, {last, ball.center - last, 1});
-    if (!hit.status || hit.hit) fault(step, "the probe went through the surface");
+    if (!hit.status || hit.first) fault(step, "the probe went through the surface");
     if (step % 20 == 0 && ++checked && !agrees(probe, now, last)) fault(step, "another answer than brute force");
 
     touching += probe.touches;

@@ -187,7 +187,7 @@ Probe InsideQuery::probe(const Sphere& ball) {
   }
   const PointLocation location = locate(ball.center);
   result.inside = location.inside;
-  result.nearest = touch.deepest.point;
+  result.nearest = touch.deepest->point;
   const Vec3 out = result.nearest.point - ball.center;
   const double away = length(out);
   result.distance = result.inside ? -away : away;

@@ -243,16 +243,16 @@ class Pair {
     const auto any = [&] { return random.uniform(-1, 1); };
     const TouchOptions options{.nearest = true, .list = true};
     const auto add_touch = [&](const Touch& t) {
-      sum.add(t.found).add(t.touches).add(t.lower).add(t.facets.size()).add(t.leaves);
-      if (t.found) sum.add(t.deepest.point).add(t.deepest.depth).add(t.deepest.normal);
+      sum.add(t.deepest.has_value()).add(t.touches).add(t.lower).add(t.facets.size()).add(t.leaves);
+      if (t.deepest) sum.add(t.deepest->point).add(t.deepest->depth).add(t.deepest->normal);
     };
     for (int k = 0; k < 4; ++k) {
       add_touch(touch(b_.collider, HalfSpace{normalized(Vec3{any(), any(), 1}), any()}, options));
       add_touch(touch(b_.collider, Sphere{{any(), any(), any()}, 0.4}, options));
       add_touch(touch(b_.collider, Capsule{{any(), any(), any()}, {any(), any(), any()}, 0.2}, options));
       const RayHit hit = first_hit(b_.collider, {{3 * any(), 3 * any(), 3}, {any(), any(), -3}});
-      sum.add(hit.hit);
-      if (hit.hit) sum.add(hit.t).add(hit.point).add(hit.normal);
+      sum.add(hit.first.has_value());
+      if (hit.first) sum.add(hit.first->t).add(hit.first->point).add(hit.first->normal);
     }
   }
 

@@ -135,6 +135,16 @@ TEST(BuildCommand, reports_every_level_as_measure_does) {
   }
   const auto plain = bench.require("build limb.obj -o t.morula --depth 2 --json").json();
   EXPECT_FALSE(plain["levels"][0].contains("looseness"));
+  // Below the root the longest bar is level 1's, 24 characters.
+  const std::string whole = "  ████████████████████████\n";
+  for (const auto& [options, drawn] :
+       {std::pair{"", "mean radius below the root"}, {" --report", "looseness below the root"}}) {
+    const std::string text = bench.require(std::string("build limb.obj -o t.morula --depth 2") + options).out;
+    EXPECT_NE(text.find(drawn), std::string::npos) << text;
+    const std::size_t first = text.find(whole);
+    EXPECT_NE(text.substr(0, first).find("\n    1 "), std::string::npos) << text;
+    EXPECT_EQ(text.find(whole, first + 1), std::string::npos) << text;
+  }
 }
 
 TEST(BuildCommand, reports_no_looseness_of_an_open_mesh) {

@@ -134,6 +134,7 @@ TEST(UpdateCommand, bare_trees_are_covered_first_and_the_growth_is_printed) {
   const CommandResult text = bench.require("update bar.obj bar.sph motion -o spheres");
   EXPECT_NE(text.out.find("Grown so that every level covers the mesh:"), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("certificate  holds in every frame"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("over the frames\n    1                      1.06  ███\n"), std::string::npos) << text.out;
   const auto json = bench.require("update bar.obj bar.sph motion -o spheres --json").json();
   EXPECT_EQ(json["growth"]["levels"][0]["grown"], 0);
   EXPECT_EQ(json["growth"]["levels"][1]["grown"], 2);

@@ -140,10 +140,10 @@ Record everything(const Inputs& in, Workers& workers) {
     record.add("distance at", bounds.a.point);
   }
   const Touch touched = touch(a, Capsule{{0, 0, 0}, {1, 1, 1}, 0.3}, {.nearest = true});
-  record.add("touch", touched.deepest.depth);
+  record.add("touch", touched.deepest->depth);
   record.add("touch below", touched.lower);
   const RayHit hit = first_hit(a, {.origin = {0.1, 0.05, -9}, .direction = {0.01, 0.02, 1}});
-  record.add("hit", hit.t);
+  record.add("hit", hit.first->t);
   InsideQuery inside(a);
   record.add("winding", static_cast<std::uint64_t>(inside.locate({0.01, 0.02, 0.03}).winding));
   record.add("probe", inside.probe({{0.01, 0.02, 0.03}, 0.1}).depth);

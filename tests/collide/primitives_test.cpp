@@ -61,19 +61,19 @@ void expect_equals_brute_force(PlacedBody& body, const Shape& shape, double marg
   const double expected = *std::min_element(distances.begin(), distances.end());
 
   const Touch nearest = touch(body.collider, shape, {.margin = margin, .nearest = true});
-  ASSERT_TRUE(nearest.found && nearest.certified) << what;
-  EXPECT_NEAR(-nearest.deepest.depth, expected, slack) << what;
+  ASSERT_TRUE(nearest.deepest && nearest.certified) << what;
+  EXPECT_NEAR(-nearest.deepest->depth, expected, slack) << what;
   EXPECT_LE(nearest.lower, expected + slack) << what;
   EXPECT_GE(nearest.lower, expected - 3 * slack) << what;
-  const SurfacePoint& p = nearest.deepest.point;
+  const SurfacePoint& p = nearest.deepest->point;
   EXPECT_NEAR(distances[p.facet], expected, slack);
   EXPECT_LE(distance(at_barycentric(body.collider.triangle(p.facet), p.barycentric), p.point), slack) << what;
   EXPECT_NEAR(signed_distance_of(shape, p.point), expected, slack) << what;
-  EXPECT_NEAR(length(nearest.deepest.normal), 1, 1e-14) << what;
+  EXPECT_NEAR(length(nearest.deepest->normal), 1, 1e-14) << what;
   // The normal leads out of the shape: a small step along it lengthens the distance by as much.
   // But on the axis of a capsule.
   if (signed_distance_of(shape, p.point) > axis_distance(shape) + 1e-6) {
-    EXPECT_NEAR(signed_distance_of(shape, p.point + nearest.deepest.normal * 1e-3), expected + 1e-3, 1e-9 + slack)
+    EXPECT_NEAR(signed_distance_of(shape, p.point + nearest.deepest->normal * 1e-3), expected + 1e-3, 1e-9 + slack)
         << what;
   }
 
@@ -82,13 +82,13 @@ void expect_equals_brute_force(PlacedBody& body, const Shape& shape, double marg
   if (expected < margin - slack) {
     EXPECT_TRUE(plain.touches && any.touches && nearest.touches) << what;
     EXPECT_FALSE(plain.clear || any.clear || nearest.clear) << what;
-    EXPECT_EQ(plain.deepest.point.facet, p.facet) << what;
-    EXPECT_EQ(plain.deepest.depth, nearest.deepest.depth) << what;
+    EXPECT_EQ(plain.deepest->point.facet, p.facet) << what;
+    EXPECT_EQ(plain.deepest->depth, nearest.deepest->depth) << what;
     EXPECT_LE(any.facet_tests, plain.facet_tests);
     EXPECT_LE(any.lower, expected + slack) << what;
   } else if (expected > margin + slack) {
     EXPECT_TRUE(plain.clear && any.clear && nearest.clear) << what;
-    EXPECT_FALSE(plain.touches || any.touches || plain.found) << what;
+    EXPECT_FALSE(plain.touches || any.touches || plain.deepest) << what;
     EXPECT_GT(plain.lower, margin);
     EXPECT_LE(plain.lower, expected + slack) << what;
   }
@@ -139,16 +139,16 @@ TEST(Primitives, answers_of_exact_shapes_are_known) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2));
   box.collider.place({.translation = {0, 0, 3}});
   const Touch floor = touch(box.collider, HalfSpace{{0, 0, 2}, 5});
-  EXPECT_EQ(floor.deepest.depth, 0.5) << "the lowest corners are at 2, the floor at 2.5";
-  EXPECT_EQ(floor.deepest.normal, (Vec3{0, 0, 1}));
-  EXPECT_EQ(floor.deepest.point.point.z, 2);
+  EXPECT_EQ(floor.deepest->depth, 0.5) << "the lowest corners are at 2, the floor at 2.5";
+  EXPECT_EQ(floor.deepest->normal, (Vec3{0, 0, 1}));
+  EXPECT_EQ(floor.deepest->point.point.z, 2);
   const Touch ball = touch(box.collider, Sphere{{0.3, 0.2, 1.5}, 0.75});
-  EXPECT_NEAR(ball.deepest.depth, 0.25, 1e-15);
-  EXPECT_LE(distance(ball.deepest.point.point, Vec3{0.3, 0.2, 2}), 1e-15);
-  EXPECT_LE(distance(ball.deepest.normal, Vec3{0, 0, 1}), 1e-15);
+  EXPECT_NEAR(ball.deepest->depth, 0.25, 1e-15);
+  EXPECT_LE(distance(ball.deepest->point.point, Vec3{0.3, 0.2, 2}), 1e-15);
+  EXPECT_LE(distance(ball.deepest->normal, Vec3{0, 0, 1}), 1e-15);
   const Touch through = touch(box.collider, Capsule{{0.3, 0.2, 0}, {0.3, 0.2, 9}, 0.125});
-  EXPECT_EQ(through.deepest.depth, 0.125) << "the axis meets the surface";
-  EXPECT_NEAR(length(through.deepest.normal), 1, 1e-15);
+  EXPECT_EQ(through.deepest->depth, 0.125) << "the axis meets the surface";
+  EXPECT_NEAR(length(through.deepest->normal), 1, 1e-15);
 }
 
 TEST(Primitives, a_shape_that_just_touches_touches) {
@@ -185,7 +185,7 @@ TEST(Primitives, refuse_what_is_no_shape) {
   const Collider* asked = &ball.collider;
   const auto fault = [&](const auto& shape, const TouchOptions& options = {}) {
     const Touch& result = query.run(*asked, shape, options);
-    EXPECT_FALSE(result.touches || result.clear || result.found);
+    EXPECT_FALSE(result.touches || result.clear || result.deepest);
     return result.status.code;
   };
   EXPECT_EQ(fault(Sphere{{0, 0, 0}, -1}), Code::bad_shape);

@@ -56,14 +56,14 @@ TEST(Ray, equals_brute_force_over_random_poses) {
     if (nearest_edge < 1e-9) continue;
     const RayHit found = first_hit(body.collider, ray);
     ASSERT_TRUE(found.status && found.certified);
-    ASSERT_EQ(found.hit, expected < std::numeric_limits<double>::infinity()) << body.name << " " << round;
-    ++(found.hit ? hits : misses);
-    if (!found.hit) continue;
-    EXPECT_NEAR(found.t, expected, 1e-8) << body.name << " " << round;
-    const Triangle corners = body.collider.triangle(found.point.facet);
-    EXPECT_LE(distance(at_barycentric(corners, found.point.barycentric), found.point.point), 1e-9);
-    EXPECT_LE(distance(ray.origin + ray.direction * found.t, found.point.point), 1e-7);
-    EXPECT_NEAR(length(found.normal), 1, 1e-12);
+    ASSERT_EQ(found.first.has_value(), expected < std::numeric_limits<double>::infinity()) << body.name << " " << round;
+    ++(found.first ? hits : misses);
+    if (!found.first) continue;
+    EXPECT_NEAR(found.first->t, expected, 1e-8) << body.name << " " << round;
+    const Triangle corners = body.collider.triangle(found.first->point.facet);
+    EXPECT_LE(distance(at_barycentric(corners, found.first->point.barycentric), found.first->point.point), 1e-9);
+    EXPECT_LE(distance(ray.origin + ray.direction * found.first->t, found.first->point.point), 1e-7);
+    EXPECT_NEAR(length(found.first->normal), 1, 1e-12);
   }
   EXPECT_GT(hits, 150);
   EXPECT_GT(misses, 80);
@@ -85,11 +85,11 @@ TEST(Ray, through_every_vertex_and_edge_of_a_closed_mesh_hits) {
             for (const double s : {0.0, 0.5, 0.25, random.uniform()}) {
               const Vec3 target = t[k] + (t[(k + 1) % 3] - t[k]) * s;
               const RayHit out = first_hit(body.collider, {origin, target - origin});
-              ASSERT_TRUE(out.hit) << f << " " << k << " " << s;
-              EXPECT_NEAR(out.t, 1, 1e-9);
+              ASSERT_TRUE(out.first) << f << " " << k << " " << s;
+              EXPECT_NEAR(out.first->t, 1, 1e-9);
               // And from outside.
               const Vec3 far = origin + (target - origin) * 7.0;
-              ASSERT_TRUE(first_hit(body.collider, {far, target - far}).hit) << f << " " << k << " " << s;
+              ASSERT_TRUE(first_hit(body.collider, {far, target - far}).first) << f << " " << k << " " << s;
             }
         }
     }
@@ -107,27 +107,28 @@ TEST(Ray, along_axes_of_a_grid_hits_on_corners_and_edges_exactly) {
           origin[axis] = -3 * sign, origin[(axis + 1) % 3] = x, origin[(axis + 2) % 3] = y;
           direction[axis] = sign * 0.5;
           const RayHit found = first_hit(box.collider, {origin, direction});
-          ASSERT_TRUE(found.hit) << axis << " " << x << " " << y;
-          EXPECT_EQ(found.t, 4) << "also where it grazes a side";
+          ASSERT_TRUE(found.first) << axis << " " << x << " " << y;
+          EXPECT_EQ(found.first->t, 4) << "also where it grazes a side";
         }
     }
-  for (const double beyond : {1 + 1e-12, 1.5}) EXPECT_FALSE(first_hit(box.collider, {{beyond, 0, -3}, {0, 0, 1}}).hit);
+  for (const double beyond : {1 + 1e-12, 1.5})
+    EXPECT_FALSE(first_hit(box.collider, {{beyond, 0, -3}, {0, 0, 1}}).first);
 }
 
 TEST(Ray, ends_where_it_ends) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2));
   const Vec3 origin{0.3, 0.1, -3}, up{0, 0, 2};
-  EXPECT_EQ(first_hit(box.collider, {origin, up}).t, 1);
-  EXPECT_EQ(first_hit(box.collider, {origin, up}).normal, (Vec3{0, 0, -1}));
-  EXPECT_TRUE(first_hit(box.collider, {origin, up, 1}).hit) << "the end belongs to it";
-  EXPECT_FALSE(first_hit(box.collider, {origin, up, 0.999}).hit);
-  EXPECT_FALSE(first_hit(box.collider, {origin, -up}).hit);
-  EXPECT_EQ(first_hit(box.collider, {{0.3, 0.1, 0}, up}).t, 0.5) << "from inside";
-  EXPECT_EQ(first_hit(box.collider, {{0.3, 0.1, -1}, up}).t, 0) << "from the surface";
+  EXPECT_EQ(first_hit(box.collider, {origin, up}).first->t, 1);
+  EXPECT_EQ(first_hit(box.collider, {origin, up}).first->normal, (Vec3{0, 0, -1}));
+  EXPECT_TRUE(first_hit(box.collider, {origin, up, 1}).first) << "the end belongs to it";
+  EXPECT_FALSE(first_hit(box.collider, {origin, up, 0.999}).first);
+  EXPECT_FALSE(first_hit(box.collider, {origin, -up}).first);
+  EXPECT_EQ(first_hit(box.collider, {{0.3, 0.1, 0}, up}).first->t, 0.5) << "from inside";
+  EXPECT_EQ(first_hit(box.collider, {{0.3, 0.1, -1}, up}).first->t, 0) << "from the surface";
   EXPECT_EQ(first_hit(box.collider, {{0.3, 0.1, 4}, up}).sphere_tests, 1u);
   // Directions of any length.
-  EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p-180}}).t, 0x1p181);
-  EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p180}}).t, 0x1p-179);
+  EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p-180}}).first->t, 0x1p181);
+  EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p180}}).first->t, 0x1p-179);
 }
 
 TEST(Ray, refuses_what_is_no_ray) {
@@ -138,7 +139,7 @@ TEST(Ray, refuses_what_is_no_ray) {
     EXPECT_THROW(first_hit(box.collider, bad), std::invalid_argument);
     const RayHit found = RayQuery().run(box.collider, bad);
     EXPECT_EQ(found.status.code, Status::Code::bad_shape);
-    EXPECT_FALSE(found.hit || found.certified);
+    EXPECT_FALSE(found.first || found.certified);
   }
   const test::StalePose late(box.mesh, box.built.cover, box.body.pose());
   EXPECT_EQ(RayQuery().run(late.collider, {}).status.code, Status::Code::positions_not_current);

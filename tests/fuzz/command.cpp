@@ -31,7 +31,7 @@ class Example {
     silence();
     fs::current_path(folder_.path());
     const Mesh& mesh = specimen_mesh();
-    const std::string obj = mesh_bytes(".obj", mesh.positions, mesh.facets);
+    const std::string obj = mesh_bytes(".obj", mesh);
     files_["t.obj"] = obj;
     files_["m/0000.obj"] = files_["m/0001.obj"] = obj;
     files_["t.morula"] = native_bytes(build(mesh, {.method = Method::octree, .branching = 8, .depth = 1}));

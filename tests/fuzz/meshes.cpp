@@ -21,7 +21,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 void require_round_trip(const Mesh& mesh) {
   for (const MeshFormat& format : mesh_formats) {
     if (format.write == nullptr) continue;
-    const std::string bytes = format.write(mesh.positions, mesh.facets);
+    const std::string bytes = format.write(mesh);
     const std::string name = "again" + std::string(format.extension);
     require(same_bits(mesh_of_bytes(name, bytes), mesh), "a mesh that was written reads back as another one");
   }

@@ -57,7 +57,7 @@ void add_meshes(Seeds seeds) {
   for (const Mesh& mesh : {specimen_mesh(), bar}) {
     std::size_t format = '0';
     for (const char* const extension : {".obj", ".off", ".ply"})
-      seeds.add(static_cast<char>(format++) + mesh_bytes(extension, mesh.positions, mesh.facets));
+      seeds.add(static_cast<char>(format++) + mesh_bytes(extension, mesh));
     std::string text = "2ply\nformat ascii 1.0\ncomment x\nelement vertex " + std::to_string(mesh.vertex_count()) +
                        "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
                        std::to_string(mesh.facet_count()) +
@@ -132,7 +132,7 @@ void add_arrays(Seeds seeds) {
   for (std::size_t i = 0; i < 12; ++i) store(floats, static_cast<float>(numbers[i]));
   seeds.add("2" + floats);
   const Mesh& mesh = specimen_mesh();
-  const std::string obj = mesh_bytes(".obj", mesh.positions, mesh.facets);
+  const std::string obj = mesh_bytes(".obj", mesh);
   seeds.add(
       "0x\x1f"
       "frame10.obj\x1f" +

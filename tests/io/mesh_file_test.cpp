@@ -249,5 +249,19 @@ TEST(MeshFile, writing_replaces_the_file_at_once_and_leaves_nothing_beside_it) {
   EXPECT_EQ(bytes_of(folder.path() / ".morula-0.tmp"), "left over");
 }
 
+TEST(MeshFile, writes_any_pose_of_a_mesh) {
+  const ScratchFolder folder;
+  const Mesh rest = small_mesh();
+  std::vector<Vec3f> floats;
+  for (const Vec3& p : rest.positions) floats.emplace_back(Vec3{0.1, 0.2, 0.3} + p / 3);
+  for (const char* name : {"pose.obj", "pose.off", "pose.ply"}) {
+    write_mesh(folder.path() / name, {floats, rest.facets});
+    const Mesh read = read_mesh(folder.path() / name);
+    EXPECT_EQ(read.facets, rest.facets) << name;
+    ASSERT_EQ(read.vertex_count(), floats.size()) << name;
+    for (std::size_t i = 0; i < floats.size(); ++i) EXPECT_EQ(read.positions[i], Vec3(floats[i])) << name;
+  }
+}
+
 }  // namespace
 }  // namespace morula::test

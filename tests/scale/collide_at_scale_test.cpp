@@ -93,11 +93,11 @@ TEST(CollideAtScale, no_ray_slips_through) {
     for (const Vec3& target : {Vec3{0, 0, 0}, Vec3{0.5, 0.25, 0}, Vec3{-1, 0.125, 0}, Vec3{0.99, -0.99, 0}}) {
       const Vec3 start = Vec3{target.x, target.y, 3} * size;
       const RayHit hit = first_hit(a.collider, {start, {0, 0, -1}});
-      ASSERT_TRUE(hit.hit) << size << ' ' << target.x;
-      EXPECT_NEAR(hit.t / size, 2, 1e-10) << size;
-      EXPECT_NEAR(hit.point.point.z / size, 1, 1e-10) << size;
+      ASSERT_TRUE(hit.first) << size << ' ' << target.x;
+      EXPECT_NEAR(hit.first->t / size, 2, 1e-10) << size;
+      EXPECT_NEAR(hit.first->point.point.z / size, 1, 1e-10) << size;
     }
-    EXPECT_FALSE(first_hit(a.collider, {Vec3{1.5, 0, 3} * size, {0, 0, -1}}).hit) << size;
+    EXPECT_FALSE(first_hit(a.collider, {Vec3{1.5, 0, 3} * size, {0, 0, -1}}).first) << size;
   }
 }
 
@@ -106,14 +106,14 @@ TEST(CollideAtScale, shapes_beside_bodies) {
     const Cube a(size, {0, 0, 0});
     const Touch below = touch(a.collider, HalfSpace{{0, 0, 1}, -0.5 * size});
     EXPECT_TRUE(below.touches) << size;
-    EXPECT_NEAR(below.deepest.depth / size, 0.5, 1e-6) << size;
+    EXPECT_NEAR(below.deepest->depth / size, 0.5, 1e-6) << size;
     const Touch ball = touch(a.collider, Sphere{Vec3{0, 0, 3} * size, 2.5 * size});
     EXPECT_TRUE(ball.touches) << size;
-    EXPECT_NEAR(ball.deepest.depth / size, 0.5, 1e-6) << size;
+    EXPECT_NEAR(ball.deepest->depth / size, 0.5, 1e-6) << size;
     const Touch beside = touch(a.collider, Sphere{Vec3{0, 0, 3} * size, 1.5 * size}, {.nearest = true});
     EXPECT_FALSE(beside.touches) << size;
     EXPECT_LE(beside.lower, 0.5 * size) << size;
-    EXPECT_NEAR(beside.deepest.depth / size, -0.5, 1e-6) << size;
+    EXPECT_NEAR(beside.deepest->depth / size, -0.5, 1e-6) << size;
   }
 }
 

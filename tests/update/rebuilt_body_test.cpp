@@ -211,7 +211,7 @@ TEST(RebuiltBody, looks_ahead_to_where_the_motion_will_be) {
 }
 
 TEST(RebuiltBody, settles_once_where_the_motion_ends_and_then_leaves_it_be) {
-  RebuiltBody body(limb(), home(), {.growth = 100, .check_every = 1, .thread = RebuildThread::caller});
+  RebuiltBody body(limb(), home(), {.looser_by = 100, .check_every = 1, .thread = RebuildThread::caller});
   for (int frame = 0; frame < 10; ++frame) ASSERT_TRUE(body.update(stretched(1)));
   EXPECT_EQ(body.report().started, 1u);
   EXPECT_EQ(body.report().swapped, 1u);
@@ -219,7 +219,7 @@ TEST(RebuiltBody, settles_once_where_the_motion_ends_and_then_leaves_it_be) {
 
 TEST(RebuiltBody, refuses_options_out_of_range) {
   for (const RebuildOptions& bad :
-       {RebuildOptions{.growth = 1}, RebuildOptions{.check_every = 0}, RebuildOptions{.rebuild_every = -1},
+       {RebuildOptions{.looser_by = 1}, RebuildOptions{.check_every = 0}, RebuildOptions{.rebuild_every = -1},
         RebuildOptions{.gain = 1}, RebuildOptions{.look_ahead_frames = -1}, RebuildOptions{.processor_share = 0},
         RebuildOptions{.processor_share = 1.1}, RebuildOptions{.thread = RebuildThread::host},
         RebuildOptions{.thread = RebuildThread::caller, .sample_count = 1}})

@@ -7,6 +7,7 @@
 #include <morula/geometry/inspect.hpp>
 
 #include "shared/figures.hpp"
+#include "shared/plots.hpp"
 #include "shared/table.hpp"
 
 namespace morula::cli {
@@ -58,8 +59,15 @@ std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tre
 std::string build_table(const CoveredTree& built, const std::vector<LevelFigures>& figures) {
   std::vector<std::string> header{"level", "nodes", "leaves", "largest radius", "mean radius"};
   if (!figures.empty()) header.insert(header.end(), {"spheres", "looseness", "protrusion", "mean"});
-  header.emplace_back("seconds");
-  Table table(header, 0);
+  // Below the root, which is far larger and looser than all the rest.
+  const bool draws_looseness = !figures.empty() && built.tree.level_count() > 1 && figures[1].looseness.has_value();
+  header.insert(header.end(), {"seconds", draws_looseness ? "looseness below the root" : "mean radius below the root"});
+  const auto drawn = [&](std::size_t level) {
+    return draws_looseness ? figures[level].looseness.value_or(0) : summary(built.tree, level).mean_radius;
+  };
+  double largest = 0;
+  for (std::size_t level = 1; level < built.tree.level_count(); ++level) largest = std::max(largest, drawn(level));
+  Table table(header, 0, true);
   for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
     const LevelSummary s = summary(built.tree, level);
     std::vector<std::string> row{std::to_string(level), std::to_string(s.nodes), std::to_string(s.leaves),
@@ -73,6 +81,7 @@ std::string build_table(const CoveredTree& built, const std::vector<LevelFigures
                              of_protrusion(&Protrusion::mean)});
     }
     row.push_back(seconds(built.report.level_seconds[level]));
+    row.push_back(level > 0 && largest > 0 ? bar(drawn(level) / largest, 24) : std::string());
     table.add(std::move(row));
   }
   return table.text();

@@ -125,9 +125,9 @@ int collide_command(const Options& o) {
     require_not_input(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
   Workers workers = make_workers(o.threads);
-  Side a(o.a, o.sph_origin), b(o.b, o.sph_origin);
-  a.prepare(rules, o.sph_origin, workers);
-  b.prepare(rules, o.sph_origin, workers);
+  Side a(o.a, o.sph_origin, workers), b(o.b, o.sph_origin, workers);
+  a.prepare(rules, workers);
+  b.prepare(rules, workers);
   if (o.level) {
     const std::size_t levels = std::max(a.collider().tree().level_count(), b.collider().tree().level_count());
     if (*o.level >= levels)

@@ -39,18 +39,15 @@ RigidTransform parse_placement(const SideFiles& files) {
   return RigidTransform::from_axis(axis, degrees * std::numbers::pi / 180, place);
 }
 
-Side::Side(const SideFiles& files, const std::string& sph_origin)
+Side::Side(const SideFiles& files, const std::string& sph_origin, Workers& workers)
     : files_(files), placement_(parse_placement(files)), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
   if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
   const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
-  // Read again when its turn comes; a broken one is to be known before the other body has cost anything.
-  if (!files.tree.empty()) read_tree(files.tree, reading);
+  if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh_, reading, workers);
 }
 
-void Side::prepare(const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers) {
-  CoveredTree built = files_.tree.empty()
-                          ? build(mesh_, {.quality = Quality::fast}, workers)
-                          : read_covered_tree(files_.tree, mesh_, parse_sph_origin(sph_origin, &mesh_), workers);
+void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
+  CoveredTree built = built_ ? *std::move(built_) : build(mesh_, {.quality = Quality::fast}, workers);
   double largest = 0;
   for (const LevelGrowth& level : built.report.growth) largest = std::max(largest, level.largest_growth);
   if (largest > 0)

@@ -26,10 +26,10 @@ RigidTransform parse_placement(const SideFiles& files);
 /// One body, frame after frame. Neither copied nor moved: its collider borrows what is beside it.
 class Side {
  public:
-  /// Reads everything, so that whatever is missing is known before there is any work.
-  Side(const SideFiles& files, const std::string& sph_origin);
-  /// Builds the tree where none was given, and the body. rules: by level.
-  void prepare(const std::vector<Rule>& rules, const std::string& sph_origin, Workers& workers);
+  /// Reads everything, so that whatever is missing is known before any tree is built.
+  Side(const SideFiles& files, const std::string& sph_origin, Workers& workers);
+  /// Once: builds the tree where none was given, and the body. rules: by level.
+  void prepare(const std::vector<Rule>& rules, Workers& workers);
   Side(const Side&) = delete;
   Side& operator=(const Side&) = delete;
 
@@ -49,6 +49,7 @@ class Side {
   RigidTransform placement_;
   Mesh mesh_;
   std::optional<Motion> motion_;
+  std::optional<CoveredTree> built_;  // as read, until the body has it
   std::optional<Body> body_;
   std::optional<Collider> collider_;
   std::vector<Vec3> positions_;

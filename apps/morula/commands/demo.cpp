@@ -92,7 +92,7 @@ void write_bodies(const Demo& demo, const std::filesystem::path& folder) {
       if (demo.result.find({tree.source, m, 0}) == nullptr) continue;  // it cannot make this one
       const std::string stem = file_stem(body, plan.motions[m]);
       const std::vector<Vec3> positions = deform(mesh, plan.motions[m], 1.0);
-      write_mesh(folder / (stem + ".obj"), Mesh{positions, mesh.facets});
+      write_mesh(folder / (stem + ".obj"), {positions, mesh.facets});
       for (const study::FollowRule& rule : plan.rules) {
         Body moved(mesh, built, rule.options);
         if (!moved.update(positions)) throw std::logic_error("the demo's own motion was refused by update");
@@ -109,8 +109,8 @@ study::Touch let_limbs_touch(const Demo& demo, const std::filesystem::path& fold
   plan.timed_queries = demo.plan.measures.timed_updates;
   study::Touch touch =
       study::run_touch(plan, mesh, demo.result.built[demo.plan.find_source(0, Method::morula).value()]);
-  write_mesh(folder / (name + "-touching-a.obj"), Mesh{touch.middle_a, mesh.facets});
-  write_mesh(folder / (name + "-touching-b.obj"), Mesh{touch.middle_b, mesh.facets});
+  write_mesh(folder / (name + "-touching-a.obj"), {touch.middle_a, mesh.facets});
+  write_mesh(folder / (name + "-touching-b.obj"), {touch.middle_b, mesh.facets});
   return touch;
 }
 

@@ -22,6 +22,7 @@
 #include "shared/plots.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
+#include "shared/table.hpp"
 
 namespace morula::cli {
 namespace {
@@ -52,7 +53,7 @@ struct Outcome {
   double worst_excess = 0;
   std::string worst_frame;
   std::vector<MeasuredFrame> measured;  // with --measure
-  /// With --plot: [level][frame], the sum of radii over that at rest.
+  /// [level][frame]: the sum of radii over that at rest.
   std::vector<std::vector<std::optional<double>>> growth;
 };
 
@@ -122,7 +123,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
           {frames.name(i), o.tree,
            measure({positions, rest.facets}, body.current_tree(), measure_options(rest), workers)});
     }
-    if (!o.plot.empty()) add_growth(outcome, body);
+    add_growth(outcome, body);
     output.write(body);
   }
   return outcome;
@@ -171,6 +172,17 @@ void print_measured(const std::vector<MeasuredFrame>& frames) {
   fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
 }
 
+// How much larger spheres are than at rest; the root's say little where there are more levels.
+std::string growth_table(const Outcome& outcome) {
+  Table table({"level", "radii / at rest, largest", "over the frames"}, 0, true);
+  for (std::size_t level = outcome.growth.size() > 1 ? 1 : 0; level < outcome.growth.size(); ++level) {
+    const std::vector<std::optional<double>>& ratios = outcome.growth[level];
+    const std::optional<double> largest = *std::max_element(ratios.begin(), ratios.end());
+    table.add({std::to_string(level), figure_or_na(largest), sparkline(ratios)});
+  }
+  return table.text();
+}
+
 // "exact, wrapped and modal".
 std::string covering_rules() {
   std::vector<std::string_view> names;
@@ -213,6 +225,7 @@ void print_text(const Options& o, const CoveredTree& built, const Body& body, co
                o.measure ? "the table" : "--measure");
   }
   fmt::print("written      {}\n", output.name());
+  if (outcome.microseconds.size() > 1) fmt::print("\n{}", growth_table(outcome));
   if (o.measure) print_measured(outcome.measured);
 }
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <morula/collide/collider.hpp>
 #include <morula/geometry/surface_point.hpp>
+#include <optional>
 #include <vector>
 
 namespace morula {
@@ -44,7 +45,6 @@ struct TouchingFacet {
 
 struct Touch {
   Status status;
-  bool found = false;    ///< `deepest` is filled: something within the margin, or with `nearest` anything
   bool touches = false;  ///< the depth found, in double, is -margin or more
   /// Proof that no point of the surface is within the margin. Where the surface only just touches, up to rounding, both
   /// may be false.
@@ -53,7 +53,8 @@ struct Touch {
   /// The surface's signed distance to the shape (negative inside) is lower or more. Near the depth found, or above the
   /// margin when `clear`; with `any` looser.
   double lower = 0;
-  TouchingFacet deepest;              ///< the lowest facet of equals; with `any` the first one met
+  /// Something within the margin, or with `nearest` anything: the lowest facet of equals; with `any` the first one met.
+  std::optional<TouchingFacet> deepest;
   std::vector<TouchingFacet> facets;  ///< with `list`: ascending, each once, each with its own deepest point
   std::vector<std::uint32_t> leaves;  ///< with `list`: those that own a part of these and whose spheres reach the shape
   std::size_t sphere_tests = 0, facet_tests = 0;
@@ -83,13 +84,17 @@ struct Ray {
   double t_end = std::numeric_limits<double>::infinity();
 };
 
+/// Where a ray meets the surface.
+struct RayPoint {
+  double t = 0;          ///< in lengths of the direction
+  SurfacePoint point{};  ///< the lowest facet of those hit at the same t
+  Vec3 normal{};         ///< of the facet, unit, outward; against the direction where the ray enters; 0 without area
+};
+
 struct RayHit {
   Status status;
-  bool hit = false;        ///< false: proof that the ray misses, when `certified`
-  bool certified = false;  ///< PosedTree::covers of the body
-  double t = 0;            ///< in lengths of the direction
-  SurfacePoint point{};    ///< the lowest facet of those hit at the same t
-  Vec3 normal{};           ///< of the facet, unit, outward; against the direction where the ray enters; 0 without area
+  std::optional<RayPoint> first;  ///< nothing: proof that the ray misses, when `certified`
+  bool certified = false;         ///< PosedTree::covers of the body
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 

@@ -27,9 +27,9 @@ class FileError : public std::runtime_error {
 /// range, no facets.
 Mesh read_mesh(const std::filesystem::path& path);
 
-/// Writes OBJ, OFF or PLY (binary, doubles) by extension; text with as many digits as reading back needs to give the
-/// same bits. Written whole or not at all.
-void write_mesh(const std::filesystem::path& path, const Mesh& mesh);
+/// Writes OBJ, OFF or PLY (binary, doubles) by extension, in any pose: `{positions, mesh.facets}`; text with as many
+/// digits as reading back needs to give the same bits. Written whole or not at all.
+void write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
 struct MeshFileKind {
   std::string_view extension;  ///< lower case, with the dot

@@ -30,7 +30,7 @@ struct RebuildOptions {
 
   /// A rebuild is wanted when the estimated looseness of some level is this many times what it was when the present
   /// ownership was built; above 1.
-  double growth = 1.25;
+  double looser_by = 1.25;
   /// Frames between estimates; at least 1.
   int check_every = 4;
   /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.

@@ -109,7 +109,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
   result.lower = infinity;
 
   const auto add = [&](std::uint32_t facet, const Triangle& corners, const Found& found) {
-    const bool is_first = found.distance < best || (found.distance == best && facet < result.deepest.point.facet);
+    const bool is_first = found.distance < best || (found.distance == best && facet < result.deepest->point.facet);
     const bool touches = found.distance <= margin;
     if (!(options.nearest || touches) || !(is_first || (options.list && touches))) return;
     const TouchingFacet touching{
@@ -118,7 +118,6 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
     if (!is_first) return;
     best = found.distance;
     result.deepest = touching;
-    result.found = true;
     result.touches = touches;
     // A list needs everything within the margin.
     limit = std::min(limit, options.list ? std::max(best, margin) : best);
@@ -178,9 +177,9 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.status = askable(body);
   if (result.status && !good_shape) result.status = {Status::Code::bad_shape};
   if (result.status && !std::isfinite(options.margin)) result.status = {Status::Code::bad_option};
-  result.found = result.touches = result.clear = result.certified = false;
+  result.touches = result.clear = result.certified = false;
   result.lower = 0;
-  result.deepest = {};
+  result.deepest.reset();
   result.facets.clear();
   result.leaves.clear();
   result.sphere_tests = result.facet_tests = 0;

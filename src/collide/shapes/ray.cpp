@@ -130,17 +130,17 @@ RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
           double t = 0;
           Barycentric barycentric{};
           if (!sheared.hits(body.triangle(facet), limit, t, barycentric)) continue;
-          if (result.hit && t == result.t && facet >= result.point.facet) continue;
-          result.hit = true;
-          result.t = limit = t;
-          result.point = {facet, barycentric, {}};
+          if (result.first && t == result.first->t && facet >= result.first->point.facet) continue;
+          result.first = RayPoint{t, {facet, barycentric, {}}, {}};
+          limit = t;
         }
         return true;
       });
-  if (!result.hit) return result;
-  const Triangle corners = body.triangle(result.point.facet);
-  result.point.point = at_barycentric(corners, result.point.barycentric);
-  result.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
+  if (!result.first) return result;
+  RayPoint& first = *result.first;
+  const Triangle corners = body.triangle(first.point.facet);
+  first.point.point = at_barycentric(corners, first.point.barycentric);
+  first.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
   return result;
 }
 

@@ -31,8 +31,7 @@ class FrameSource {
 /// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages, and for
 /// what a file names beside itself.
 using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes);
-/// Positions may be other than the mesh's own, so that frames need no copy of the mesh.
-using MeshBytes = std::string(std::span<const Vec3> positions, std::span<const Facet> facets);
+using MeshBytes = std::string(const MeshView& mesh);
 using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::path& path, const MotionOptions& options);
 
 ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf;
@@ -67,7 +66,7 @@ bool is_writable_mesh_extension(std::string_view extension);
 /// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
 Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes);
 /// The bytes of a file with this extension, which must be writable.
-std::string mesh_bytes(std::string_view extension, std::span<const Vec3> positions, std::span<const Facet> facets);
+std::string mesh_bytes(std::string_view extension, const MeshView& mesh);
 
 /// A polygon's corners one after another become a fan of facets about the first.
 class FanBuilder {

@@ -39,7 +39,7 @@ Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view b
   return mesh;
 }
 
-void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
+void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   const std::string extension = lower_extension(path);
   const MeshFormat* const format = mesh_format(extension);
   if (format != nullptr && format->write == nullptr)
@@ -52,7 +52,7 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
     if (!is_finite(mesh.positions[i]))
       throw std::invalid_argument("vertex " + std::to_string(i) + " has a coordinate that is not finite");
-  write_whole(path, mesh_bytes(extension, mesh.positions, mesh.facets));
+  write_whole(path, mesh_bytes(extension, mesh));
 }
 
 std::span<const MeshFileKind> mesh_file_kinds() {
@@ -92,9 +92,8 @@ bool detail::is_writable_mesh_extension(std::string_view extension) {
   return format != nullptr && format->write != nullptr;
 }
 
-std::string detail::mesh_bytes(std::string_view extension, std::span<const Vec3> positions,
-                               std::span<const Facet> facets) {
-  return mesh_format(extension)->write(positions, facets);
+std::string detail::mesh_bytes(std::string_view extension, const MeshView& mesh) {
+  return mesh_format(extension)->write(mesh);
 }
 
 }  // namespace morula

@@ -63,10 +63,11 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text) {
   return mesh;
 }
 
-std::string obj_text(std::span<const Vec3> positions, std::span<const Facet> facets) {
+std::string obj_text(const MeshView& mesh) {
   std::string text;
-  text.reserve(positions.size() * 64 + facets.size() * 24);
-  for (const Vec3& p : positions) {
+  text.reserve(mesh.vertex_count() * 64 + mesh.facet_count() * 24);
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+    const Vec3 p = mesh.positions[i];
     text += 'v';
     for (int axis = 0; axis < 3; ++axis) {
       text += ' ';
@@ -74,7 +75,7 @@ std::string obj_text(std::span<const Vec3> positions, std::span<const Facet> fac
     }
     text += '\n';
   }
-  for (const Facet& f : facets) {
+  for (const Facet& f : mesh.facets) {
     text += 'f';
     for (const std::uint32_t v : f) {
       text += ' ';

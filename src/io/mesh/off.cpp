@@ -65,19 +65,19 @@ Mesh read_off(const std::filesystem::path& path, std::string_view text) {
   return mesh;
 }
 
-std::string off_text(std::span<const Vec3> positions, std::span<const Facet> facets) {
+std::string off_text(const MeshView& mesh) {
   std::string text = "OFF\n";
-  text.reserve(positions.size() * 64 + facets.size() * 24);
-  append_number(text, positions.size());
+  text.reserve(mesh.vertex_count() * 64 + mesh.facet_count() * 24);
+  append_number(text, mesh.vertex_count());
   text += ' ';
-  append_number(text, facets.size());
+  append_number(text, mesh.facet_count());
   text += " 0\n";
-  for (const Vec3& p : positions)
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
     for (int axis = 0; axis < 3; ++axis) {
-      append_number(text, p[axis]);
+      append_number(text, mesh.positions[i][axis]);
       text += axis < 2 ? ' ' : '\n';
     }
-  for (const Facet& f : facets) {
+  for (const Facet& f : mesh.facets) {
     text += '3';
     for (const std::uint32_t v : f) {
       text += ' ';

@@ -239,14 +239,14 @@ std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::strin
   return balls;
 }
 
-std::string ply_bytes(std::span<const Vec3> positions, std::span<const Facet> facets) {
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(positions.size()) +
+std::string ply_bytes(const MeshView& mesh) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertex_count()) +
                       "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                      std::to_string(facets.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
-  bytes.reserve(bytes.size() + positions.size() * 24 + facets.size() * 13);
-  for (const Vec3& p : positions)
-    for (int axis = 0; axis < 3; ++axis) store(bytes, p[axis]);
-  for (const Facet& f : facets) {
+                      std::to_string(mesh.facet_count()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+  bytes.reserve(bytes.size() + mesh.vertex_count() * 24 + mesh.facet_count() * 13);
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
+    for (int axis = 0; axis < 3; ++axis) store(bytes, mesh.positions[i][axis]);
+  for (const Facet& f : mesh.facets) {
     store(bytes, std::uint8_t{3});
     for (const std::uint32_t v : f) store(bytes, v);
   }

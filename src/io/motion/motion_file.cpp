@@ -228,7 +228,7 @@ void MotionWriter::write(std::span<const Vec3> positions) {
       for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
     npy_->write(chunk_);
   } else {
-    const std::string bytes = mesh_bytes(extension_, positions, mesh_.facets);
+    const std::string bytes = mesh_bytes(extension_, {positions, mesh_.facets});
     // Frames are about as long as the first: half of that is plainly needed.
     if (written_ == 0) require_room(path_, bytes.size() / 2 * frame_count_);
     write_whole(folder_->path() / frame_file_name(written_, extension_), bytes);

@@ -31,7 +31,7 @@ void require_in_range(const RebuildOptions& o) {
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw std::invalid_argument(std::string("rebuild: ") + what);
   };
-  require(o.growth > 1, "growth must be above 1");
+  require(o.looser_by > 1, "looser_by must be above 1");
   require(o.check_every >= 1, "check_every must be at least 1");
   require(o.rebuild_every >= 0, "rebuild_every must not be negative");
   require(o.look_ahead_frames >= 0, "look_ahead_frames must not be negative");
@@ -188,7 +188,7 @@ void RebuiltBody::State::change_to(Epoch& next) noexcept {
   ++epoch;
   report.looseness_at_build = next.looseness_at_build;
   for (std::size_t level = 0; level < threshold.size(); ++level)
-    threshold[level] = options.growth * std::max(negligible, next.looseness_at_build[level]);
+    threshold[level] = options.looser_by * std::max(negligible, next.looseness_at_build[level]);
 }
 
 void RebuiltBody::State::return_to_rest(const PositionView& positions, Workers& workers) noexcept {
@@ -326,14 +326,14 @@ void RebuiltBody::State::judge(std::unique_ptr<Epoch> candidate, const PositionV
 
 bool RebuiltBody::State::still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept {
   for (std::size_t level = first_counted(looseness.size()); level < looseness.size(); ++level)
-    if (looseness[level] > options.growth * std::max(negligible, candidate.looseness_at_build[level])) return false;
+    if (looseness[level] > options.looser_by * std::max(negligible, candidate.looseness_at_build[level])) return false;
   return true;
 }
 
 // What was built for this very pose is no better, so the pose is what is loose: it has to change before another try.
 void RebuiltBody::State::raise_threshold() noexcept {
   for (std::size_t level = 0; level < threshold.size(); ++level)
-    threshold[level] = std::max(threshold[level], options.growth * report.looseness[level]);
+    threshold[level] = std::max(threshold[level], options.looser_by * report.looseness[level]);
 }
 
 RebuiltBody::RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options, Workers& workers)
