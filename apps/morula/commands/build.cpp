@@ -30,6 +30,7 @@ struct Options {
   std::string output;
   std::string method{name(BuildOptions{}.method)};
   int branching = BuildOptions{}.branching;
+  std::string depth_text = "auto";
   std::optional<int> depth;  // nothing: automatic
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion;
@@ -208,71 +209,65 @@ std::optional<int> parse_depth(const std::string& text) {
 
 void add_build(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("build", "Build a sphere tree that covers a mesh at every level");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  command
-      ->add_option("-o,--output", o->output,
-                   "Tree file: .morula (with its cover), .sph, .json or .npz; for a flat set also .ply")
+  CLI::App* command = add_command(app, "build", "Build a sphere tree that covers a mesh at every level");
+  add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "-o,--output", o->output,
+             "Tree file: .morula (with its cover), .sph, .json or .npz; for a flat set also .ply")
       ->type_name("TREE")
       ->required();
-  command->add_option("--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
+  add_option(*command, "--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--branching", o->branching, fmt::format("Most children of a node, 2 to {}", max_branching))
+  add_option(*command, "--branching", o->branching, fmt::format("Most children of a node, 2 to {}", max_branching))
       ->type_name("N")
       ->transform(whole_number(2, max_branching))
       ->capture_default_str();
-  command
-      ->add_option_function<std::string>(
-          "--depth", [o](const std::string& text) { o->depth = parse_depth(text); },
-          "Levels below the root, 0 to 8, or auto: no more leaves than a quarter of the facets, nor than 512")
+  add_option(*command, "--depth", o->depth_text,
+             "Levels below the root, 0 to 8, or auto: no more leaves than a quarter of the facets, nor than 512")
       ->type_name("N")
       ->transform(CLI::Validator([check = whole_number(0, max_depth)](
                                      std::string& text) { return text == "auto" ? std::string() : check(text); },
                                  ""))
       ->default_str("auto");
-  command
-      ->add_option("--spheres", o->spheres,
-                   "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
+  add_option(*command, "--spheres", o->spheres,
+             "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
       ->type_name("N")
       ->transform(whole_number(1));
-  command
-      ->add_option("--max-protrusion", o->max_protrusion,
-                   "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
+  add_option(*command, "--max-protrusion", o->max_protrusion,
+             "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
       ->type_name("LENGTH")
       ->transform(real_number());
-  command->add_option("--seed", o->seed, "Of every random choice; equal seeds give equal trees")
+  add_option(*command, "--seed", o->seed, "Of every random choice; equal seeds give equal trees")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  command->add_option("--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
+  add_option(*command, "--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  command
-      ->add_option(
-          "--reducers", o->reducers,
-          fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
-                      fmt::join(reduction_names(), ",")))
+  add_option(*command, "--reducers", o->reducers,
+             fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
+                         fmt::join(reduction_names(), ",")))
       ->type_name("LIST");
-  command->add_option("--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
+  add_option(*command, "--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  command
-      ->add_option("--balance-excess", o->balance_excess,
-                   "For the optimiser balance: share by which the worst sphere may stick out further")
+  add_option(*command, "--balance-excess", o->balance_excess,
+             "For the optimiser balance: share by which the worst sphere may stick out further")
       ->type_name("SHARE")
       ->transform(real_number(0))
       ->capture_default_str();
-  command
-      ->add_option("--time-limit", o->time_limit,
-                   "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
+  add_option(*command, "--time-limit", o->time_limit,
+             "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
       ->type_name("S")
       ->transform(real_number());
-  command->add_flag("--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
+  add_flag(*command, "--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer("Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");
-  command->callback([o, &run] { run = [o] { return build_command(*o); }; });
+  set_footer(*command, "Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");
+  on_use(*command, [o, &run] {
+    o->depth = parse_depth(o->depth_text);
+    run = [o] { return build_command(*o); };
+  });
 }
 
 }  // namespace morula::cli

@@ -177,20 +177,18 @@ int collide_command(const Options& o) {
 
 void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) {
   const std::string x(1, side.letter);
-  command
-      .add_option("--tree-" + x, side.tree,
-                  fmt::format("Tree of {}, or a flat set (.ply); default: built now, in quality fast", mesh_name))
+  add_option(command, "--tree-" + x, side.tree,
+             fmt::format("Tree of {}, or a flat set (.ply); default: built now, in quality fast", mesh_name))
       ->type_name("FILE");
-  command
-      .add_option(
-          "--motion-" + x, side.motion,
-          fmt::format("Positions of {}: folder of meshes, glob, .npy or .npz; it stays in its last frame", mesh_name))
+  add_option(
+      command, "--motion-" + x, side.motion,
+      fmt::format("Positions of {}: folder of meshes, glob, .npy or .npz; it stays in its last frame", mesh_name))
       ->type_name("PATH");
-  command.add_option("--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
+  add_option(command, "--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
       ->type_name("X,Y,Z")
       ->take_last();
-  command
-      .add_option("--turn-" + x, side.turn, fmt::format("Turn {} first, about an axis through the origin", mesh_name))
+  add_option(command, "--turn-" + x, side.turn,
+             fmt::format("Turn {} first, about an axis through the origin", mesh_name))
       ->type_name("X,Y,Z,DEGREES")
       ->take_last();
 }
@@ -199,38 +197,39 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
 
 void add_collide(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("collide", "Contacts of two bodies, frame by frame, within a budget");
-  command->add_option("A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("B", o->b.mesh, "The other mesh at rest")->required()->type_name("");
+  CLI::App* command = add_command(app, "collide", "Contacts of two bodies, frame by frame, within a budget");
+  add_option(*command, "A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "B", o->b.mesh, "The other mesh at rest")->required()->type_name("");
   add_side(*command, o->a, "A");
   add_side(*command, o->b, "B");
-  command->add_flag("--exact", o->exact, "Also the pairs of facets that really intersect");
-  command->add_option("--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
+  add_flag(*command, "--exact", o->exact, "Also the pairs of facets that really intersect");
+  add_option(*command, "--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
       ->type_name("N|TIME");
-  command->add_option("--priority", o->priority, "What a budget goes to first: overlap (default) or level")
+  add_option(*command, "--priority", o->priority, "What a budget goes to first: overlap (default) or level")
       ->type_name("NAME");
-  command->add_option("--level", o->level, "Contacts of this level of both trees; default: of the leaves")
+  add_option(*command, "--level", o->level, "Contacts of this level of both trees; default: of the leaves")
       ->type_name("N")
       ->transform(whole_number(0, max_depth));
-  command->add_option("--margin", o->margin, "Spheres this far apart count too; default: 0")
+  add_option(*command, "--margin", o->margin, "Spheres this far apart count too; default: 0")
       ->type_name("LENGTH")
       ->transform(real_number());
-  command->add_flag("--carry", o->carry, "Start each frame from where the one before ended");
-  command->add_option("--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
+  add_flag(*command, "--carry", o->carry, "Start each frame from where the one before ended");
+  add_option(*command, "--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
   add_sph_origin(*command, o->sph_origin);
-  command->add_option("-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
+  add_option(*command, "-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
       ->type_name("FILE");
-  command->add_option("--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
+  add_option(*command, "--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
       ->type_name("PAGE");
   add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
+  set_footer(
+      *command,
       "Example:\n"
       "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
       "200us\n"
       "  morula collide liver.obj tool.obj --exact -o pairs.csv");
-  command->callback([o, &run] { run = [o] { return collide_command(*o); }; });
+  on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });
 }
 
 }  // namespace morula::cli

@@ -137,30 +137,28 @@ int convert_command(const Options& o) {
 
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("convert", "Convert between mesh formats, or between tree formats");
-  command->add_option("IN", o->input, "Mesh or tree file, balls (.ply), or spheres of frames (.npz) with --frame")
+  CLI::App* command = add_command(app, "convert", "Convert between mesh formats, or between tree formats");
+  add_option(*command, "IN", o->input, "Mesh or tree file, balls (.ply), or spheres of frames (.npz) with --frame")
       ->required()
       ->type_name("");
-  command
-      ->add_option(
-          "OUT", o->output,
-          "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves")
+  add_option(*command, "OUT", o->output,
+             "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves")
       ->required()
       ->type_name("");
-  command
-      ->add_option("--mesh", o->mesh, "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
+  add_option(*command, "--mesh", o->mesh,
+             "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
       ->type_name("MESH");
-  command->add_option("--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
+  add_option(*command, "--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
       ->type_name("N")
       ->transform(whole_number());
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Example:\n"
-      "  morula convert bunny.off bunny.obj\n"
-      "  morula convert bunny.sph bunny.morula --mesh bunny.obj --sph-origin bbox-center");
-  command->callback([o, &run] { run = [o] { return convert_command(*o); }; });
+  set_footer(*command,
+             "Example:\n"
+             "  morula convert bunny.off bunny.obj\n"
+             "  morula convert bunny.sph bunny.morula --mesh bunny.obj --sph-origin bbox-center");
+  on_use(*command, [o, &run] { run = [o] { return convert_command(*o); }; });
 }
 
 }  // namespace morula::cli

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -134,13 +135,13 @@ int deform_command(const Options& o, const CLI::App& command) {
 
 void add_deform(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("deform", "Make a motion: stretch, twist, bend, poke, shake or turn a mesh");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy file")
+  CLI::App* command = add_command(app, "deform", "Make a motion: stretch, twist, bend, poke, shake or turn a mesh");
+  add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy file")
       ->type_name("MOTION")
       ->required();
   const auto amounts = [&](const char* name, std::vector<double>& values, const char* unit, const char* help) {
-    command->add_option(name, values, help)->type_name(unit)->allow_extra_args(false)->transform(real_number());
+    add_option(*command, name, values, help)->type_name(unit)->allow_extra_args(false)->transform(real_number());
   };
   amounts("--stretch", o->stretch, "FACTOR", "Lengthen along the axis; the cross-section shrinks to keep the volume");
   amounts("--twist", o->twist, "DEGREES", "Turn one end against the other");
@@ -148,45 +149,45 @@ void add_deform(CLI::App& app, Run& run) {
   command->add_flag("--poke", o->poke, "Push a dent into the top (see --poke-center)");
   amounts("--noise", o->noise, "SHARE", "Smooth random displacement, at most this share of the diagonal");
   amounts("--rotate", o->rotate, "DEGREES", "Turn rigidly");
-  command->add_option("--axis", o->axis, "Of all deformations: x, y, z or auto, the longest side of the box")
+  add_option(*command, "--axis", o->axis, "Of all deformations: x, y, z or auto, the longest side of the box")
       ->type_name("AXIS")
       ->capture_default_str();
-  command->add_option("--shrink", o->shrink, "Of --stretch: cross-section times factor^-SHRINK; 0.5 keeps the volume")
+  add_option(*command, "--shrink", o->shrink, "Of --stretch: cross-section times factor^-SHRINK; 0.5 keeps the volume")
       ->type_name("EXPONENT")
       ->transform(real_number())
       ->capture_default_str();
-  command->add_option("--poke-center", o->poke_center, "Relative to the box, 0 to 1 on each axis")
+  add_option(*command, "--poke-center", o->poke_center, "Relative to the box, 0 to 1 on each axis")
       ->type_name("X,Y,Z")
       ->capture_default_str();
-  command->add_option("--poke-push", o->poke_push, "How far, in diagonals")->type_name("X,Y,Z")->capture_default_str();
-  command->add_option("--poke-radius", o->poke_radius, "Reach of the dent in diagonals")
+  add_option(*command, "--poke-push", o->poke_push, "How far, in diagonals")->type_name("X,Y,Z")->capture_default_str();
+  add_option(*command, "--poke-radius", o->poke_radius, "Reach of the dent in diagonals")
       ->type_name("SHARE")
       ->transform(number_above_zero())
       ->capture_default_str();
-  command->add_option("--noise-wavelength", o->wavelength, "Shortest wave of --noise in diagonals")
+  add_option(*command, "--noise-wavelength", o->wavelength, "Shortest wave of --noise in diagonals")
       ->type_name("SHARE")
       ->transform(number_above_zero())
       ->capture_default_str();
-  command->add_option("--seed", o->seed, "Of --noise")
+  add_option(*command, "--seed", o->seed, "Of --noise")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  command->add_option("--frames", o->frames, "How many; with an odd number the middle one has the full amount")
+  add_option(*command, "--frames", o->frames, "How many; with an odd number the middle one has the full amount")
       ->type_name("N")
       ->transform(whole_number(2, 1000000))
       ->capture_default_str();
-  command->add_flag("--one-way", o->one_way, "End at the full amount instead of going back to rest");
-  command->add_option("--format", o->extension, "Of meshes in a folder: the extension of " + writable_mesh_list())
+  add_flag(*command, "--one-way", o->one_way, "End at the full amount instead of going back to rest");
+  add_option(*command, "--format", o->extension, "Of meshes in a folder: the extension of " + writable_mesh_list())
       ->type_name("NAME")
       ->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Deformations are applied in the order given, each to what the one before left.\n"
-      "Example:\n"
-      "  morula deform liver.obj -o motion/ --bend 90 --twist 45 --frames 25\n"
-      "  morula deform liver.obj -o motion.npy --stretch 2");
-  command->callback([o, command, &run] { run = [o, command] { return deform_command(*o, *command); }; });
+  set_footer(*command,
+             "Deformations are applied in the order given, each to what the one before left.\n"
+             "Example:\n"
+             "  morula deform liver.obj -o motion/ --bend 90 --twist 45 --frames 25\n"
+             "  morula deform liver.obj -o motion.npy --stretch 2");
+  on_use(*command, [o, command, &run] { run = [o, command] { return deform_command(*o, *command); }; });
 }
 
 }  // namespace morula::cli

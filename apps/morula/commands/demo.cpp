@@ -198,15 +198,15 @@ int demo_command(const Options& o) {
 
 void add_demo(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("demo", "Show what every rule does to a tree while its body deforms");
-  command->add_option("-o,--output", o->output, "Folder for figures, trees, meshes and spheres")
+  CLI::App* command = add_command(app, "demo", "Show what every rule does to a tree while its body deforms");
+  add_option(*command, "-o,--output", o->output, "Folder for figures, trees, meshes and spheres")
       ->type_name("FOLDER")
       ->capture_default_str();
-  command->add_flag("--quick", o->quick, "One small body and few frames: seconds instead of about a minute");
+  add_flag(*command, "--quick", o->quick, "One small body and few frames: seconds instead of about a minute");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer("Example:\n  morula demo -o morula-demo");
-  command->callback([o, &run] { run = [o] { return demo_command(*o); }; });
+  set_footer(*command, "Example:\n  morula demo -o morula-demo");
+  on_use(*command, [o, &run] { run = [o] { return demo_command(*o); }; });
 }
 
 }  // namespace morula::cli

@@ -280,22 +280,21 @@ int info_command(const Options& o) {
 
 void add_info(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("info", "Say what a mesh or a tree file is, and what it is good for");
-  command->add_option("FILE", o->file, "Mesh, tree, balls (.ply) or spheres of frames (.npz)")
+  CLI::App* command = add_command(app, "info", "Say what a mesh or a tree file is, and what it is good for");
+  add_option(*command, "FILE", o->file, "Mesh, tree, balls (.ply) or spheres of frames (.npz)")
       ->required()
       ->type_name("");
-  command->add_flag(
-      "--check", o->check,
-      "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");
-  command->add_option("--mesh", o->mesh, "The mesh of a tree")->type_name("MESH");
+  add_flag(*command, "--check", o->check,
+           "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");
+  add_option(*command, "--mesh", o->mesh, "The mesh of a tree")->type_name("MESH");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Example:\n"
-      "  morula info liver.obj\n"
-      "  morula info liver.morula --check --mesh liver.obj");
-  command->callback([o, &run] { run = [o] { return info_command(*o); }; });
+  set_footer(*command,
+             "Example:\n"
+             "  morula info liver.obj\n"
+             "  morula info liver.morula --check --mesh liver.obj");
+  on_use(*command, [o, &run] { run = [o] { return info_command(*o); }; });
 }
 
 }  // namespace morula::cli

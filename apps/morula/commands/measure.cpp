@@ -218,44 +218,41 @@ int measure_command(const Options& o) {
 
 void add_measure(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("measure", "Measure looseness, cover and protrusion of every level");
-  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command
-      ->add_option("TREE", o->trees,
-                   "Tree file, or balls (.ply); with --motion a folder of trees, or the .npz of update, one per frame")
+  CLI::App* command = add_command(app, "measure", "Measure looseness, cover and protrusion of every level");
+  add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "TREE", o->trees,
+             "Tree file, or balls (.ply); with --motion a folder of trees, or the .npz of update, one per frame")
       ->required()
       ->type_name("");
-  command->add_option("--motion", o->motion, "Positions the trees belong to: folder of meshes, glob, .npy or .npz")
+  add_option(*command, "--motion", o->motion, "Positions the trees belong to: folder of meshes, glob, .npy or .npz")
       ->type_name("MOTION");
-  command
-      ->add_option("--grid", o->grid,
-                   "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
-                   "all frames and levels)")
+  add_option(*command, "--grid", o->grid,
+             "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
+             "all frames and levels)")
       ->type_name("KIND")
       ->capture_default_str();
-  command
-      ->add_option("--resolution", o->resolution,
-                   "Voxels along the longest side of the level's box (level) or the rest diagonal (fixed)")
+  add_option(*command, "--resolution", o->resolution,
+             "Voxels along the longest side of the level's box (level) or the rest diagonal (fixed)")
       ->type_name("N")
       ->transform(whole_number(8, 4096))
       ->capture_default_str();
-  command
-      ->add_option("--voxel-edge", o->voxel_edge, "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
+  add_option(*command, "--voxel-edge", o->voxel_edge,
+             "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
-  command->add_flag("--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
+  add_flag(*command, "--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
   add_sph_origin(*command, o->sph_origin);
-  command->add_option("--csv", o->csv, "Write every figure of every frame and level, with all digits")
+  add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");
   add_plot(*command, o->plot, "looseness and bare area over the frames, or over the levels of one");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "A tree without a cover is measured as it is: the answer says whether it covers, and the exit code is 0.\n"
-      "Example:\n"
-      "  morula measure liver.obj liver.morula\n"
-      "  morula measure liver.obj spheres/ --motion motion/ --grid fixed --csv liver.csv");
-  command->callback([o, &run] { run = [o] { return measure_command(*o); }; });
+  set_footer(*command,
+             "A tree without a cover is measured as it is: the answer says whether it covers, and the exit code is 0.\n"
+             "Example:\n"
+             "  morula measure liver.obj liver.morula\n"
+             "  morula measure liver.obj spheres/ --motion motion/ --grid fixed --csv liver.csv");
+  on_use(*command, [o, &run] { run = [o] { return measure_command(*o); }; });
 }
 
 }  // namespace morula::cli

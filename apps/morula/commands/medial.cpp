@@ -105,26 +105,26 @@ int medial_command(const Options& o) {
 
 void add_medial(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("medial", "Write the balls that fit inside a mesh");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("-o,--output", o->output, "Ball file: .ply with x, y, z and radius a vertex")
+  CLI::App* command = add_command(app, "medial", "Write the balls that fit inside a mesh");
+  add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "-o,--output", o->output, "Ball file: .ply with x, y, z and radius a vertex")
       ->type_name("BALLS")
       ->required();
-  command->add_option("--kind", o->kind, "shrinking (no surface inside), voronoi (no sample inside)")
+  add_option(*command, "--kind", o->kind, "shrinking (no surface inside), voronoi (no sample inside)")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--samples", o->samples, "Points spread over the surface")
+  add_option(*command, "--samples", o->samples, "Points spread over the surface")
       ->type_name("N")
       ->transform(whole_number(1, most_samples))
       ->capture_default_str();
-  command->add_option("--seed", o->seed, "Of the points; equal seeds give equal balls")
+  add_option(*command, "--seed", o->seed, "Of the points; equal seeds give equal balls")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer("Example:\n  morula medial liver.obj -o balls.ply --samples 5000");
-  command->callback([o, &run] { run = [o] { return medial_command(*o); }; });
+  set_footer(*command, "Example:\n  morula medial liver.obj -o balls.ply --samples 5000");
+  on_use(*command, [o, &run] { run = [o] { return medial_command(*o); }; });
 }
 
 }  // namespace morula::cli

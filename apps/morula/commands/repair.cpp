@@ -108,28 +108,27 @@ int repair_command(const Options& o) {
 
 void add_repair(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("repair", "Merge vertices, turn facets, cap small holes, and say what was done");
-  command->add_option("MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  command->add_option("-o,--output", o->output, "Mesh file: " + writable_mesh_list())->type_name("MESH")->required();
-  CLI::Option* merge =
-      command->add_option("--merge", o->merge, "Merge vertices at most this far apart, mesh units; default: equal ones")
-          ->type_name("LENGTH")
-          ->transform(real_number(0));
-  command->add_flag("--no-merge", o->no_merge, "Merge none")->excludes(merge);
-  command->add_flag("--remove-degenerate", o->remove_degenerate, "Remove facets without area; may open a closed mesh");
-  command->add_flag("--no-orient", o->no_orient,
-                    "Turn no facets; default: neighbours agree, closed pieces face outwards");
-  command->add_option("--cap", o->cap, "Close holes of at most N edges, without new vertices; default: none")
+  CLI::App* command = add_command(app, "repair", "Merge vertices, turn facets, cap small holes, and say what was done");
+  add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "-o,--output", o->output, "Mesh file: " + writable_mesh_list())->type_name("MESH")->required();
+  CLI::Option* merge = add_option(*command, "--merge", o->merge,
+                                  "Merge vertices at most this far apart, mesh units; default: equal ones")
+                           ->type_name("LENGTH")
+                           ->transform(real_number(0));
+  add_flag(*command, "--no-merge", o->no_merge, "Merge none")->excludes(merge);
+  add_flag(*command, "--remove-degenerate", o->remove_degenerate, "Remove facets without area; may open a closed mesh");
+  add_flag(*command, "--no-orient", o->no_orient,
+           "Turn no facets; default: neighbours agree, closed pieces face outwards");
+  add_option(*command, "--cap", o->cap, "Close holes of at most N edges, without new vertices; default: none")
       ->type_name("N")
       ->transform(whole_number(0, 500));
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Positions are never moved; vertices and facets that stay keep their order.\n"
-      "Example:\n"
-      "  morula repair scan.ply -o whole.ply --cap 30");
-  command->callback([o, &run] { run = [o] { return repair_command(*o); }; });
+  set_footer(*command,
+             "Positions are never moved; vertices and facets that stay keep their order.\n"
+             "Example:\n"
+             "  morula repair scan.ply -o whole.ply --cap 30");
+  on_use(*command, [o, &run] { run = [o] { return repair_command(*o); }; });
 }
 
 }  // namespace morula::cli

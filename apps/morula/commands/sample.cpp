@@ -102,34 +102,33 @@ int sample_command(const Options& o) {
 
 void add_sample(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("sample", "Write a sample mesh made by formula, or arrays that move it");
-  command
-      ->add_option("NAME", o->name,
-                   fmt::format("{}; or arrays that move one, with -{} after its name", fmt::join(body_names(), ", "),
-                               fmt::join(array_names(), ", -")))
+  CLI::App* command = add_command(app, "sample", "Write a sample mesh made by formula, or arrays that move it");
+  add_option(*command, "NAME", o->name,
+             fmt::format("{}; or arrays that move one, with -{} after its name", fmt::join(body_names(), ", "),
+                         fmt::join(array_names(), ", -")))
       ->required()
       ->type_name("");
-  command->add_option("-o,--output", o->output, "Mesh file: " + writable_mesh_list() + "; of an array: .npy")
+  add_option(*command, "-o,--output", o->output, "Mesh file: " + writable_mesh_list() + "; of an array: .npy")
       ->type_name("FILE")
       ->required();
-  command->add_option("--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
+  add_option(*command, "--resolution", o->resolution, "Edges around or along the body, 3 to 4096")
       ->type_name("N")
       ->transform(whole_number(3, 4096))
       ->capture_default_str();
-  CLI::Option* const modes = command->add_option("--modes", o->modes, "How many bending modes")
+  CLI::Option* const modes = add_option(*command, "--modes", o->modes, "How many bending modes")
                                  ->type_name("N")
                                  ->transform(whole_number(1, 1000));
-  CLI::Option* const frames = command->add_option("--frames", o->frames, "How many frames of -coords and -bones")
+  CLI::Option* const frames = add_option(*command, "--frames", o->frames, "How many frames of -coords and -bones")
                                   ->type_name("N")
                                   ->transform(whole_number(1, 1000000));
   modes->capture_default_str();
   frames->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Example:\n  morula sample limb -o limb.obj\n  morula sample limb-modes -o modes.npy\n"
-      "  morula sample limb-coords -o coords.npy");
-  command->callback([o, modes, frames, &run] {
+  set_footer(*command,
+             "Example:\n  morula sample limb -o limb.obj\n  morula sample limb-modes -o modes.npy\n"
+             "  morula sample limb-coords -o coords.npy");
+  on_use(*command, [o, modes, frames, &run] {
     o->modes_given = modes->count() > 0;
     o->frames_given = frames->count() > 0;
     run = [o] { return sample_command(*o); };

@@ -269,59 +269,59 @@ int study_command(const Options& o) {
 
 void add_study(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("study", "Repeat the evaluation of the paper, and say which claims hold");
-  command->add_option("-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
+  CLI::App* command = add_command(app, "study", "Repeat the evaluation of the paper, and say which claims hold");
+  add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
       ->type_name("FOLDER")
       ->capture_default_str();
-  command->add_option("--mesh", o->meshes, "Bodies in the place of the limb: " + readable_mesh_extensions())
+  add_option(*command, "--mesh", o->meshes, "Bodies in the place of the limb: " + readable_mesh_extensions())
       ->type_name("FILE")
       ->delimiter(',');
-  command->add_flag("--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
-  command->add_option("--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
+  add_flag(*command, "--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
+  add_option(*command, "--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  command
-      ->add_option("--methods", o->methods,
-                   fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
-                               fmt::join(names_of(study::paper_methods()), ", ")))
+  add_option(*command, "--methods", o->methods,
+             fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
+                         fmt::join(names_of(study::paper_methods()), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
-  command
-      ->add_option("--rules", o->rules,
-                   fmt::format("Of {}; default: all but wrapped", fmt::join(study_rule_names(), ", ")))
+  add_option(*command, "--rules", o->rules,
+             fmt::format("Of {}; default: all but wrapped", fmt::join(study_rule_names(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
-  command->add_flag("--mixes", o->mixes, "Also rank mixes of rules per level");
-  command->add_option("--trees", o->trees, "Trees built elsewhere, named MESH-METHOD.sph")->type_name("FOLDER");
+  add_flag(*command, "--mixes", o->mixes, "Also rank mixes of rules per level");
+  add_option(*command, "--trees", o->trees, "Trees built elsewhere, named MESH-METHOD.sph")->type_name("FOLDER");
   add_sph_origin(*command, o->sph_origin);
-  command->add_option("--frames", o->frames, "Samples of each motion, rest and the full amount among them; default: 13")
+  add_option(*command, "--frames", o->frames,
+             "Samples of each motion, rest and the full amount among them; default: 13")
       ->type_name("N")
       ->transform(whole_number(3, 1000));
-  command->add_option("--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
+  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
       ->type_name("N")
       ->transform(whole_number(8, 4096));
-  command->add_option("--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
+  add_option(*command, "--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--branching", o->branching, "Most children of a node, 2 to 64")
+  add_option(*command, "--branching", o->branching, "Most children of a node, 2 to 64")
       ->type_name("N")
       ->transform(whole_number(2, 64))
       ->capture_default_str();
-  command->add_option("--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
+  add_option(*command, "--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
       ->transform(whole_number(1, 6));
-  command->add_option("--seed", o->seed, "Of every random choice")
+  add_option(*command, "--seed", o->seed, "Of every random choice")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  command->add_flag("--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
+  add_flag(*command, "--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
+  set_footer(
+      *command,
       "An interrupted study goes on where it stopped when the same command is given again.\n"
       "Example:\n  morula study -o study/\n  morula study -o bunny/ --mesh bunny.obj --methods medial,grid --mixes");
-  command->callback([o, &run] { run = [o] { return study_command(*o); }; });
+  on_use(*command, [o, &run] { run = [o] { return study_command(*o); }; });
 }
 
 }  // namespace morula::cli

@@ -280,60 +280,57 @@ int update_command(const Options& given) {
 
 void add_update(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("update", "Move the spheres of a tree along with a motion of its mesh");
-  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command
-      ->add_option("TREE", o->tree,
-                   "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), which get a cover first")
+  CLI::App* command = add_command(app, "update", "Move the spheres of a tree along with a motion of its mesh");
+  add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(*command, "TREE", o->tree,
+             "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), which get a cover first")
       ->required()
       ->type_name("");
-  command
-      ->add_option("MOTION", o->files.motion,
-                   "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, .npz, or .gltf and .glb, whose "
-                   "animation is "
-                   "played")
+  add_option(*command, "MOTION", o->files.motion,
+             "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, .npz, or .gltf and .glb, whose "
+             "animation is "
+             "played")
       ->type_name("");
-  command->add_option("-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
+  add_option(*command, "-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")
       ->required();
-  command->add_option("--modes", o->files.modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
+  add_option(*command, "--modes", o->files.modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");
-  command->add_option("--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
+  add_option(*command, "--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
       ->type_name("FILE");
-  command->add_option("--skin", o->files.skin, "Instead of MOTION: weights, a .npy of shape (vertices, bones); or glTF")
+  add_option(*command, "--skin", o->files.skin,
+             "Instead of MOTION: weights, a .npy of shape (vertices, bones); or glTF")
       ->type_name("FILE");
-  command
-      ->add_option("--transforms", o->files.transforms,
-                   "Of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
+  add_option(*command, "--transforms", o->files.transforms,
+             "Of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
       ->type_name("FILE");
-  command->add_option("--fps", o->files.animation.frames_per_second, "Of glTF: frames a second; default: 30")
+  add_option(*command, "--fps", o->files.animation.frames_per_second, "Of glTF: frames a second; default: 30")
       ->type_name("RATE")
       ->transform(number_above_zero());
-  command->add_option("--animation", o->files.animation.animation, "Of glTF: which animation, counted from 0")
+  add_option(*command, "--animation", o->files.animation.animation, "Of glTF: which animation, counted from 0")
       ->type_name("N")
       ->transform(whole_number(0, 1000000));
-  command
-      ->add_option("--rule", o->rule,
-                   fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",
-                               fmt::join(rule_names(), ", ")))
+  add_option(*command, "--rule", o->rule,
+             fmt::format("{}; or by level, such as 0:exact,2:approach2; default: exact, or modal with --modes",
+                         fmt::join(rule_names(), ", ")))
       ->type_name("RULE");
-  command->add_flag("--conservative", o->conservative,
-                    "Make any rule cover: radii grow to what each node has to contain, where that is more");
+  add_flag(*command, "--conservative", o->conservative,
+           "Make any rule cover: radii grow to what each node has to contain, where that is more");
   add_rule_details(*command, o->details);
   add_sph_origin(*command, o->sph_origin);
-  command->add_option("--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
+  add_option(*command, "--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
       ->type_name("NAME");
-  command->add_flag("--check,!--no-check", o->check,
-                    "Check the certificate of levels that promise cover in every frame (default: on)");
-  command->add_flag("--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
+  add_flag(*command, "--check,!--no-check", o->check,
+           "Check the certificate of levels that promise cover in every frame (default: on)");
+  add_flag(*command, "--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
   add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and bare area too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Example:\n"
-      "  morula update liver.obj liver.morula motion/ -o spheres/ --rule exact\n"
-      "  morula update liver.obj liver.morula --modes modes.npy --coords coords.npy -o spheres.npz --measure");
-  command->callback([o, &run] { run = [o] { return update_command(*o); }; });
+  set_footer(*command,
+             "Example:\n"
+             "  morula update liver.obj liver.morula motion/ -o spheres/ --rule exact\n"
+             "  morula update liver.obj liver.morula --modes modes.npy --coords coords.npy -o spheres.npz --measure");
+  on_use(*command, [o, &run] { run = [o] { return update_command(*o); }; });
 }
 
 }  // namespace morula::cli

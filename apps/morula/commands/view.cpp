@@ -199,46 +199,45 @@ int view_command(const Options& o) {
 void add_view(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   o->rules = {"exact"};
-  CLI::App* command = app.add_subcommand("view", "Write a page that shows a body and its spheres in motion");
-  command->add_option("MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  command
-      ->add_option(
-          "TREE", o->tree,
-          "Its tree: .morula; or .sph, .json and .npz, which get a cover first; or the .npz of update, or balls (.ply)")
+  CLI::App* command = add_command(app, "view", "Write a page that shows a body and its spheres in motion");
+  add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
+  add_option(
+      *command, "TREE", o->tree,
+      "Its tree: .morula; or .sph, .json and .npz, which get a cover first; or the .npz of update, or balls (.ply)")
       ->required()
       ->type_name("");
-  command
-      ->add_option("MOTION", o->motion, "Positions: folder of meshes, glob, .npy or .npz; without it the body at rest")
+  add_option(*command, "MOTION", o->motion,
+             "Positions: folder of meshes, glob, .npy or .npz; without it the body at rest")
       ->type_name("");
-  command->add_option("--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
+  add_option(*command, "--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");
-  command->add_option("--coords", o->coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
+  add_option(*command, "--coords", o->coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")
       ->type_name("FILE");
-  command->add_option("-o,--output", o->output, "Page: one .html file that needs no network")
+  add_option(*command, "-o,--output", o->output, "Page: one .html file that needs no network")
       ->type_name("PAGE")
       ->required();
-  command
-      ->add_option("--rule", o->rules,
-                   fmt::format("{}; or by level, such as 0:exact,2:approach2; again for more to choose from in the "
-                               "page; default: exact",
-                               fmt::join(rule_names(), ", ")))
-      ->type_name("RULE")
-      ->expected(1)
-      ->take_all();
-  command->add_flag("--measure,!--no-measure", o->measure,
-                    "Measure looseness, bare area and gap of every frame and level (default: on)");
-  command->add_option("--study", o->study, "Results to show beside the body: the study.json of a study")
+  CLI::Option* const rule =
+      add_option(*command, "--rule", o->rules,
+                 fmt::format("{}; or by level, such as 0:exact,2:approach2; again for more to choose from in the "
+                             "page; default: exact",
+                             fmt::join(rule_names(), ", ")))
+          ->type_name("RULE")
+          ->expected(1)
+          ->take_all();
+  add_flag(*command, "--measure,!--no-measure", o->measure,
+           "Measure looseness, bare area and gap of every frame and level (default: on)");
+  add_option(*command, "--study", o->study, "Results to show beside the body: the study.json of a study")
       ->type_name("FILE");
-  command->add_option("--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");
+  add_option(*command, "--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);
-  command->footer(
-      "Example:\n"
-      "  morula view liver.obj liver.morula motion/ -o liver.html\n"
-      "  morula view liver.obj liver.morula motion/ -o liver.html --rule exact --rule approach2");
-  command->callback([o, command, &run] {
-    o->rule_given = command->count("--rule") > 0;
+  set_footer(*command,
+             "Example:\n"
+             "  morula view liver.obj liver.morula motion/ -o liver.html\n"
+             "  morula view liver.obj liver.morula motion/ -o liver.html --rule exact --rule approach2");
+  on_use(*command, [o, rule, &run] {
+    o->rule_given = rule->count() > 0;
     run = [o] { return view_command(*o); };
   });
 }

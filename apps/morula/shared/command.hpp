@@ -3,9 +3,14 @@
 // Command: options added to the parser, and a function to run once they are parsed.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <CLI/Option.hpp>
 #include <functional>
 #include <stdexcept>
+#include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace morula::cli {
 
@@ -25,6 +30,19 @@ class UsageError : public std::runtime_error {
 
 /// Set by the command that was named; returns an exit code.
 using Run = std::function<int()>;
+
+// What CLI11 does by templates and inline functions, in every source that asks for it, is compiled once, in
+// command.cpp.
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);
+/// For the types that command.cpp lists.
+template <class T>
+CLI::Option* add_option(CLI::App& to, const std::string& names, T& value, const std::string& description);
+CLI::Option* add_flag(CLI::App& to, const std::string& names, bool& value, const std::string& description);
+/// The last lines of the help.
+void set_footer(CLI::App& command, const std::string& text);
+/// Called once the command's arguments are parsed.
+void on_use(CLI::App& command, std::function<void()> action);
 
 void add_build(CLI::App& app, Run& run);
 void add_measure(CLI::App& app, Run& run);

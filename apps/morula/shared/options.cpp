@@ -71,7 +71,7 @@ Rule parse_rule(const std::string& text) {
 }  // namespace
 
 void add_threads(CLI::App& command, unsigned& threads) {
-  command.add_option("--threads", threads, "Threads to use; default: one per processor. Results never depend on it")
+  add_option(command, "--threads", threads, "Threads to use; default: one per processor. Results never depend on it")
       ->type_name("N")
       ->transform(whole_number(1, 1024));
 }
@@ -122,42 +122,36 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
 }
 
 void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print the result as JSON, and notes and errors as a line of JSON each, on stderr");
+  add_flag(command, "--json", json, "Print the result as JSON, and notes and errors as a line of JSON each, on stderr");
 }
 
 void add_sph_origin(CLI::App& command, std::string& origin) {
-  command
-      .add_option("--sph-origin", origin,
-                  "What a .sph measures its centres from: none, bbox-center (files of the published toolkit) or x,y,z")
+  add_option(command, "--sph-origin", origin,
+             "What a .sph measures its centres from: none, bbox-center (files of the published toolkit) or x,y,z")
       ->type_name("ORIGIN")
       ->capture_default_str();
 }
 
 void add_rule_details(CLI::App& command, RuleDetailNames& names) {
-  command
-      .add_option("--approach1-weights", names.approach1_weights,
-                  "Of linked vertices in a leaf's centre: uniform, inverse-distance or area")
+  add_option(command, "--approach1-weights", names.approach1_weights,
+             "Of linked vertices in a leaf's centre: uniform, inverse-distance or area")
       ->type_name("NAME")
       ->capture_default_str();
-  command
-      .add_option("--approach1-inner-center", names.approach1_inner_center,
-                  "Inner centres follow: children or linked-vertices")
+  add_option(command, "--approach1-inner-center", names.approach1_inner_center,
+             "Inner centres follow: children or linked-vertices")
       ->type_name("NAME")
       ->capture_default_str();
-  command
-      .add_option("--approach2-inner-boxes", names.approach2_inner_boxes,
-                  "Inner boxes hold: child-spheres or child-centers")
+  add_option(command, "--approach2-inner-boxes", names.approach2_inner_boxes,
+             "Inner boxes hold: child-spheres or child-centers")
       ->type_name("NAME")
       ->capture_default_str();
-  command
-      .add_option("--distance-floor", names.distance_floor,
-                  "Share of the radius that distances are raised to before ratios are taken; 0 is the paper")
+  add_option(command, "--distance-floor", names.distance_floor,
+             "Share of the radius that distances are raised to before ratios are taken; 0 is the paper")
       ->type_name("SHARE")
       ->transform(real_number(0.0, 1.0))
       ->capture_default_str();
-  command
-      .add_option("--modal-bound", names.modal_bound,
-                  "Of modal: gradient (follows strain and turning) or shift (as in the paper)")
+  add_option(command, "--modal-bound", names.modal_bound,
+             "Of modal: gradient (follows strain and turning) or shift (as in the paper)")
       ->type_name("NAME")
       ->capture_default_str();
 }

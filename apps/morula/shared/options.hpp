@@ -3,7 +3,6 @@
 // Options that several commands share, and the words they are given in.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <limits>
 #include <morula/deform/deformation.hpp>
@@ -16,6 +15,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "shared/command.hpp"
 
 namespace morula::cli {
 

@@ -17,7 +17,7 @@
 namespace morula::cli {
 
 void add_plot(CLI::App& command, std::string& path, const std::string& what) {
-  command.add_option("--plot", path, fmt::format("Draw {}, as FILE.svg", what))->type_name("FILE");
+  add_option(command, "--plot", path, fmt::format("Draw {}, as FILE.svg", what))->type_name("FILE");
 }
 
 void require_plot_output(const std::string& path, const std::vector<std::filesystem::path>& inputs) {

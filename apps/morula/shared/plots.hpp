@@ -3,12 +3,13 @@
 // Plots of what commands measured, as SVG files, and the same in a few characters for tables.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <morula/study/svg_plot.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "shared/command.hpp"
 
 namespace morula::cli {
 
