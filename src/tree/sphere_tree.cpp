@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
 #include <morula/tree/sphere_tree.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
@@ -47,7 +49,9 @@ std::uint32_t SphereTree::append_level(std::span<const std::uint32_t> child_coun
 }
 
 std::vector<std::uint32_t> level_set(const SphereTree& tree, std::size_t level) {
-  assert(level < tree.level_count());
+  if (level >= tree.level_count())
+    throw std::invalid_argument("level " + std::to_string(level) + " of a tree of " +
+                                std::to_string(tree.level_count()) + " levels, counted from 0");
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t i = 0; i < tree.level_begin[level]; ++i)
     if (tree.is_leaf(i)) nodes.push_back(i);
@@ -56,6 +60,9 @@ std::vector<std::uint32_t> level_set(const SphereTree& tree, std::size_t level) 
 }
 
 std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::span<const Sphere> spheres, std::size_t level) {
+  if (spheres.size() != tree.node_count())
+    throw std::invalid_argument(std::to_string(spheres.size()) + " spheres for a tree of " +
+                                std::to_string(tree.node_count()) + " nodes");
   std::vector<Sphere> set;
   for (const std::uint32_t i : level_set(tree, level)) set.push_back(spheres[i]);
   return set;

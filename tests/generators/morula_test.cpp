@@ -13,7 +13,8 @@
 namespace morula {
 namespace {
 
-std::array<double, 2> loose_at_levels_2_and_3(const Mesh& mesh, const BuildOptions& options) {
+std::array<double, 2> loose_at_levels_2_and_3(const Mesh& mesh, BuildOptions options) {
+  options.depth = 3;
   const SphereTree tree = build(mesh, options).tree;
   std::array<double, 2> loose{};
   for (const std::size_t level : {2u, 3u})

@@ -37,6 +37,10 @@ TEST(SphereTree, level_sets_hold_the_leaves_that_ended_above) {
   EXPECT_EQ(level_set(tree, 1), (std::vector<std::uint32_t>{1, 2, 3}));
   EXPECT_EQ(level_set(tree, 2), (std::vector<std::uint32_t>{1, 4, 5, 6}));
   EXPECT_EQ(level_set_spheres(tree, 2)[0], tree.spheres[1]);
+  EXPECT_THROW(level_set(tree, 3), std::invalid_argument);
+  EXPECT_THROW(level_set_spheres(tree, 3), std::invalid_argument);
+  EXPECT_THROW(level_set_spheres(tree, std::span(tree.spheres).first(2), 1), std::invalid_argument);
+  EXPECT_THROW(level_set(SphereTree{}, 0), std::invalid_argument);
 }
 
 TEST(SphereTree, validate_names_each_broken_invariant) {

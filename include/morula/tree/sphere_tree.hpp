@@ -39,7 +39,8 @@ struct SphereTree {
 };
 
 /// Level set j: the nodes of level j and the leaves that ended above it, ascending. These are what covers the surface
-/// at resolution j. level < level_count().
+/// at resolution j. Throws std::invalid_argument for a level that the tree has not: an automatic depth may be less than
+/// expected.
 std::vector<std::uint32_t> level_set(const SphereTree& tree, std::size_t level);
 
 /// The spheres of level set j, taken from `spheres` (one per node; the tree's own by default).
