@@ -167,6 +167,19 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Contacts& conta
   return pairs;
 }
 
+// How far along a direction two spheres still touch, or a little more: between `in`, where they do, and `out`. What
+// `place_at` gets is that way.
+template <class PlaceAt>
+double way_to_separation(const test::Specimen& a, const test::Specimen& b, std::uint32_t node_a, std::uint32_t node_b,
+                         double in, double out, const PlaceAt& place_at) {
+  for (int step = 0; step < 50; ++step) {
+    const double middle = 0.5 * (in + out);
+    place_at(middle);
+    (TreePair(*a.collider, *b.collider, 0, leaf_level).overlaps(node_a, node_b) ? in : out) = middle;
+  }
+  return out;
+}
+
 // Two leaves within a little of touching, the bodies moved by as little in a few steps, the first of which change
 // nothing: a carried front says what a fresh one says.
 void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64_t seed) {
@@ -186,13 +199,8 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
       place.translation = start + direction * way;
       b.place(place);
     };
-    const auto touches = [&] { return TreePair(*a.collider, *b.collider, 0, leaf_level).overlaps(node_a, node_b); };
-    double near = 0.9 * (sphere_a.radius + sphere_b.radius), far = 1.1 * (sphere_a.radius + sphere_b.radius);
-    for (int step = 0; step < 40; ++step) {
-      const double middle = 0.5 * (near + far);
-      place_at(middle);
-      (touches() ? near : far) = middle;
-    }
+    const double radii = sphere_a.radius + sphere_b.radius;
+    const double far = way_to_separation(a, b, node_a, node_b, 0.9 * radii, 1.1 * radii, place_at);
     const double unit = little * a.size;
     double way = far + random.uniform(0, 6) * unit;
     place_at(way);
@@ -252,21 +260,15 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
     const Vec3 direction = normalized(random_vector(random));
     pose(near);
     const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
-    const auto farthest_touch = [&] {
-      double in = 0, out = 3 * a.size;
-      for (int step = 0; step < 50; ++step) {
-        place.translation = start + direction * (0.5 * (in + out));
-        b.place(place);
-        (TreePair(*a.collider, *b.collider, 0, leaf_level).overlaps(node_a, node_b) ? in : out) = 0.5 * (in + out);
-      }
-      return out;
+    const auto place_at = [&](double way) {
+      place.translation = start + direction * way;
+      b.place(place);
     };
-    const double before = farthest_touch();
+    const double before = way_to_separation(a, b, node_a, node_b, 0, 3 * a.size, place_at);
     pose(away);
-    const double after = farthest_touch();
+    const double after = way_to_separation(a, b, node_a, node_b, 0, 3 * a.size, place_at);
     if (!(before < after)) continue;
-    place.translation = start + direction * (before + (after - before) * random.uniform(0.5, 1));
-    b.place(place);
+    place_at(before + (after - before) * random.uniform(0.5, 1));
     pose(near);
     ContactQuery carried, fresh;
     carried.add(*a.collider, *b.collider);
