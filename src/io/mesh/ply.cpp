@@ -107,14 +107,20 @@ std::uint64_t shortest_row(const PlyElement& element, bool is_text) {
   return bytes;
 }
 
+// A number that a file gives for a count, whatever it is.
+std::string shown_count(double count) {
+  constexpr double most = 0x1p62;
+  if (std::isnan(count)) return "no number of";
+  return std::to_string(static_cast<std::int64_t>(std::clamp(count, -most, most)));
+}
+
 template <class Rows>
 std::uint64_t list_length(Rows& rows, const PlyProperty& property) {
   const double length = rows.value(property.count_type, "a list's length");
   // A list's entries take at least a byte each: no length gets past the end of the file.
-  if (length < 0 || length > static_cast<double>(rows.bytes_left()))
-    rows.fail("a list of property " + in_quotes(property.name) + " claims " +
-              std::to_string(static_cast<std::int64_t>(length)) + " entries, but " + std::to_string(rows.bytes_left()) +
-              " bytes are left; it was cut short, or the length is wrong");
+  if (!(length >= 0 && length <= static_cast<double>(rows.bytes_left())))
+    rows.fail("a list of property " + in_quotes(property.name) + " claims " + shown_count(length) + " entries, but " +
+              std::to_string(rows.bytes_left()) + " bytes are left; it was cut short, or the length is wrong");
   return static_cast<std::uint64_t>(length);
 }
 
