@@ -19,6 +19,7 @@ enum class RebuildThread : std::uint8_t {
   background,  ///< a thread that the body owns
   caller,      ///< inside update(), which then takes as long as a build: the same bits on every run
   host,        ///< RebuildOptions::executor
+  none,        ///< nothing is rebuilt: there are the home tree and those for known poses
 };
 
 struct RebuildOptions {
@@ -63,6 +64,7 @@ struct RebuildReport {
   std::size_t swapped = 0;         ///< taken over
   std::size_t refused = 0;         ///< not better than what there was
   std::size_t returned_home = 0;   ///< changes back to the home ownership, at rest or because it was tighter
+  std::size_t recalled = 0;        ///< changes to an ownership made for a known pose
   double rebuild_seconds = 0;      ///< wall time of the last one finished
   std::size_t rebuild_frames = 0;  ///< frames from the pose it was built for to its end
   std::string failure;
