@@ -32,11 +32,11 @@ std::vector<NamedPose> frames_of_stretch() {
   for (int i = 1; i <= 8; ++i) poses.push_back({"frame " + std::to_string(i), stretched_limb(i / 8.0)});
   return poses;
 }
-const KnownPoseOptions quick_poses{.method = Method::octree, .looser_by = 1.3, .most = 3};
+const KnownPoseOptions quick_poses{.quality = Quality::draft, .looser_by = 1.5, .most = 3};
 
 const CoveredTree& home_with_poses() {
   static const CoveredTree built = [] {
-    CoveredTree tree = build(posed_limb(), {.method = Method::octree, .depth = 2});
+    CoveredTree tree = build(posed_limb(), {.depth = 2, .quality = Quality::draft});
     add_known_poses(posed_limb(), tree, frames_of_stretch(), quick_poses);
     return tree;
   }();
@@ -184,8 +184,8 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   const KnownPosesReport report = add_known_poses(posed_limb(), built, frames_of_stretch(), options);
   EXPECT_EQ(report.added, built.poses.size());
   EXPECT_EQ(report.worst, worst.back());
-  EXPECT_GT(worst.front(), 1.3);
-  EXPECT_TRUE(report.worst <= 1.3 || report.added == 8u) << report.worst;
+  EXPECT_GT(worst.front(), 1.5);
+  EXPECT_TRUE(report.worst <= 1.5 || report.added == 8u) << report.worst;
   EXPECT_TRUE(validate(posed_limb(), built).empty());
   const std::size_t before = built.poses.size();
   EXPECT_EQ(
@@ -256,13 +256,14 @@ TEST(StrainGauge, feels_no_rigid_motion_and_every_stretch) {
   for (const double t : {0.05, 0.2, 0.5, 1.0}) {
     gauge.measure(stretched_limb(t), now);
     const double strain = detail::StrainGauge::strain(now, rest);
-    EXPECT_EQ(strain, detail::StrainGauge::strain(rest, now));
     EXPECT_GT(strain, before);
     before = strain;
   }
   // All lengths twice as long: half of 2 − ½.
   gauge.measure(test::scaled(posed_limb().positions, 2), now);
   EXPECT_NEAR(detail::StrainGauge::strain(now, rest), 0.75, 1e-6);
+  EXPECT_LT(detail::StrainGauge::strain(rest, now), 0.5) << "what shrinks is less loose";
+  EXPECT_GT(detail::StrainGauge::strain(rest, now), 0.3);
 }
 
 }  // namespace

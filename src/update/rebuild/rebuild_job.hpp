@@ -19,11 +19,14 @@
 namespace morula::detail {
 
 /// A body, and what is known of it at the pose it was made for: how loose it was, per level set, and the lengths that
-/// tell how far another pose is from that one.
+/// tell how far another pose is from that one. And how loose it was at another pose, at a strain from that one, where
+/// it was ever measured; else that strain is 0.
 struct Epoch {
   Body body;
   std::vector<double> looseness_at_build;
   std::vector<float> lengths;
+  std::vector<double> looseness_elsewhere;
+  double strain_elsewhere = 0;
 };
 
 /// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
@@ -62,7 +65,8 @@ class RebuildJob {
  private:
   std::unique_ptr<Epoch> rebuilt();
 
-  Mesh snapshot_;  // the last pose, then the one to build for
+  Mesh snapshot_;                // the last pose, then the one to build for
+  std::vector<Vec3> last_pose_;  // where that is another
   std::array<std::vector<Vec3>, pose_count - 1> earlier_;
   int steps_ = 0;
   BuildOptions build_;

@@ -88,6 +88,7 @@ struct RebuiltBody::State {
   }
   bool at_rest(const PositionView& positions) const noexcept;
   Epoch* choose(const PositionView& positions) noexcept;
+  double cost_of_strain(const Epoch& ownership) const noexcept;
   double expected_score(const Epoch& ownership) const noexcept;
   bool takes_over(const Epoch& candidate) const noexcept;
   void stay_at_rest() noexcept;
@@ -156,7 +157,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       rest(mesh.positions),
       used(used_vertices(mesh)),
       // Whether they belong together is what Body asks, so it comes first.
-      home{Body(mesh, without_poses(built), {}, workers), {}, {}},
+      home{Body(mesh, without_poses(built), {}, workers), {}, {}, {}},
       gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
       present(&home),
@@ -185,7 +186,8 @@ RebuiltBody::State::~State() {
 
 // The body is at the pose that it was made for.
 Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
-  Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count())};
+  Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
+             std::vector<double>(levels)};
   estimator.reserve(made.body.rest_tree().node_count());
   estimator.pose(posed.positions);
   estimator.estimate(made.body, made.looseness_at_build);
@@ -256,11 +258,19 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == Vec3(Vec3f(rest[v])); });
 }
 
+// By what was measured of it elsewhere, else by what strain costs in general.
+double RebuiltBody::State::cost_of_strain(const Epoch& ownership) const noexcept {
+  if (!(ownership.strain_elsewhere > least_strain)) return strain_cost;
+  const double more = relative_looseness(ownership.looseness_elsewhere, home.looseness_at_build) -
+                      relative_looseness(ownership.looseness_at_build, home.looseness_at_build);
+  return std::max(cost_of(least_cost), more / ownership.strain_elsewhere);
+}
+
 // Of the present one: what was measured last, and what strain has been added since.
 double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
-  const double strain = StrainGauge::strain(lengths, ownership.lengths);
-  if (&ownership == present) return score_at_estimate + strain_cost * (strain - strain_at_estimate);
-  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + strain_cost * strain;
+  const double strain = StrainGauge::strain(lengths, ownership.lengths), cost = cost_of_strain(ownership);
+  if (&ownership == present) return score_at_estimate + cost * (strain - strain_at_estimate);
+  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + cost * strain;
 }
 
 // The ownership that is expected to be the tightest. Where positions are not finite, nor are lengths, and the present
@@ -337,9 +347,10 @@ void RebuiltBody::State::finish_estimate() noexcept {
   report.looseness = estimated;
   score_at_estimate = relative_looseness(estimated, home.looseness_at_build);
   strain_at_estimate = strain_now;
-  const double at_build = relative_looseness(present->looseness_at_build, home.looseness_at_build);
-  if (strain_at_estimate > least_strain)
-    strain_cost = std::max(cost_of(least_cost), (score_at_estimate - at_build) / strain_at_estimate);
+  if (!(strain_at_estimate > least_strain)) return;
+  present->looseness_elsewhere = estimated;
+  present->strain_elsewhere = strain_at_estimate;
+  strain_cost = cost_of_strain(*present);
 }
 
 void RebuiltBody::State::decide(const PositionView& positions, Workers& workers) {

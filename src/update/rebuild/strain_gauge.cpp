@@ -53,23 +53,25 @@ void StrainGauge::measure(const PositionView& positions, std::span<float> length
   }
 }
 
-double StrainGauge::strain(std::span<const float> a, std::span<const float> b) noexcept {
+// What gets longer makes spheres grow, and what gets shorter much less: a limb at 0.88 of the length that its tree was
+// made for is as loose as one at 1.09 of it.
+static float cost_of_length(float now, float at_build) noexcept {
+  constexpr float of_shortening = 0.3f;
+  const float difference = (now - at_build) * (now + at_build) / (now * at_build);
+  return difference * difference * (now > at_build ? 1.0f : of_shortening);
+}
+
+double StrainGauge::strain(std::span<const float> now, std::span<const float> at_build) noexcept {
   // Sums of their own, so that an addition need not wait for the one before.
   constexpr std::size_t lanes = 8;
   std::array<float, lanes> sum{};
   std::size_t i = 0;
-  for (; i + lanes <= a.size(); i += lanes)
-    for (std::size_t k = 0; k < lanes; ++k) {
-      const float x = a[i + k], y = b[i + k], difference = (x - y) * (x + y) / (x * y);
-      sum[k] += difference * difference;
-    }
-  for (; i < a.size(); ++i) {
-    const float x = a[i], y = b[i], difference = (x - y) * (x + y) / (x * y);
-    sum[0] += difference * difference;
-  }
+  for (; i + lanes <= now.size(); i += lanes)
+    for (std::size_t k = 0; k < lanes; ++k) sum[k] += cost_of_length(now[i + k], at_build[i + k]);
+  for (; i < now.size(); ++i) sum[0] += cost_of_length(now[i], at_build[i]);
   double all = 0;
   for (const float s : sum) all += static_cast<double>(s);
-  return a.empty() ? 0 : std::sqrt(all / static_cast<double>(a.size())) / 2;
+  return now.empty() ? 0 : std::sqrt(all / static_cast<double>(now.size())) / 2;
 }
 
 }  // namespace morula::detail

@@ -21,9 +21,10 @@ class StrainGauge {
   std::size_t length_count() const { return pairs_.size(); }
   /// As many lengths as there are, at these positions, over those at rest; not finite where positions are not.
   void measure(const PositionView& positions, std::span<float> lengths) const noexcept;
-  /// Root of the mean square of half (a / b − b / a) over the lengths: about the mean strain between two poses; nought
-  /// for the same pose, however it is turned and wherever it lies.
-  static double strain(std::span<const float> a, std::span<const float> b) noexcept;
+  /// Root of the mean square of half (x − 1 / x) over the lengths, x being one now over the same at_build, and those
+  /// that are shorter now counting less: about the mean strain since an ownership was built. Nought for the same pose,
+  /// however it is turned and wherever it lies; not a number where a length is not finite.
+  static double strain(std::span<const float> now, std::span<const float> at_build) noexcept;
 
  private:
   struct Pair {
