@@ -139,9 +139,8 @@ void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
   // Breadth first, by one thread, as long as there are few; then each entry by itself, to its end. What comes out is
   // the same for any number of workers.
   pairs_.clear();
-  entries_.swap(open_);
+  entries_.assign(open_.rbegin(), open_.rend());
   open_.clear();
-  std::reverse(entries_.begin(), entries_.end());
   bool has_more = true;
   while (has_more && entries_.size() < entries_for_workers) {
     has_more = false;

@@ -34,7 +34,7 @@ struct FeaturePair {
 /// Who may meet whom, a bit per group: facets i of a and j of b are looked at when of[i] & with[j] and of[j] & with[i]
 /// are not 0. Edges and vertices are of all groups of their facets and meet what one of them meets.
 struct FacetMasks {
-  std::vector<std::uint32_t> of, with;  ///< one per facet each; empty: all ones
+  std::vector<std::uint32_t> of{}, with{};  ///< one per facet each; empty: all ones
 };
 
 /// Pairs that are left out. Of one surface with itself, pairs that share a vertex always are.
