@@ -62,7 +62,7 @@ void FeatureBoxes::make(std::uint32_t block) {
   group->clear();
   const std::size_t facets = std::min<std::size_t>(8, s.order.size() - 8 * std::size_t{block});
   for (std::size_t i = 0; i < facets; ++i)
-    put(*group, i, box_of_vertices(s, s.facets[s.order[8 * std::size_t{block} + i]]));
+    put(*group, i, box_of_vertices(s, s.facets_in_order[8 * std::size_t{block} + i]));
   if (features_ == Features::facets) return;
   const std::uint32_t vertex_begin = s.own_vertices[block], vertex_end = s.own_vertices[block + 1];
   for (std::uint32_t slot = vertex_begin; slot < vertex_end; ++slot) {
@@ -74,7 +74,7 @@ void FeatureBoxes::make(std::uint32_t block) {
   for (std::uint32_t i = edge_begin; i < edge_end; ++i) {
     const std::uint32_t place = (i - edge_begin) % 8;
     if (place == 0) (++group)->clear();
-    put(*group, place, box_of_vertices(s, s.edges[s.own_edges[i]]));
+    put(*group, place, box_of_vertices(s, s.ends_of_own_edges[i]));
   }
 }
 

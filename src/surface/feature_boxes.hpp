@@ -42,6 +42,13 @@ class FeatureBoxes {
     return state_->own_edges[state_->own_edges_begin[block] + place];
   }
 
+  const Facet& facet_corners(std::uint32_t block, std::uint32_t place) const {
+    return state_->facets_in_order[8 * block + place];
+  }
+  const std::array<std::uint32_t, 2>& edge_ends(std::uint32_t block, std::uint32_t place) const {
+    return state_->ends_of_own_edges[state_->own_edges_begin[block] + place];
+  }
+
  private:
   void make(std::uint32_t block);
 

@@ -2,12 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface/feature_distance.hpp"
 
+#include <cmath>
 #include <morula/geometry/scale.hpp>
 
 #include "geometry/nearest_pair.hpp"
 #include "surface/feature_filter.hpp"
 
 namespace morula::detail {
+namespace {
+
+double length_of(const Vec3& v) {
+  const double square = squared_length(v);
+  return square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : scaled_length(v);
+}
+
+}  // namespace
 
 ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, std::span<const Vec3> b) {
   ProximityPair found{pair};
@@ -28,7 +37,7 @@ ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, s
     (vertex_first ? found.weights_b : found.weights_a) = nearest.barycentric;
     found.point_a = vertex_first ? p : nearest.point, found.point_b = vertex_first ? nearest.point : p;
   }
-  found.distance = scaled_length(found.point_b - found.point_a);
+  found.distance = length_of(found.point_b - found.point_a);
   return found;
 }
 

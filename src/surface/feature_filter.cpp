@@ -73,6 +73,8 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
   } else {
     masks_b_ = masks_a_;
   }
+  const bool within = b == nullptr && (filter.same_component || filter.rings > 0 || filter.rest_distance > 0);
+  keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;
   return {};
 }
 
@@ -84,13 +86,10 @@ bool FeatureFilter::are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t r
   return std::any_of(begin, end, [&](std::uint32_t next) { return are_joined(next, w, rings - 1); });
 }
 
-bool FeatureFilter::keeps(const FeaturePair& pair) const {
+bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
   const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
   if (b_ == nullptr) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
-    for (const std::uint32_t v : in_a)
-      for (const std::uint32_t w : in_b)
-        if (v == w) return false;
     if (filter_->same_component && a_->component[in_a[0]] == a_->component[in_b[0]]) return false;
     if (filter_->rings > 0)
       for (const std::uint32_t v : in_a)

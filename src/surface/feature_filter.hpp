@@ -53,7 +53,8 @@ class FeatureFilter {
   static void require_usable(const PairFilter& filter);
   /// ok, or bad_option for masks that do not fit the surfaces.
   Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b);
-  bool keeps(const FeaturePair& pair) const;
+  /// For pairs that share no vertex.
+  bool keeps(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
 
  private:
   /// Masks of features: the bits of all facets that a vertex or an edge is of.
@@ -65,11 +66,13 @@ class FeatureFilter {
     std::uint32_t of(Feature feature, std::uint32_t number) const;
     std::uint32_t with(Feature feature, std::uint32_t number) const;
   };
+  bool keeps_one(const FeaturePair& pair) const;
   bool are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t rings) const;
 
   const PairFilter* filter_ = nullptr;
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
   Masks masks_a_, masks_b_;
+  bool keeps_all_ = false;
 };
 
 }  // namespace morula::detail

@@ -138,6 +138,8 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   Sorter(mesh, s.order);
   give_vertices(s);
   give_edges(s);
+  for (const std::uint32_t f : s.order) s.facets_in_order.push_back(s.facets[f]);
+  for (const std::uint32_t e : s.own_edges) s.ends_of_own_edges.push_back(s.edges[e]);
   find_rings(s);
   const Components components = components_by_vertices(mesh);
   s.component.assign(s.rest.size(), 0);

@@ -44,7 +44,8 @@ class PairSearch {
   const SurfaceTreeState& a() const { return *a_; }
   const SurfaceTreeState& b() const { return b_ != nullptr ? *b_ : *a_; }
 
-  /// Calls find(chunk, pair) for pairs of features whose boxes are near: those of one chunk one after the other, of
+  /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
+  /// vertex: those of one chunk one after the other, of
   /// different chunks at the same time. Chunks are numbered from 0 on; chunks(count) is called before any of them.
   /// Every pair is found once, over all calls since start(). True when nothing is left to do.
   template <class Chunks, class Find>
@@ -111,13 +112,18 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
   const auto [a, b] = pair;
   const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
   const bool with_itself = b_ == nullptr, one_block = with_itself && a == b;
+  const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
   if (features_ == Features::facets) {
     compare_groups(1, facets_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
       if (one_block && i >= j) return;
       std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
-      if (with_itself && f > g) std::swap(f, g);
+      if (with_itself) {
+        const Facet &of_a = in_a.facet_corners(a, i), &of_b = in_b.facet_corners(b, j);
+        if (has(of_a, of_b[0]) || has(of_a, of_b[1]) || has(of_a, of_b[2])) return;
+        if (f > g) std::swap(f, g);
+      }
       find(chunk, FeaturePair{PairKind::facet_facet, f, g});
     });
     return;
@@ -127,12 +133,15 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
   const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
   const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
   compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
-    find(chunk, FeaturePair{PairKind::vertex_facet, in_a.vertex(a, i), in_b.facet(b, j)});
+    const std::uint32_t vertex = in_a.vertex(a, i);
+    if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
+    find(chunk, FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
   });
   if (!one_block) {
     compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, [&](std::uint32_t i, std::uint32_t j) {
       const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
       if (with_itself) {
+        if (has(in_a.facet_corners(a, i), vertex)) return;
         find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
       } else {
         find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
@@ -143,7 +152,11 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
                  [&](std::uint32_t i, std::uint32_t j) {
                    if (one_block && i >= j) return;
                    std::uint32_t e = in_a.edge(a, i), f = in_b.edge(b, j);
-                   if (with_itself && e > f) std::swap(e, f);
+                   if (with_itself) {
+                     const auto &of_a = in_a.edge_ends(a, i), &of_b = in_b.edge_ends(b, j);
+                     if (of_a[0] == of_b[0] || of_a[0] == of_b[1] || of_a[1] == of_b[0] || of_a[1] == of_b[1]) return;
+                     if (e > f) std::swap(e, f);
+                   }
                    find(chunk, FeaturePair{PairKind::edge_edge, e, f});
                  });
 }

@@ -8,29 +8,41 @@
 namespace morula {
 using namespace detail;
 
+namespace {
+
+std::optional<FeaturePair> candidate(const SurfaceTreeState&, const SurfaceTreeState&, const FeaturePair& pair) {
+  return pair;
+}
+
+/// Those that are not proven to stay apart.
+struct Impact {
+  double distance;
+
+  std::optional<SweptPair> operator()(const SurfaceTreeState& a, const SurfaceTreeState& b,
+                                      const FeaturePair& pair) const {
+    const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
+    const double time = time_of_impact(FeaturePoints(a, of_a, pair.a), FeaturePoints(a, of_a, pair.a, true),
+                                       FeaturePoints(b, of_b, pair.b), FeaturePoints(b, of_b, pair.b, true), distance);
+    if (time > 1) return std::nullopt;
+    return SweptPair{pair, time};
+  }
+};
+
+}  // namespace
+
 struct SweptQuery::State {
   SweptOptions options;
   FeatureQuery<SweptPair> query;
+  FeatureQuery<FeaturePair> candidates;
 
-  template <class Ask>
-  SurfaceQueryStatus ask(const Ask& how) {
-    const double distance = options.distance;
-    const bool candidates_only = options.candidates_only;
-    return how(
-        [=](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) -> std::optional<SweptPair> {
-          if (candidates_only) return SweptPair{pair};
-          const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
-          const double time =
-              time_of_impact(FeaturePoints(a, of_a, pair.a), FeaturePoints(a, of_a, pair.a, true),
-                             FeaturePoints(b, of_b, pair.b), FeaturePoints(b, of_b, pair.b, true), distance);
-          if (time > 1) return std::nullopt;
-          return SweptPair{pair, time};
-        });
-  }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
-    return ask([&](const auto& narrow) {
-      return query.run(a, b, {.reach = options.distance, .sorted = !options.candidates_only}, options, workers, narrow);
-    });
+    if (options.candidates_only)
+      return candidates.run(a, b, {.reach = options.distance, .sorted = false}, options, workers, candidate);
+    return query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
+  }
+  SurfaceQueryStatus resume(Workers& workers) {
+    return options.candidates_only ? candidates.resume(options, workers, candidate)
+                                   : query.resume(options, workers, Impact{options.distance});
   }
 };
 
@@ -58,14 +70,17 @@ SurfaceQueryStatus SweptQuery::run(const SurfaceTree& a, const SurfaceTree& b, W
   return state_->run(a.state(), &b.state(), workers);
 }
 SurfaceQueryStatus SweptQuery::resume(Workers& workers) {
-  return state_->ask([&](const auto& narrow) { return state_->query.resume(state_->options, workers, narrow); });
+  return state_->resume(workers);
 }
 
 std::span<const SweptPair> SweptQuery::pairs() const {
   return state_->query.found();
 }
+std::span<const FeaturePair> SweptQuery::candidates() const {
+  return state_->candidates.found();
+}
 const std::vector<OpenFacets>& SweptQuery::open() const {
-  return state_->query.open();
+  return state_->options.candidates_only ? state_->candidates.open() : state_->query.open();
 }
 
 double SweptQuery::collision_free_step() const {

@@ -35,16 +35,18 @@ struct SurfaceTreeState {
   // The surface, and how it is sorted.
   std::vector<Facet> facets;
   std::vector<std::array<std::uint32_t, 2>> edges;
-  std::vector<Vec3> rest;                       // by vertex
-  std::vector<std::uint32_t> component;         // by vertex; of facets that share vertices
-  std::vector<std::uint32_t> order;             // facets as blocks have them
-  std::vector<std::uint32_t> vertex_of_slot;    // used vertices alone
-  std::vector<std::uint32_t> slot_of_vertex;    // no_slot: no facet uses it
-  std::vector<std::uint32_t> own_vertices;      // block b owns slots [own_vertices[b], own_vertices[b + 1])
-  std::vector<std::uint32_t> guests_begin;      // and its facets' other corners are
-  std::vector<std::uint32_t> guests;            // guests[guests_begin[b] … guests_begin[b + 1])
-  std::vector<std::uint32_t> own_edges_begin;   // its edges are
-  std::vector<std::uint32_t> own_edges;         // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
+  std::vector<Vec3> rest;                // by vertex
+  std::vector<std::uint32_t> component;  // by vertex; of facets that share vertices
+  std::vector<std::uint32_t> order;      // facets as blocks have them
+  std::vector<Facet> facets_in_order;
+  std::vector<std::uint32_t> vertex_of_slot;   // used vertices alone
+  std::vector<std::uint32_t> slot_of_vertex;   // no_slot: no facet uses it
+  std::vector<std::uint32_t> own_vertices;     // block b owns slots [own_vertices[b], own_vertices[b + 1])
+  std::vector<std::uint32_t> guests_begin;     // and its facets' other corners are
+  std::vector<std::uint32_t> guests;           // guests[guests_begin[b] … guests_begin[b + 1])
+  std::vector<std::uint32_t> own_edges_begin;  // its edges are
+  std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
+  std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
   std::vector<std::uint32_t> ring_begin, ring;  // neighbours of a vertex along edges, ascending
   Vec3 origin;                                  // what boxes are about
 

@@ -146,7 +146,7 @@ TEST(Swept, a_step_up_to_the_earliest_time_is_free_of_crossings) {
     ASSERT_TRUE(query.run(tree));
     ASSERT_TRUE(candidates.run(tree));
     const auto found = test::plain_pairs(tree, tree, query.pairs()),
-               all = test::plain_pairs(tree, tree, candidates.pairs());
+               all = test::plain_pairs(tree, tree, candidates.candidates());
     EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
     EXPECT_LT(found.size(), all.size());
     const double step = query.collision_free_step();

@@ -86,8 +86,8 @@ Found find_pairs(const Options& o, const SurfaceTree& tree, Workers& workers) {
   }
   SweptQuery query({.distance = o.distance, .candidates_only = o.candidates, .filter = filter});
   Found found = ask(query, tree, workers);
-  for (const SweptPair& pair : query.pairs())
-    found.rows.push_back({pair, o.candidates ? std::nullopt : std::optional(pair.time)});
+  for (const SweptPair& pair : query.pairs()) found.rows.push_back({pair, pair.time});
+  for (const FeaturePair& pair : query.candidates()) found.rows.push_back({pair});
   if (o.candidates)
     std::sort(found.rows.begin(), found.rows.end(), [](const Row& p, const Row& q) { return p.pair < q.pair; });
   return found;

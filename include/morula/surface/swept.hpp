@@ -18,7 +18,7 @@ struct SweptPair : FeaturePair {
 struct SweptOptions {
   /// An impact is when features are no farther apart than this. Mesh units, finite, not negative.
   double distance = 0;
-  /// Every pair whose swept boxes are near, in the order found and without a time (it is 0): what a broad phase gives.
+  /// Every pair whose swept boxes are near, as candidates(): what a broad phase gives.
   bool candidates_only = false;
   PairFilter filter{};
   Budget budget{};
@@ -49,6 +49,9 @@ class SweptQuery {
 
   /// In the order of (kind, a, b), each once; the same for any number of workers and interruptions.
   std::span<const SweptPair> pairs() const;
+  /// With `candidates_only`: in the order found, the same for any number of workers; pairs() are those of an earlier
+  /// run.
+  std::span<const FeaturePair> candidates() const;
   const std::vector<OpenFacets>& open() const;
   /// Which share of the step all vertices may go with no impact among what was found and compared: the earliest time, 1
   /// without any.
