@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <morula/surface/surface_tree.hpp>
 
 #include "geometry/hash.hpp"
@@ -17,25 +18,21 @@ namespace {
 constexpr double farthest = 0x1p102;
 constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256;
 
-/// The largest float that is not above x, for |x| below 2^101. Where the nearest float is above, the next one towards
-/// minus infinity: the bit pattern of a positive float sinks by one, that of a negative one rises by one; below zero
-/// comes the largest negative float.
-inline float rounded_down(double x) {
-  const float nearest = static_cast<float>(x);
-  if (static_cast<double>(nearest) <= x) return nearest;
-  const auto bits = std::bit_cast<std::uint32_t>(nearest);
-  if ((bits & 0x7fffffffu) == 0) return -std::numeric_limits<float>::denorm_min();
-  return std::bit_cast<float>(nearest > 0 ? bits - 1 : bits + 1);
-}
-
-/// Lower bounds, and upper ones negated. Rounding keeps order: a point between two others along an axis lies between
-/// the rounded bounds of the two.
-inline void set_box(MinBox& box, const Vec3& p, const Vec3& q) {
-  for (int k = 0; k < 3; ++k) {
-    box.bound[k] = rounded_down(std::min(p[k], q[k]));
-    box.bound[k + 4] = rounded_down(-std::max(p[k], q[k]));
+/// The lower and the negated upper bounds of what x has lower and negated upper bounds of: each number rounded to the
+/// largest float that is not above it, for sizes below 2^103.
+///
+/// Bit patterns of floats, seen as whole numbers with those of negative ones turned round, are in the order of the
+/// floats: one less is the next float down. Where the nearest float is above x, that is it. A negative x too small for
+/// float is rounded to −0, whose number is one less than that of 0; the next one down is the largest negative float.
+/// Rounding keeps order: a point between two others along an axis lies between the rounded bounds of the two.
+inline void round_down(const double (&x)[8], MinBox& box) {
+  for (int k = 0; k < 8; ++k) {
+    const auto nearest = static_cast<float>(x[k]);
+    auto number = std::bit_cast<std::int32_t>(nearest);
+    number ^= (number >> 31) & 0x7fffffff;
+    number -= static_cast<double>(nearest) > x[k] ? 1 : 0;
+    box.bound[k] = std::bit_cast<float>(number ^ ((number >> 31) & 0x7fffffff));
   }
-  box.bound[3] = box.bound[7] = 0;
 }
 
 inline bool is_near(const Vec3& p) {
@@ -77,18 +74,60 @@ std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const Positio
 
 }  // namespace
 
+namespace {
+
+/// Reads vertices of a view of this kind.
+template <class Scalar>
+struct Reader {
+  const PositionView& view;
+  Vec3 operator()(std::uint32_t v) const {
+    Scalar xyz[3];
+    std::memcpy(xyz, view.address(v), sizeof xyz);
+    return {xyz[0], xyz[1], xyz[2]};
+  }
+};
+
+/// f(reader) with the reader of a view, or of positions at rest where there is none.
+template <class F>
+void with_reader(const std::optional<PositionView>& view, const std::vector<Vec3>& rest, const F& f) {
+  if (!view) {
+    f([&](std::uint32_t v) { return rest[v]; });
+  } else if (view->is_double()) {
+    f(Reader<double>{*view});
+  } else {
+    f(Reader<float>{*view});
+  }
+}
+
+}  // namespace
+
 Status SurfaceTreeState::move(Workers& workers) {
   std::atomic<bool> is_bad = false;
-  parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
+  const auto boxes = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
     bool good = true;
     for (std::size_t slot = begin; slot < end; ++slot) {
       const std::uint32_t v = vertex_of_slot[slot];
-      const Vec3 p = from_of(v) - origin;
-      const Vec3 q = to ? (*to)[v] - origin : p;
-      good = good && is_near(p) && is_near(q);
-      if (good) set_box(next_vertex_boxes[slot], p, q);
+      const Vec3 p = read_from(v) - origin;
+      good = good && is_near(p);
+      if (!is_step) {
+        round_down({p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0}, next_vertex_boxes[slot]);
+        continue;
+      }
+      const Vec3 q = read_to(v) - origin;
+      good = good && is_near(q);
+      const Vec3 lower = min(p, q), upper = max(p, q);
+      round_down({lower.x, lower.y, lower.z, 0, -upper.x, -upper.y, -upper.z, 0}, next_vertex_boxes[slot]);
     }
     if (!good) is_bad = true;
+  };
+  parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
+    with_reader(from, rest, [&](const auto& read_from) {
+      if (!to) {
+        boxes(begin, end, read_from, read_from, false);
+      } else {
+        with_reader(to, rest, [&](const auto& read_to) { boxes(begin, end, read_from, read_to, true); });
+      }
+    });
   });
   if (is_bad) return {Status::Code::non_finite_position};
   std::swap(vertex_boxes, next_vertex_boxes);
