@@ -252,9 +252,10 @@ void add_pairs(CLI::App& app, Run& run) {
   add_json(*command, o->json);
   set_footer(
       *command,
-      "Rows are kind,a0,a1,a2,b0,b1,b2,distance_or_time: vf has one vertex and three of a facet, ee two and two,\n"
-      "ff three and three. A time is a share of the step, and never later than the impact.\n"
-      "Examples:\n"
+      "Rows are kind,a0,a1,a2,b0,b1,b2,distance_or_time: vf has one vertex and three of a facet, ee two and two, ff\n"
+      "three and three. A time is a share of the step, and never later than the impact.\n"
+      "\n"
+      "Example:\n"
       "  morula pairs cloth0.ply cloth1.ply --swept --self -o pairs.csv\n"
       "  morula pairs hand.obj --within 0.002 --self --rings 2 -o near.csv");
   on_use(*command, [o, &run] { run = [o] { return pairs_command(*o); }; });
