@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <morula/surface/surface_tree.hpp>
@@ -17,23 +17,8 @@ namespace {
 
 constexpr double farthest = 0x1p102;
 constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256;
-
-/// The lower and the negated upper bounds of what x has lower and negated upper bounds of: each number rounded to the
-/// largest float that is not above it, for sizes below 2^103.
-///
-/// Bit patterns of floats, seen as whole numbers with those of negative ones turned round, are in the order of the
-/// floats: one less is the next float down. Where the nearest float is above x, that is it. A negative x too small for
-/// float is rounded to −0, whose number is one less than that of 0; the next one down is the largest negative float.
-/// Rounding keeps order: a point between two others along an axis lies between the rounded bounds of the two.
-inline void round_down(const double (&x)[8], MinBox& box) {
-  for (int k = 0; k < 8; ++k) {
-    const auto nearest = static_cast<float>(x[k]);
-    auto number = std::bit_cast<std::int32_t>(nearest);
-    number ^= (number >> 31) & 0x7fffffff;
-    number -= static_cast<double>(nearest) > x[k] ? 1 : 0;
-    box.bound[k] = std::bit_cast<float>(number ^ ((number >> 31) & 0x7fffffff));
-  }
-}
+/// Vertices that are read before their boxes are made.
+constexpr std::size_t few = 128;
 
 inline bool is_near(const Vec3& p) {
   return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
@@ -103,20 +88,26 @@ void with_reader(const std::optional<PositionView>& view, const std::vector<Vec3
 
 Status SurfaceTreeState::move(Workers& workers) {
   std::atomic<bool> is_bad = false;
+  const MakeVertexBoxes make_boxes = make_vertex_boxes();
   const auto boxes = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
+    // One more of each: the kernel reads one number beyond the last.
+    std::array<Vec3, few + 1> lower, upper;
     bool good = true;
-    for (std::size_t slot = begin; slot < end; ++slot) {
-      const std::uint32_t v = vertex_of_slot[slot];
-      const Vec3 p = read_from(v) - origin;
-      good = good && is_near(p);
-      if (!is_step) {
-        round_down({p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0}, next_vertex_boxes[slot]);
-        continue;
+    for (; begin < end; begin += few) {
+      const std::size_t count = std::min(few, end - begin);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t v = vertex_of_slot[begin + i];
+        const Vec3 p = read_from(v) - origin;
+        good = good && is_near(p);
+        lower[i] = p;
+        if (!is_step) continue;
+        const Vec3 q = read_to(v) - origin;
+        good = good && is_near(q);
+        lower[i] = min(p, q), upper[i] = max(p, q);
       }
-      const Vec3 q = read_to(v) - origin;
-      good = good && is_near(q);
-      const Vec3 lower = min(p, q), upper = max(p, q);
-      round_down({lower.x, lower.y, lower.z, 0, -upper.x, -upper.y, -upper.z, 0}, next_vertex_boxes[slot]);
+      // Nothing is cast that float does not hold.
+      if (!good) break;
+      make_boxes(lower.data(), is_step ? upper.data() : lower.data(), count, &next_vertex_boxes[begin]);
     }
     if (!good) is_bad = true;
   };

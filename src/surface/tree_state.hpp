@@ -9,25 +9,15 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/surface/surface_tree.hpp>
 #include <optional>
 #include <vector>
 
 #include "surface/box_groups.hpp"
+#include "surface/vertex_boxes.hpp"
 
 namespace morula::detail {
-
-/// Lower x, y, z, nothing, and the upper ones negated, so that one box holds others by eight minima.
-struct alignas(32) MinBox {
-  static constexpr float none = std::numeric_limits<float>::infinity();
-  float bound[8] = {none, none, none, none, none, none, none, none};
-
-  void add(const MinBox& b) {
-    for (int k = 0; k < 8; ++k) bound[k] = b.bound[k] < bound[k] ? b.bound[k] : bound[k];
-  }
-};
 
 struct SurfaceTreeState {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
