@@ -86,9 +86,11 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
     // Two points are at most `reach` apart along an axis: then so are their coordinates about the origins, once the
     // shift is added, but for rounding: of the differences from the origins and of the shift (2^-53 of each), of the
     // bounds to float (outwards, which errs on the near side), and of the sum of a bound and what is added to it
-    // (2^-24 of the sum). All of it is below 2^-22 of the largest number that occurs.
+    // (2^-24 of the sum). All of it is below 2^-22 of the largest number that occurs. Distances are computed from
+    // coordinates as they are: those may come out too short by 2^-46 of the largest.
     const double largest = this->a().extent + this->b().extent + max_norm(shift) + reach;
-    const double pad = reach + 0x1p-22 * largest;
+    const double farthest = max_norm(this->a().origin) + max_norm(this->b().origin) + largest;
+    const double pad = reach + 0x1p-22 * largest + 0x1p-46 * farthest;
     for (int k = 0; k < 3; ++k) {
       reach_.up[k] = outwards(shift[k] + pad, 1);
       reach_.down[k] = outwards(shift[k] - pad, -1);

@@ -80,10 +80,10 @@ long double time_met(const Moving& m, const Vertices& a, const Vertices& b) {
   return 2;
 }
 
-TEST(Swept, finds_every_impact_in_time) {
-  Random random(17);
+void expect_impacts_in_time(int rounds, std::uint64_t seed) {
+  Random random(seed);
   std::size_t impacts = 0, found_pairs = 0, compared = 0;
-  for (int round = 0; round < 150; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const Moving m = test::random_soup(10 + static_cast<std::size_t>(round) % 7,
                                        4 + static_cast<std::size_t>(round) % 9, 2 + round % 30, random);
     SurfaceTree tree(m.mesh);
@@ -106,10 +106,20 @@ TEST(Swept, finds_every_impact_in_time) {
     });
     found_pairs += times.size();
   }
-  EXPECT_GT(impacts, 2000u);
+  EXPECT_GT(impacts, 13u * static_cast<std::size_t>(rounds));
   // What is proven apart is left out: whole coordinates touch often, but not most of the time.
   EXPECT_LT(found_pairs, compared / 4);
   EXPECT_LT(found_pairs, 2 * impacts);
+}
+
+TEST(Swept, finds_every_impact_in_time) {
+  expect_impacts_in_time(150, 17);
+}
+
+// MORULA_SWEPT_STEPS: so many random steps instead.
+TEST(LongSwept, finds_every_impact_in_time) {
+  const char* const steps = std::getenv("MORULA_SWEPT_STEPS");
+  expect_impacts_in_time(steps != nullptr ? std::atoi(steps) : 10000, 18);
 }
 
 TEST(Swept, times_are_those_of_falling_points_and_turning_edges) {
