@@ -37,7 +37,7 @@ struct ProximityOptions {
 /// distance is off by some 2^-48 of the largest coordinate. Surfaces that are in a step are asked where it begins.
 class ProximityQuery {
  public:
-  /// Throws std::invalid_argument for a distance that is negative or not finite, and masks of a wrong size when asked.
+  /// Throws std::invalid_argument for a distance that is negative or not finite, and for a negative budget.
   explicit ProximityQuery(ProximityOptions options = {});
   ~ProximityQuery();
   ProximityQuery(ProximityQuery&&) noexcept;
@@ -45,7 +45,8 @@ class ProximityQuery {
   void set_options(ProximityOptions options);
   const ProximityOptions& options() const;
 
-  /// All pairs of one surface with itself, or of two, from the beginning. Trees are borrowed until the next call.
+  /// All pairs of one surface with itself, or of two, from the beginning. Trees are borrowed until the last resume().
+  /// Refused with bad_option: masks of another number of facets.
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
   /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, and other_frame

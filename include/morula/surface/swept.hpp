@@ -34,7 +34,7 @@ struct SweptOptions {
 /// against the pair. Features that pass within some 2^-46 of their size are found though they miss.
 class SweptQuery {
  public:
-  /// Throws std::invalid_argument for a distance that is negative or not finite, and masks of a wrong size when asked.
+  /// Throws std::invalid_argument for a distance that is negative or not finite, and for a negative budget.
   explicit SweptQuery(SweptOptions options = {});
   ~SweptQuery();
   SweptQuery(SweptQuery&&) noexcept;
