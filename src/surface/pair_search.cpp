@@ -3,7 +3,6 @@
 #include "surface/pair_search.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace morula::detail {
 namespace {
@@ -39,11 +38,6 @@ BoxGroup box(const SurfaceTreeState& s, int level, std::uint32_t i) {
 std::uint32_t boxes_in(const SurfaceTreeState& s, int level, std::uint32_t group) {
   const std::size_t boxes = level == 0 ? s.block_count() : s.levels[static_cast<std::size_t>(level - 1)].size();
   return static_cast<std::uint32_t>(std::min<std::size_t>(8, boxes - 8 * std::size_t{group}));
-}
-
-float outwards(double x, double sign) {
-  const auto nearest = static_cast<float>(x);
-  return std::nextafter(nearest, static_cast<float>(sign) * std::numeric_limits<float>::infinity());
 }
 
 }  // namespace
@@ -83,17 +77,16 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
   reach_ = {};
   const Vec3 shift = b_ != nullptr ? b_->origin - a_->origin : Vec3{};
   if (reach > 0 || shift != Vec3{}) {
-    // Two points are at most `reach` apart along an axis: then so are their coordinates about the origins, once the
-    // shift is added, but for rounding: of the differences from the origins and of the shift (2^-53 of each), of the
-    // bounds to float (outwards, which errs on the near side), and of the sum of a bound and what is added to it
-    // (2^-24 of the sum). All of it is below 2^-22 of the largest number that occurs. Distances are computed from
-    // coordinates as they are: those may come out too short by 2^-46 of the largest.
+    // Two points at most `reach` apart along an axis have coordinates about the two origins that are, once the shift is
+    // added, but for rounding: differences from the origins and the shift are off by 2^-53 of themselves, and what is
+    // added to bounds by 2^-24 when it becomes a float. All of it is below 2^-22 of the largest number that occurs.
+    // Bounds are rounded outwards; the sum of a bound and what is added to it, rounded to nearest, is on the same side
+    // of any float as the sum itself.
     const double largest = this->a().extent + this->b().extent + max_norm(shift) + reach;
-    const double farthest = max_norm(this->a().origin) + max_norm(this->b().origin) + largest;
-    const double pad = reach + 0x1p-22 * largest + 0x1p-46 * farthest;
+    const double pad = reach + 0x1p-22 * largest;
     for (int k = 0; k < 3; ++k) {
-      reach_.up[k] = outwards(shift[k] + pad, 1);
-      reach_.down[k] = outwards(shift[k] - pad, -1);
+      reach_.up[k] = static_cast<float>(shift[k] + pad);
+      reach_.down[k] = static_cast<float>(shift[k] - pad);
     }
   }
   boxes_a_.start(a, features);

@@ -145,8 +145,8 @@ class Pair {
         const double here = start + (end - start) * time - allowed, there = end - allowed;
         if (!(here > 0)) return time;
         if (there > 0) continue;
-        // Rounded down: the quotient is within 2^-52 of itself.
-        last = std::min(last, time + (1 - time) * (here / (here - there)) * (1 - 0x1p-48));
+        // The quotient is off by 2^-51, in which time no gap shrinks by more than 2^-51 × 6 reach: that is allowed for.
+        last = std::min(last, time + (1 - time) * (here / (here - there)));
       }
     }
     return last;

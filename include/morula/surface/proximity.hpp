@@ -33,8 +33,9 @@ struct ProximityOptions {
 
 /// Proximity query: asks again and again, and keeps its memory. For one thread at a time; workers share its work.
 ///
-/// Complete: every pair whose computed distance is at most the given one is found, whatever its boxes' rounding. The
-/// distance is off by some 2^-48 of the largest coordinate. Surfaces that are in a step are asked where it begins.
+/// Complete: every pair nearer than the given distance is found, but for 2^-46 of the largest coordinate, by which
+/// distances may be off that are computed from coordinates far from the origin. Surfaces that are in a step are asked
+/// where it begins.
 class ProximityQuery {
  public:
   /// Throws std::invalid_argument for a distance that is negative or not finite, and for a negative budget.
