@@ -571,6 +571,53 @@ TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
   }
 }
 
+// Centres inside and outside of their anchors' hull, anchors on a plane, on a line, in a point, none; also after these
+// have come to lie on a line or in a point.
+TEST(Anchors, many_centers_at_once_are_what_each_is_alone) {
+  Random random(14);
+  constexpr std::size_t count = 39;
+  std::vector<LocalPoint> rest = random_points(300, 1.0, 15);
+  for (std::size_t i = 100; i < 150; ++i) rest[i].z = 0;
+  for (std::size_t i = 150; i < 200; ++i) rest[i] = {rest[i].x, 2 * rest[i].x, -rest[i].x, 0};
+  for (std::size_t i = 200; i < 220; ++i) rest[i] = rest[200];
+  Anchors anchors;
+  std::size_t carrying = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = k % 6 == 5 ? 0 : std::array{0, 100, 150, 200, 40}[k % 6];
+    std::vector<std::uint32_t> candidates(k % 6 == 5 ? 0 : 3 + k % 20);
+    std::iota(candidates.begin(), candidates.end(), static_cast<std::uint32_t>(first));
+    const double away = k % 2 == 0 ? 3 : 0.3;
+    anchors.tie(Vec3f(Vec3{random.uniform(-away, away), random.uniform(-away, away), away}), 1.0f, rest, candidates);
+    carrying += anchors[k].carries;
+  }
+  EXPECT_GT(carrying, nodes_at_once);
+  std::vector<std::vector<LocalPoint>> poses{rest, random_points(300, 1.0, 16), rest, rest, rest};
+  for (LocalPoint& p : poses[2]) p = {p.y + 5, -p.x, p.z, 0};
+  for (LocalPoint& p : poses[3]) p = {p.x, 0, 0, 0};
+  for (LocalPoint& p : poses[4]) p = {0.5f, 0.25f, -1, 0};
+  std::vector<std::vector<Vec3f>> expected;
+  for (const auto& pose : poses) {
+    expected.emplace_back();
+    for (std::size_t k = 0; k < count; ++k) expected.back().push_back(anchors.center(k, pose));
+  }
+  anchors.pack();
+  const std::size_t kinds = runnable_kinds();
+  for (std::size_t most = 1; most <= kinds; ++most) {
+    allow_kinds(most);
+    for (std::size_t pose = 0; pose < poses.size(); ++pose)
+      for (const std::size_t begin : {std::size_t{0}, std::size_t{16}}) {
+        std::vector<LocalPoint> found(count + nodes_per_group);
+        anchors.centers(begin, count, poses[pose], found.data());
+        for (std::size_t k = begin; k < count; ++k) {
+          EXPECT_EQ(std::memcmp(&found[k - begin], &expected[pose][k], sizeof(Vec3f)), 0)
+              << kind_name(most - 1) << ", pose " << pose << ", centre " << k;
+          EXPECT_EQ(anchors.center(k, poses[pose]), expected[pose][k]) << "packed";
+        }
+      }
+  }
+  allow_kinds(kinds);
+}
+
 TEST(Anchors, weights_add_up_to_one_so_translation_carries_the_center_along) {
   const std::vector<LocalPoint> rest = random_points(200, 1.0, 9);
   std::vector<std::uint32_t> candidates(rest.size());
