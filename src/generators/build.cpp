@@ -173,7 +173,9 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   require_usable_scale(mesh);
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
-  return chosen.build(mesh, run, workers);
+  CoveredTree built = chosen.build(mesh, run, workers);
+  built.cover = with_fewer_cuts(mesh, built, workers);
+  return built;
 }
 
 }  // namespace morula

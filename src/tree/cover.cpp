@@ -198,6 +198,8 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
       sphere = grown_to_contain(sphere, points, pad_coordinate);
   });
 
+  built.cover = with_fewer_cuts(mesh, built, workers);
+
   BuildReport& report = built.report;
   report.method = "imported";
   report.branching = tree.branching;

@@ -31,6 +31,7 @@
 #include <morula/geometry/vector.hpp>
 
 #include "geometry/rounded_up.hpp"
+#include "update/points/kernels.hpp"
 
 namespace morula::detail {
 
@@ -49,6 +50,10 @@ struct Rounding {
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
+  /// The same for many at once, Kernels::covering_radii.
+  RadiusAllowances allowances() const {
+    return {largest_origin_coordinate + largest_coordinate, 0x1p-48 + 6 * weight_slack, 0x1p-20 * largest_coordinate};
+  }
   /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
   /// is.
   float covering_radius(float squared_distance, const Vec3f& center) const {
