@@ -91,6 +91,13 @@ struct CoveredTree {
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
+struct CoverOptions {
+  bool nested = false;  ///< every sphere of the result contains its children's, as after nest() (tree/nesting.hpp)
+};
+/// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,
+                  Workers& workers = serial_workers());
+
 struct Certificate {
   bool covered = true;
   double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
