@@ -52,6 +52,8 @@ struct Outcome {
   std::size_t frames_not_covered = 0;
   double worst_excess = 0;
   std::string worst_frame;
+  bool nesting_checked = false;
+  std::size_t frames_not_nested = 0;
   std::vector<MeasuredFrame> measured;  // with --measure
   /// [level][frame]: the sum of radii over that at rest.
   std::vector<std::vector<std::optional<double>>> growth;
@@ -107,6 +109,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
                       Workers& workers) {
   Outcome outcome;
   outcome.checked = o.check && any_promises_cover(body);
+  outcome.nesting_checked = o.check && any_promises_nesting(body);
   Progress progress(o.measure ? "updating and measuring" : "updating");
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
@@ -118,6 +121,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
       throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), message(outcome.last)));
     }
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
+    if (outcome.nesting_checked && !certify_promised_nesting(body).nested) ++outcome.frames_not_nested;
     if (o.measure) {
       outcome.measured.push_back(
           {frames.name(i), o.tree,
@@ -156,6 +160,8 @@ Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, 
                            {"worst_excess", outcome.worst_excess},
                            {"worst_frame", outcome.worst_frame}};
   }
+  if (outcome.nesting_checked)
+    json["nesting"] = {{"nested", outcome.frames_not_nested == 0}, {"frames_not_nested", outcome.frames_not_nested}};
   if (o.files.are_modal()) {
     json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
   }
@@ -220,6 +226,11 @@ void print_text(const Options& o, const CoveredTree& built, const Body& body, co
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
+  if (outcome.nesting_checked) {
+    fmt::print("nested       {}\n", outcome.frames_not_nested > 0
+                                        ? "FAILS"
+                                        : "in every frame: spheres of the rule wrapped contain their children's");
+  }
   if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
     fmt::print("note         rules other than {} may leave surface bare: {} says how much\n", covering_rules(),
                o.measure ? "the table" : "--measure");
@@ -261,7 +272,7 @@ int update_command(const Options& given) {
   }
   Body body(mesh, built, std::move(options), workers);
 
-  SphereOutput output(o.output, format, built.tree, frames.count());
+  SphereOutput output(o.output, format, body.current_tree(), frames.count());
   const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
   output.commit();
   note_written(o.output);
@@ -270,6 +281,10 @@ int update_command(const Options& given) {
     print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
   } else {
     print_text(o, built, body, outcome, output, workers.thread_count());
+  }
+  if (outcome.frames_not_nested > 0) {
+    return complain(exit_check_failed, "spheres stick out of their parents in {}: please report it",
+                    counted(outcome.frames_not_nested, "frame"));
   }
   if (outcome.frames_not_covered == 0) return exit_done;
   return complain(exit_check_failed, "the certificate fails in {}, worst in frame {} by {}: please report it",
