@@ -93,12 +93,15 @@ void Group::clear_grid() {
 }
 
 void Group::restore(const State& state) {
-  clear_grid();
+  for (std::size_t b = 0; b < most_; ++b) {
+    const GroupBall &now = balls_[b], &then = state.balls[b];
+    if (now.center == then.center && now.radius == then.radius) continue;
+    if (now.radius > 0) grid_.remove(sphere_of(now));
+    if (then.radius > 0) grid_.add(sphere_of(then));
+  }
   balls_ = state.balls;
   owner_ = state.owner;
   fits_ = state.fits;
-  for (const GroupBall& b : balls_)
-    if (b.radius > 0) grid_.add(sphere_of(b));
   recount();
 }
 
@@ -157,13 +160,10 @@ double Group::imbalance() const {
 }
 
 double Group::objective() {
-  clear_grid();
-  double sum = 0;
-  for (const GroupBall& b : balls_) {
-    if (!(b.radius > 0)) continue;
-    sum += grid_.new_outside(sphere_of(b));
-    grid_.add(sphere_of(b));
-  }
+  std::vector<Spheref> spheres;
+  for (const GroupBall& b : balls_)
+    if (b.radius > 0) spheres.push_back(sphere_of(b));
+  const double sum = grid_.outside_together(spheres);
   if (scale_ < 0) scale_ = sum;
   return sum + settings_.balance * scale_ * imbalance();
 }
