@@ -58,7 +58,8 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
                            [&](std::vector<BuildNode>& nodes) {
                              constexpr int rounds = 2;
                              exchange(fine_input, nodes, rounds, workers);
-                           }};
+                           },
+                       .quick = true};
     return flat_set(input, fine, run, by, workers);
   }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;

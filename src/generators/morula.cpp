@@ -266,7 +266,8 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
               const CoveredTree first = fast_tree(fine_input, levels, workers);
               return divider(fine_input, levels, demand_from(fine_input, first, workers));
             },
-        .improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); }};
+        .improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
+        .quick = effort.balance[0] == 0};
     return flat_set(input, fine, run, by, workers);
   }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;

@@ -3,6 +3,7 @@
 #include "generators/driver/flat_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
@@ -18,8 +19,12 @@ namespace morula::detail {
 namespace {
 
 // The next smaller number that a set is compared with.
-std::size_t next_smaller(std::size_t spheres) {
+std::size_t next_smaller(std::size_t spheres, bool quick) {
   constexpr std::size_t few = 16;
+  constexpr std::array<std::size_t, 9> steps{24, 16, 12, 8, 6, 4, 3, 2, 1};
+  if (quick && spheres <= 2 * few)
+    for (const std::size_t step : steps)
+      if (step < spheres) return step;
   return spheres < few ? spheres / 2 : spheres / 4;
 }
 
@@ -49,11 +54,11 @@ class FlatSet {
     const double prepared = run_.seconds();
     bool in_time = !run_.out_of_time();
     double gone = 0, all = 0;
-    for (std::size_t n = run_.spheres; n > 1; n = next_smaller(n)) all += static_cast<double>(n);
-    for (std::size_t n = run_.spheres; n > 1 && in_time; n = next_smaller(n)) {
+    for (std::size_t n = run_.spheres; n > 1; n = next_smaller(n, by_.quick)) all += static_cast<double>(n);
+    for (std::size_t n = run_.spheres; n > 1 && in_time; n = next_smaller(n, by_.quick)) {
       run_.throw_if_stopped();
       Set now = one_level(n);
-      if (is_slender(now))
+      if (by_.quick || is_slender(now))
         if (Set other = last_level(n); other.outside < now.outside) now = std::move(other);
       if (n == run_.spheres || now.outside < best.outside) best = std::move(now);
       gone += static_cast<double>(n);
