@@ -15,6 +15,10 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
+std::ptrdiff_t offset(std::size_t i) {
+  return static_cast<std::ptrdiff_t>(i);
+}
+
 // Cells whose middle lies within `half` of `middle`: [begin, end). Positions are not far below zero, so truncation
 // serves as floor.
 struct Range {
@@ -85,7 +89,9 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
   });
 }
 
-void OutsideGrid::change(const Spheref& ball, int by) {
+// Cells whose middles a ball contains, row by row: [begin, end) of balls_over_.
+template <class Visit>
+void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
   const Range zs = middles_within(ball.center.z, ball.radius, count_[2]);
   for (int z = zs.begin; z < zs.end; ++z) {
     const float dz = static_cast<float>(z) + 0.5F - ball.center.z;
@@ -97,10 +103,17 @@ void OutsideGrid::change(const Spheref& ball, int by) {
       const float in_line = in_plane - dy * dy;
       if (!(in_line > 0)) continue;
       const Range xs = middles_within(ball.center.x, std::sqrt(in_line), count_[0]);
-      std::uint8_t* cell = &balls_over_[at(z) * step_[2] + at(y) * step_[1]];
-      for (int x = xs.begin; x < xs.end; ++x) cell[x] = static_cast<std::uint8_t>(cell[x] + by);
+      const std::size_t row = at(z) * step_[2] + at(y) * step_[1];
+      if (xs.begin < xs.end) visit(row + at(xs.begin), row + at(xs.end));
     }
   }
+}
+
+void OutsideGrid::change(const Spheref& ball, int by) {
+  each_run(ball, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t cell = begin; cell < end; ++cell)
+      balls_over_[cell] = static_cast<std::uint8_t>(balls_over_[cell] + by);
+  });
   for (std::size_t a = 0; a < 3; ++a)
     each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
 }
@@ -245,6 +258,27 @@ float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
 }
 
 float OutsideGrid::new_outside(const Spheref& ball) {
+  return outside_beyond(ball, balls_over_);
+}
+
+double OutsideGrid::outside_together(std::span<const Spheref> balls) {
+  // Beside what is counted as taken in, so that lines worked out for that stay right.
+  seen_.resize(balls_over_.size(), 0);
+  double sum = 0;
+  for (const Spheref& ball : balls) {
+    sum += outside_beyond(ball, seen_);
+    each_run(ball, [&](std::size_t begin, std::size_t end) {
+      std::fill(seen_.begin() + offset(begin), seen_.begin() + offset(end), std::uint8_t{1});
+    });
+  }
+  for (const Spheref& ball : balls)
+    each_run(ball, [&](std::size_t begin, std::size_t end) {
+      std::fill(seen_.begin() + offset(begin), seen_.begin() + offset(end), std::uint8_t{0});
+    });
+  return sum;
+}
+
+float OutsideGrid::outside_beyond(const Spheref& ball, const std::vector<std::uint8_t>& taken_in) {
   // Line by line: thirds of cells added to one large float would be rounded the same way each time.
   double total = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -259,7 +293,7 @@ float OutsideGrid::new_outside(const Spheref& ball) {
       const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)),
                   to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
       const Outside* const cells = &axes_[a].outside[line * at(n)];
-      const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
+      const std::uint8_t* const over = &taken_in[at(u) * step_[ua] + at(v) * step_[va]];
       const int last = std::min(n - 1, static_cast<int>(to));
       float sum = 0;
       for (int w = static_cast<int>(from); w <= last; ++w) {

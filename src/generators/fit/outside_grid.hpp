@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 #include <morula/geometry/sphere.hpp>
+#include <span>
 #include <vector>
 
 #include "generators/fit/object_lines.hpp"
@@ -46,6 +47,8 @@ class OutsideGrid {
   float cost(const Vec3f& center, float radius, float enough = std::numeric_limits<float>::infinity()) const;
   /// The same for one ball without preparation, with taken = 0: slower than cost(), cheaper than prepare().
   float new_outside(const Spheref& ball);
+  /// What balls take in together: each what those before it have not, whatever is counted as taken in.
+  double outside_together(std::span<const Spheref> balls);
 
  private:
   struct Step {
@@ -64,6 +67,9 @@ class OutsideGrid {
     std::vector<Extent> current;       // per line: where steps are up to date
   };
   void change(const Spheref& ball, int by);
+  float outside_beyond(const Spheref& ball, const std::vector<std::uint8_t>& taken_in);
+  template <class Visit>
+  void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
   void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
   template <class Visit>
@@ -79,6 +85,7 @@ class OutsideGrid {
   std::array<int, 3> count_{};
   std::array<std::size_t, 3> step_{};     // of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
+  std::vector<std::uint8_t> seen_;        // the same, while outside_together() looks; else all 0
   std::array<Axis, 3> axes_;
   float taken_ = -1;
   Vec3f prepared_center_{};
