@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/inspect.hpp>
 
 #include "generators/driver/top_down.hpp"
+#include "generators/fit/object_lines.hpp"
 #include "generators/fit/partition.hpp"
 
 namespace morula::detail {
@@ -113,7 +115,12 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   const Box& box = run.box();
   const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
-  return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
+  const OctreeDivider divide(mesh, run);
+  if (run.spheres > 0 || run.max_protrusion > 0) return top_down(mesh, run, cube, divide, workers);
+  // Some four cells to the radius of a leaf.
+  const int cells = std::clamp(8 << std::min(run.depth, 6), 32, 512);
+  const ObjectLines lines(mesh, box, inspect(mesh).has_volume(), cells, workers);
+  return top_down(mesh, run, cube, divide, workers, nullptr, &lines);
 }
 
 }  // namespace morula::detail
