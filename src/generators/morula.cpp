@@ -226,7 +226,8 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape,
+                  &input.lines);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {

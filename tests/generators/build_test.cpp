@@ -143,10 +143,10 @@ TEST_P(BuildBy, gets_tighter_with_depth) {
   const auto loose = [&](std::size_t level) {
     return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
   };
-  // The first division may be looser than the root: eight spheres around the octants of a flat body stick out of it.
+  // The first division may be no tighter than the root: eight spheres around the octants of a flat body stick out of it.
+  EXPECT_LE(loose(1), loose(0));
   for (std::size_t level = 2; level < tree.level_count(); ++level)
     EXPECT_LT(loose(level), loose(level - 1)) << "level " << level;
-  EXPECT_LT(loose(2), loose(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, BuildBy, testing::ValuesIn(test::quick_methods), test::method_name);

@@ -131,13 +131,10 @@ double Group::imbalance() const {
 }
 
 double Group::objective() {
-  clear_grid();
-  double sum = 0;
-  for (const GroupBall& b : balls_) {
-    if (!(b.radius > 0)) continue;
-    sum += grid_.new_outside(sphere_of(b));
-    grid_.add(sphere_of(b));
-  }
+  in_place_.clear();
+  for (const GroupBall& b : balls_)
+    if (b.radius > 0) in_place_.push_back(sphere_of(b));
+  const double sum = grid_.union_outside(in_place_);
   if (scale_ < 0) scale_ = sum;
   return sum + settings_.balance * scale_ * imbalance();
 }

@@ -40,6 +40,7 @@ class Group {
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
 
+  /// Empty space that the balls take in together, and what balance adds.
   double objective();
   /// Fits a ball to other points, with all balls of this group but the nearest to the first start in place.
   GroupBall refit_to(GroupPoints points, std::span<const Vec3f> starts);
@@ -94,6 +95,7 @@ class Group {
   std::uint64_t clock_ = 0;
   bool fill_places_ = true;
   std::vector<std::uint8_t> refused_;  // splitting it did not pay
+  std::vector<Spheref> in_place_;      // scratch of objective()
   GroupPoints own_;                    // scratch: points of the ball being fitted
   std::vector<std::uint32_t> own_index_;
 };
