@@ -85,7 +85,9 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
   });
 }
 
-void OutsideGrid::change(const Spheref& ball, int by) {
+// Cells whose middles a ball contains, row by row: [begin, end) of balls_over_.
+template <class Visit>
+void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
   const Range zs = middles_within(ball.center.z, ball.radius, count_[2]);
   for (int z = zs.begin; z < zs.end; ++z) {
     const float dz = static_cast<float>(z) + 0.5F - ball.center.z;
@@ -97,10 +99,17 @@ void OutsideGrid::change(const Spheref& ball, int by) {
       const float in_line = in_plane - dy * dy;
       if (!(in_line > 0)) continue;
       const Range xs = middles_within(ball.center.x, std::sqrt(in_line), count_[0]);
-      std::uint8_t* cell = &balls_over_[at(z) * step_[2] + at(y) * step_[1]];
-      for (int x = xs.begin; x < xs.end; ++x) cell[x] = static_cast<std::uint8_t>(cell[x] + by);
+      const std::size_t row = at(z) * step_[2] + at(y) * step_[1];
+      if (xs.begin < xs.end) visit(row + at(xs.begin), row + at(xs.end));
     }
   }
+}
+
+void OutsideGrid::change(const Spheref& ball, int by) {
+  each_run(ball, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t cell = begin; cell < end; ++cell)
+      balls_over_[cell] = static_cast<std::uint8_t>(balls_over_[cell] + by);
+  });
   for (std::size_t a = 0; a < 3; ++a)
     each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
 }
@@ -276,7 +285,7 @@ float OutsideGrid::new_outside(const Spheref& ball) {
   return static_cast<float>(total);
 }
 
-double OutsideGrid::union_outside(std::span<const Spheref> balls) {
+double OutsideGrid::outside_together(std::span<const Spheref> balls) {
   double total = 0;
   std::vector<std::array<float, 2>> on_line;
   for (std::size_t a = 0; a < 3; ++a) {
