@@ -48,7 +48,7 @@ Difference difference(const Mesh& mesh, const std::vector<Sphere>& coarser, cons
       box.add(s.center + Vec3{s.radius, s.radius, s.radius});
     }
   const Vec3 extent = box.upper - box.lower;
-  constexpr double cells = 250'000;
+  constexpr double cells = 80'000;
   const double edge = std::cbrt(extent.x * extent.y * extent.z / cells);
   Random random(1);
   Difference result;

@@ -14,7 +14,7 @@ namespace {
 struct OnCapsule {
   Mesh mesh = sample_body("capsule", 24);
   SignedDistance shape{mesh};
-  ObjectLines lines{mesh, shape, 200, serial_workers()};
+  ObjectLines lines{mesh, shape, 400, serial_workers()};
 };
 
 TEST(UnionLines, of_one_sphere_are_its_outside_volume) {
@@ -22,7 +22,7 @@ TEST(UnionLines, of_one_sphere_are_its_outside_volume) {
   // On the axis, one that is little but the layer between it and the facets; beside it; across the end; far out.
   for (const Sphere& s :
        {Sphere{{0.1, 0, 0}, 0.51}, Sphere{{0.3, 0.4, 0.1}, 0.3}, Sphere{{1.4, 0.1, 0}, 0.4}, Sphere{{0, 3, 0}, 0.7}}) {
-    UnionLines lines(on.lines, {&s, 1}, s.radius / 8);
+    UnionLines lines(on.lines, {&s, 1}, on.lines.cell());
     EXPECT_EQ(lines.outside(), 0);
     lines.count(0, true);
     const double exact = outside_volume(on.shape, s);

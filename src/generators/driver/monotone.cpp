@@ -113,7 +113,7 @@ class Levels {
     gains();
     for (const auto& [before, i] : order) {
       if (before > 0) break;
-      if (const double now = change(i); now <= 0) take_back(i, now);
+      if (const double now = change(i); now <= 0 && is_seen(i)) take_back(i, now);
     }
     while (!not_looser()) {
       gains();
@@ -133,6 +133,11 @@ class Levels {
   double change(std::uint32_t node) {
     const std::array<std::uint32_t, 1> own{first_above_ + node};
     return lines_->change(own, children_[node]);
+  }
+  // Nodes that are small beside the lattice's cells are not judged by a line or two.
+  bool is_seen(std::uint32_t node) const {
+    constexpr std::size_t enough = 24;
+    return lines_->line_count(first_above_ + node) >= enough;
   }
   // Of lines: a third of a usual new sphere's radius.
   static double spacing(const std::vector<BuildNode>& next) {
@@ -161,7 +166,8 @@ void keep_monotone(const Mesh& mesh, const ObjectLines& lines, double pad, std::
   if (next.empty()) return;
   const std::vector<std::uint8_t> gone = Levels(lines, settled, above, next).taken_back();
   if (std::none_of(gone.begin(), gone.end(), [](std::uint8_t g) { return g != 0; })) return;
-  if (!last) {
+  // A ball is as tight as its parts, but parts that move apart need to be parts: the root always stays divided.
+  if (!last || above[0].level == 0) {
     for (std::size_t k = 0; k < next.size(); ++k)
       if (const std::uint32_t parent = next[k].parent; gone[parent] != 0)
         next[k].sphere = inside_parent(mesh, next[k], above[parent].sphere, pad);

@@ -23,6 +23,10 @@ class UnionLines {
   UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres, double spacing);
 
   void count(std::size_t sphere, bool whether) { counts_[sphere] = whether ? 1 : 0; }
+  /// Lines that have a chord of it.
+  std::size_t line_count(std::size_t sphere) const {
+    return sphere_lines_begin_[sphere + 1] - sphere_lines_begin_[sphere];
+  }
   bool counts(std::size_t sphere) const { return counts_[sphere] != 0; }
 
   /// Empty space in the union of those that count. Volumes are of mesh units cubed.
