@@ -35,6 +35,9 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/surface/proximity.hpp>
+#include <morula/surface/surface_crossings.hpp>
+#include <morula/surface/swept.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>

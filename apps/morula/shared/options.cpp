@@ -91,6 +91,7 @@ CLI::Validator real_number(double least, double most) {
         const std::optional<double> value = parse_number<double>(without_plus(text));
         if (!value || !std::isfinite(*value)) return fmt::format("'{}' is not a number", text);
         if (*value >= least && *value <= most) return std::string();
+        if (most == std::numeric_limits<double>::max()) return fmt::format("{} is below {}", text, least);
         return fmt::format("{} is not in {} to {}", text, least, most);
       },
       "");
