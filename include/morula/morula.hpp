@@ -38,6 +38,7 @@
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
+#include <morula/tree/nesting.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>

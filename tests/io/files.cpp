@@ -68,7 +68,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 
 bool same_bits(const SphereTree& a, const SphereTree& b) {
   return a.spheres == b.spheres && a.first_child == b.first_child && a.child_count == b.child_count &&
-         a.parent == b.parent && a.level_begin == b.level_begin && a.branching == b.branching &&
+         a.parent == b.parent && a.level_begin == b.level_begin && a.branching == b.branching && a.nested == b.nested &&
          tree_hash(a) == tree_hash(b);
 }
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <morula/io/tree_file.hpp>
+#include <morula/tree/nesting.hpp>
 #include <support/meshes.hpp>
 
 #include "files.hpp"
@@ -69,6 +70,58 @@ TEST(TreeFile, native_files_read_back_bit_for_bit) {
   EXPECT_TRUE(same_bits(*read.cover, built.cover));
   EXPECT_TRUE(same_bits(read.report, built.report));
   EXPECT_TRUE(validate(mesh, read_covered_tree(path, mesh)).empty());
+}
+
+TEST(TreeFile, a_nested_tree_says_so_in_every_format_that_can_and_no_other_file_changes) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  const CoveredTree plain = small_built(mesh);
+  CoveredTree nested = plain;
+  nest(nested.tree);
+  for (const std::string extension : {".morula", ".json", ".npz", ".sph"}) {
+    const fs::path path = folder.path() / ("tree" + extension);
+    write_tree(path, plain);
+    EXPECT_EQ(bytes_of(path).find("nested"), std::string::npos) << extension;
+    EXPECT_FALSE(read_tree(path).tree.nested) << extension;
+    write_tree(path, nested);
+    const SphereTree read = read_tree(path).tree;
+    EXPECT_EQ(read.spheres, nested.tree.spheres) << extension;
+    EXPECT_EQ(read.nested, extension != ".sph") << extension;
+    EXPECT_TRUE(certify_nesting(read, read.spheres).nested) << extension << ": all numbers come back";
+    EXPECT_EQ(read_covered_tree(path, mesh).tree.nested, read.nested) << extension;
+  }
+}
+
+TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
+  const ScratchFolder folder;
+  CoveredTree built = small_built(small_mesh());
+  ASSERT_FALSE(certify_nesting(built.tree, built.tree.spheres).nested);
+  built.tree.nested = true;
+  for (const std::string extension : {".morula", ".json", ".npz"})
+    EXPECT_THROW(write_tree(folder.path() / ("tree" + extension), built), std::invalid_argument);
+  EXPECT_TRUE(folder.names().empty());
+
+  built.tree.nested = false;
+  const fs::path json = folder.path() / "tree.json", native = folder.path() / "tree.morula";
+  write_tree(json, built.tree);
+  std::string text = bytes_of(json);
+  const std::string before = text;
+  text.insert(text.find("\"nodes\""), "\"nested\": true, ");
+  expect_file_error(folder.file("tree.json", text), 0, "says that it is nested", [&] { read_tree(json); });
+  text = before;
+  text.insert(text.find("\"nodes\""), "\"nested\": 1, ");
+  expect_file_error(folder.file("tree.json", text), 0, "neither true nor false", [&] { read_tree(json); });
+  nest(built.tree);
+  write_tree(native, built);
+  std::string lying = bytes_of(native);
+  // A radius that was made for the children's, taken back.
+  const std::string old_radius(reinterpret_cast<const char*>(&built.tree.spheres[0].radius), sizeof(double));
+  const double smaller = 0.5;
+  const std::size_t at = lying.find(old_radius);
+  ASSERT_NE(at, std::string::npos);
+  lying.replace(at, sizeof(double), std::string(reinterpret_cast<const char*>(&smaller), sizeof(double)));
+  expect_file_error(folder.file("tree.morula", resealed(lying)), 0, "says that it is nested",
+                    [&] { read_tree(native); });
 }
 
 CoveredTree built_with_poses(const Mesh& mesh) {

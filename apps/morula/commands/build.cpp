@@ -36,6 +36,7 @@ struct Options {
   std::optional<int> depth;  // nothing: automatic
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion;
+  bool nested = false;
   std::uint64_t seed = BuildOptions{}.seed;
   std::string quality{name(BuildOptions{}.quality)};
   std::string reducers;
@@ -91,6 +92,7 @@ BuildOptions build_options(const Options& o) {
           .depth = o.depth,
           .spheres = o.spheres.value_or(0),
           .max_protrusion = o.max_protrusion.value_or(0),
+          .nested = o.nested,
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
           .optimiser = parse_optimiser(o.optimiser),
@@ -119,6 +121,7 @@ Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, c
             {"seed", built.report.seed},
             {"tree_hash", hash_text(tree_hash(built.tree))},
             {"spheres", built.tree.leaf_count()}};
+  if (o.nested) json["nested"] = built.tree.nested;
   if (o.spheres) json["spheres_asked"] = *o.spheres;
   if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
   if (built.report.protrusion_bound) json["protrusion_bound"] = *built.report.protrusion_bound;
@@ -160,6 +163,7 @@ void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
              counted(built.cover.patch_count(), "patch", "patches"));
+  if (o.nested) fmt::print("nested        yes: every sphere contains its children's\n");
   fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
              seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),
              counted(workers.thread_count(), "thread"));
@@ -292,6 +296,7 @@ void add_build(CLI::App& app, Run& run) {
              "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
       ->type_name("LENGTH")
       ->transform(real_number());
+  add_flag(*command, "--nested", o->nested, "Every sphere contains its children's: looser above the leaves");
   add_option(*command, "--seed", o->seed, "Of every random choice; equal seeds give equal trees")
       ->type_name("N")
       ->transform(whole_number())

@@ -11,6 +11,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/parallel/stopwatch.hpp>
+#include <morula/tree/nesting.hpp>
 
 #include "shared/command.hpp"
 #include "shared/figures.hpp"
@@ -119,10 +120,21 @@ std::vector<std::string> check_tree(const Options& o, const TreeFile& file, cons
   return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report, file.poses});
 }
 
+std::string nesting_line(const SphereTree& tree) {
+  const Nesting nesting = certify_nesting(tree, tree.spheres);
+  if (nesting.nested)
+    return fmt::format("yes: every sphere contains its children's{}",
+                       tree.nested ? "" : ", though the file does not say so");
+  return fmt::format("no: {} out of the one above, by up to {}",
+                     nesting.outside == 1 ? "1 sphere sticks" : fmt::format("{} spheres stick", nesting.outside),
+                     figure(nesting.worst_excess));
+}
+
 void print_tree(const Options& o, const TreeFile& file) {
   const SphereTree& tree = file.tree;
   fmt::print("{}: tree of {}, {}, branching {}\n\n{}\n", o.file, counted(tree.node_count(), "sphere"),
              counted(tree.level_count(), "level"), tree.branching, level_table(tree));
+  fmt::print("nested     {}\n", nesting_line(tree));
   if (!file.cover) {
     fmt::print("cover      none in this format: morula update and morula convert make one\n");
     return;
@@ -148,6 +160,7 @@ Json tree_json(const Options& o, const TreeFile& file) {
             {"branching", file.tree.branching},
             {"tree_hash", hash_text(tree_hash(file.tree))},
             {"levels", level_json(file.tree)},
+            {"nested", certify_nesting(file.tree, file.tree.spheres).nested},
             {"cover", nullptr}};
   if (file.cover) {
     json["cover"] = {{"vertices", file.cover->vertex_count},

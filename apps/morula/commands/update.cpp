@@ -76,6 +76,8 @@ struct Outcome {
   std::size_t frames_not_covered = 0;
   double worst_excess = 0;
   std::string worst_frame;
+  bool nesting_checked = false;
+  std::size_t frames_not_nested = 0;
   std::vector<MeasuredFrame> measured;   // with --measure
   std::optional<std::uint64_t> changes;  // of trees, where there are some for known poses
   /// [level][frame]: the sum of radii over that at rest.
@@ -131,6 +133,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, const SphereTree& rest
                       SphereOutput& output, Workers& workers) {
   Outcome outcome;
   outcome.checked = o.check && any_promises_cover(mover.body());
+  outcome.nesting_checked = o.check && any_promises_nesting(mover.body());
   Progress progress(o.measure ? "updating and measuring" : "updating");
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
@@ -143,6 +146,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, const SphereTree& rest
     }
     const Body& body = mover.body();
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
+    if (outcome.nesting_checked && !certify_promised_nesting(body).nested) ++outcome.frames_not_nested;
     if (o.measure) {
       outcome.measured.push_back(
           {frames.name(i), o.tree,
@@ -182,6 +186,8 @@ Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, 
                            {"worst_excess", outcome.worst_excess},
                            {"worst_frame", outcome.worst_frame}};
   }
+  if (outcome.nesting_checked)
+    json["nesting"] = {{"nested", outcome.frames_not_nested == 0}, {"frames_not_nested", outcome.frames_not_nested}};
   if (o.files.are_modal()) {
     json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
   }
@@ -251,6 +257,11 @@ void print_text(const Options& o, const CoveredTree& built, const Body& body, co
   } else if (any_promises_cover(body)) {
     fmt::print("certificate  {}\n", outcome.checked ? "FAILS" : "not checked");
   }
+  if (outcome.nesting_checked) {
+    fmt::print("nested       {}\n", outcome.frames_not_nested > 0
+                                        ? "FAILS"
+                                        : "in every frame: spheres of the rule wrapped contain their children's");
+  }
   if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
     fmt::print("note         rules other than {} may leave surface bare: {} says how much\n", covering_rules(),
                o.measure ? "the table" : "--measure");
@@ -305,7 +316,7 @@ int update_command(const Options& given) {
   }
   Mover mover(mesh, built, std::move(options), with_poses, workers);
 
-  SphereOutput output(o.output, format, built.tree, frames.count());
+  SphereOutput output(o.output, format, mover.body().current_tree(), frames.count());
   const Outcome outcome = update_frames(o, mesh, built.tree, frames, mover, output, workers);
   output.commit();
   note_written(o.output);
@@ -314,6 +325,10 @@ int update_command(const Options& given) {
     print_json(outcome_json(o, built, mover.body(), outcome, workers.thread_count()));
   } else {
     print_text(o, built, mover.body(), outcome, output, workers.thread_count());
+  }
+  if (outcome.frames_not_nested > 0) {
+    return complain(exit_check_failed, "spheres stick out of their parents in {}: please report it",
+                    counted(outcome.frames_not_nested, "frame"));
   }
   if (outcome.frames_not_covered == 0) return exit_done;
   return complain(exit_check_failed, "the certificate fails in {}, worst in frame {} by {}: please report it",

@@ -146,6 +146,10 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
              "Inner boxes hold: child-spheres or child-centers")
       ->type_name("NAME")
       ->capture_default_str();
+  add_option(command, "--wrapped-center", names.wrapped_center,
+             "Of wrapped: moved as the children in the mean, or smallest, about where it reaches all with least")
+      ->type_name("NAME")
+      ->capture_default_str();
   add_option(command, "--distance-floor", names.distance_floor,
              "Share of the radius that distances are raised to before ratios are taken; 0 is the paper")
       ->type_name("SHARE")
@@ -273,6 +277,9 @@ RuleOptions parse_rule_details(const RuleDetailNames& names) {
   details.approach2_inner_boxes = names.approach2_inner_boxes == "child-spheres"
                                       ? RuleOptions::InnerBoxes::child_spheres
                                       : RuleOptions::InnerBoxes::child_centers;
+  check_name("--wrapped-center", names.wrapped_center, {"children", "smallest"});
+  details.wrapped_center =
+      names.wrapped_center == "children" ? RuleOptions::WrappedCenter::children : RuleOptions::WrappedCenter::smallest;
   details.distance_floor = names.distance_floor;
   check_name("--modal-bound", names.modal_bound, {"gradient", "shift"});
   details.modal_bound =

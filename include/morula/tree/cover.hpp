@@ -104,6 +104,13 @@ struct CoveredTree {
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
+struct CoverOptions {
+  bool nested = false;  ///< every sphere of the result contains its children's, as after nest() (tree/nesting.hpp)
+};
+/// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,
+                  Workers& workers = serial_workers());
+
 /// The same tree's cover with fewer cuts: build() and cover() end with it; trees kept from before gain by it too.
 ///
 /// A facet that several leaves share goes whole to one of them, the one with the most of it first, whose sphere and all

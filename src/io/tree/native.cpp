@@ -234,6 +234,7 @@ std::string native_bytes(const CoveredTree& built) {
   json["mesh"]["vertices"] = cover.vertex_count;
   json["mesh"]["facets"] = cover.facet_count;
   json["tree"]["branching"] = built.tree.branching;
+  if (built.tree.nested) json["tree"]["nested"] = true;
   json["report"] = report_json(built.report);
   add_poses(arrays, json, built.poses);
   json["arrays"] = arrays.table();
@@ -275,8 +276,10 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
                            covered.substr(before_header + header_size));
   TreeFile result;
   const nlohmann::json& mesh = file.member(file.root(), "mesh", "the header");
-  result.tree = read_nodes(path, file, arrays, "",
-                           index_member(file, file.member(file.root(), "tree", "the header"), "branching", "the tree"));
+  const nlohmann::json& tree = file.member(file.root(), "tree", "the header");
+  result.tree = read_nodes(path, file, arrays, "", index_member(file, tree, "branching", "the tree"));
+  result.tree.nested = file.flag(tree, "nested", "the tree");
+  require_valid(path, result.tree);
   result.cover = read_cover(file, arrays, "", mesh);
   if (const auto faults = validate(result.tree, *result.cover); !faults.empty()) file.fail(faults.front());
   result.report = read_report(file, file.member(file.root(), "report", "the header"));
