@@ -154,7 +154,43 @@ class EmbreeCrossings final : public CrossingPeer {
   std::vector<std::uint64_t>* found_ = nullptr;
 };
 
+class EmbreeSelfCrossings final : public CrossingPeer {
+ public:
+  explicit EmbreeSelfCrossings(const Mesh& mesh) : facets_(mesh.facets), boxes_(device_.get(), mesh) {}
+  void take(const Frame& frame, const Frame&) override { boxes_.take(frame); }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    found_ = &pairs;
+    rtcCollide(boxes_.scene(), boxes_.scene(), note, this);
+  }
+
+ private:
+  static void note(void* user, RTCCollision* collisions, unsigned count) {
+    EmbreeSelfCrossings& self = *static_cast<EmbreeSelfCrossings*>(user);
+    const std::lock_guard lock(self.mutex_);
+    for (unsigned i = 0; i < count; ++i) {
+      // Pairs come both ways round, or once: the lower first.
+      const unsigned f = std::min(collisions[i].primID0, collisions[i].primID1);
+      const unsigned g = std::max(collisions[i].primID0, collisions[i].primID1);
+      bool share = f == g;
+      for (const std::uint32_t v : self.facets_[f])
+        for (const std::uint32_t w : self.facets_[g]) share = share || v == w;
+      if (!share && intersect(self.boxes_.triangle(f), self.boxes_.triangle(g)))
+        self.found_->push_back(std::uint64_t{f} << 32 | g);
+    }
+  }
+
+  std::vector<Facet> facets_;
+  Device device_{rtcNewDevice("threads=1")};
+  EmbreeBoxes boxes_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t>* found_ = nullptr;
+};
+
 }  // namespace
+
+std::unique_ptr<CrossingPeer> make_self_crossing_peer(const Mesh& mesh) {
+  return std::make_unique<EmbreeSelfCrossings>(mesh);
+}
 
 std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b) {
   return std::make_unique<EmbreeCrossings>(a, b);

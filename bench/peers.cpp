@@ -27,6 +27,9 @@ std::unique_ptr<Peer> make_bullet(const Mesh&) {
 std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh&, const Mesh&) {
   return nullptr;
 }
+std::unique_ptr<CrossingPeer> make_self_crossing_peer(const Mesh&) {
+  return nullptr;
+}
 std::unique_ptr<Peer> make_embree(const Mesh&) {
   return nullptr;
 }

@@ -50,6 +50,10 @@ struct CrossingPeerKind {
 };
 std::span<const CrossingPeerKind> crossing_peer_kinds();
 
+/// Facets of one mesh that cross and share no vertex, each pair once, the lower first; Embree with itself and our test.
+/// take() looks at the first frame alone. Nothing where Embree is not there.
+std::unique_ptr<CrossingPeer> make_self_crossing_peer(const Mesh& mesh);
+
 std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh& a, const Mesh& b);
 std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b);
 std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b);

@@ -77,6 +77,9 @@ std::vector<Result> run_volumes(const Input& input, const Settings& settings);
 std::vector<Result> run_distance(const Input& input, const Settings& settings);
 std::vector<Result> run_peers(const Input& input, const Settings& settings);
 std::vector<Result> run_crossings(const Input& input, const Settings& settings);
+std::vector<Result> run_self(const Input& input, const Settings& settings);
+std::vector<Result> run_proximity(const Input& input, const Settings& settings);
+std::vector<Result> run_swept(const Input& input, const Settings& settings);
 
 /// Wall-clock seconds of one call.
 template <class F>

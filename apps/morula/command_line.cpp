@@ -85,6 +85,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_deform(app, run);
   add_update(app, run);
   add_collide(app, run);
+  add_pairs(app, run);
   add_view(app, run);
   add_medial(app, run);
   add_info(app, run);

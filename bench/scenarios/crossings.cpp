@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenario crossings: all pairs of facets that intersect, of a mesh and a copy of it turned by a right angle, while
-// both bend; beside FCL, Bullet and Embree.
+// both bend; by sphere trees, by surface trees, and beside FCL, Bullet and Embree. Times are those of the queries
+// alone; "with update" is the median with both bodies brought up to date.
 #include <algorithm>
 #include <iterator>
 #include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/surface/surface_crossings.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 
@@ -53,6 +55,12 @@ std::vector<Frame> bends(const Mesh& mesh, std::size_t ahead) {
 
 using PairKeys = std::vector<std::uint64_t>;
 
+PairKeys pairs_of(const SurfaceCrossingQuery& found) {
+  PairKeys pairs;
+  for (const FeaturePair& pair : found.pairs()) pairs.push_back(std::uint64_t{pair.a} << 32 | pair.b);
+  return pairs;
+}
+
 PairKeys pairs_of(const CrossingQuery& found) {
   PairKeys pairs;
   for (const Crossing& c : found.pairs()) pairs.push_back(std::uint64_t{c.facet_a} << 32 | c.facet_b);
@@ -63,6 +71,7 @@ struct CrossingRival {
   const CrossingPeerKind* kind;
   std::unique_ptr<CrossingPeer> peer;
   Result result;
+  std::vector<double> with_update{};
   std::size_t missed = 0, invented = 0;
 
   void compare(const PairKeys& ours, PairKeys theirs) {
@@ -98,6 +107,12 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   }
 
   Result own{.scenario = "crossings", .item = "crossings", .mesh = input.name};
+  std::vector<double> own_with_update;
+  SurfaceTree tree_a(a.mesh), tree_b(b.mesh);
+  SurfaceCrossingQuery of_trees;
+  Result trees{.scenario = "crossings", .item = "surface trees", .mesh = input.name};
+  std::vector<double> trees_with_update;
+  bool same_of_trees = true;
   // Brute force on as many frames as a few seconds allow.
   const double facets = static_cast<double>(input.mesh.facet_count());
   const std::size_t checks = facets < 2000 ? 25 : facets < 10000 ? 3 : 0;
@@ -125,26 +140,35 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   PairKeys theirs;
   timed(settings, [&] {
     for (std::size_t f = 0; f < a.frames.size(); ++f) {
-      move(f);
+      const double moving = processor_seconds_of([&] { move(f); });
       own.seconds.push_back(processor_seconds_of([&] { found.run(a.collider, b.collider); }));
+      own_with_update.push_back(moving + own.seconds.back());
       same = same && pairs_of(found) == expected[f];
+      const double updating = processor_seconds_of([&] { tree_a.update(a.frames[f]), tree_b.update(b.frames[f]); });
+      trees.seconds.push_back(processor_seconds_of([&] { of_trees.run(tree_a, tree_b); }));
+      trees_with_update.push_back(updating + trees.seconds.back());
+      same_of_trees = same_of_trees && pairs_of(of_trees) == expected[f];
       for (CrossingRival& rival : rivals) {
         if (!rival.peer) continue;
-        rival.peer->take(a.frames[f], b.frames[f]);
+        const double taking = processor_seconds_of([&] { rival.peer->take(a.frames[f], b.frames[f]); });
         theirs.clear();
         rival.result.seconds.push_back(processor_seconds_of([&] { rival.peer->find(theirs); }));
+        rival.with_update.push_back(taking + rival.result.seconds.back());
         rival.compare(expected[f], theirs);
       }
     }
   });
   own.expect(same, "other pairs in a repeated frame");
+  trees.expect(same_of_trees, "not the pairs of the sphere trees");
 
   const double frames = static_cast<double>(a.frames.size());
   own.figures = {{"pairs", pairs / frames},
                  {"tested", tested / frames},
                  {"facets read", read / frames},
                  {"leaf pairs", leaf_pairs / frames},
-                 {"brute force on frames", static_cast<double>(std::min(checks, a.frames.size()))}};
+                 {"brute force on frames", static_cast<double>(std::min(checks, a.frames.size()))},
+                 {"with update, us", 1e6 * median(own_with_update)}};
+  trees.figures = {{"with update, us", 1e6 * median(trees_with_update)}};
   std::vector<Result> results;
   for (CrossingRival& rival : rivals) {
     if (!rival.peer) continue;
@@ -152,9 +176,13 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
                std::string("missed pairs that were found by way of ") + rival.kind->name);
     rival.result.figures = {{"times ours", median(rival.result.seconds) / median(own.seconds)},
                             {"pairs missed", static_cast<double>(rival.missed)},
-                            {"pairs invented", static_cast<double>(rival.invented)}};
+                            {"pairs invented", static_cast<double>(rival.invented)},
+                            {"with update, us", 1e6 * median(rival.with_update)},
+                            {"times surface trees", median(rival.result.seconds) / median(trees.seconds)},
+                            {"times surface trees with update", median(rival.with_update) / median(trees_with_update)}};
   }
   results.push_back(std::move(own));
+  results.push_back(std::move(trees));
   for (CrossingRival& rival : rivals) results.push_back(std::move(rival.result));
   return results;
 }

@@ -35,10 +35,15 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
+#include <morula/surface/proximity.hpp>
+#include <morula/surface/surface_crossings.hpp>
+#include <morula/surface/swept.hpp>
+#include <morula/tree/nesting.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <morula/update/known_poses.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <morula/update/sample_motions.hpp>

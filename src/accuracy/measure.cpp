@@ -17,6 +17,7 @@ class Meter {
   Meter(const MeshView& mesh, const MeasureOptions& options, Workers& workers)
       : mesh_(mesh), options_(options), workers_(workers), looseness_(mesh) {
     if (options.with_protrusion && looseness_.has_volume()) object_.emplace(mesh, workers);
+    if (options.with_sampled_fit) sampler_.emplace(mesh, SampleCounts{}, workers);
   }
 
   LevelMeasure measure(std::size_t level, std::span<const Sphere> spheres) const {
@@ -27,6 +28,7 @@ class Meter {
                                            : looseness_.measure(mesh_.positions, spheres, options_.grid, workers_);
     m.coverage = coverage(mesh_, spheres, workers_);
     if (object_) m.protrusion = protrusion(*object_, spheres, options_.protrusion_tolerance, workers_);
+    if (sampler_) m.sampled = sampler_->measure(spheres, workers_);
     return m;
   }
 
@@ -36,6 +38,7 @@ class Meter {
   Workers& workers_;
   LoosenessMeter looseness_;
   std::optional<SignedDistance> object_;
+  std::optional<FitSampler> sampler_;
 };
 
 }  // namespace

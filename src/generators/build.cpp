@@ -5,6 +5,7 @@
 #include <cmath>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
 #include "generators/driver/top_down.hpp"
@@ -173,7 +174,10 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   require_usable_scale(mesh);
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
-  return chosen.build(mesh, run, workers);
+  CoveredTree built = chosen.build(mesh, run, workers);
+  built.cover = with_fewer_cuts(mesh, built, workers);
+  if (options.nested) nest(built.tree);
+  return built;
 }
 
 }  // namespace morula

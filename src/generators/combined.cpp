@@ -64,13 +64,13 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
   }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (settings.balance[0] == 0 || run.depth < 2 || flat)
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape,
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape, &lines,
                     exchange_parts);
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);
   return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape,
-                  exchange_parts);
+                  &lines, exchange_parts);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {

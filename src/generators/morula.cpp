@@ -235,7 +235,8 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape,
+                  &input.lines);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
@@ -273,14 +274,14 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {
     const OwnDivider divide(input, run, effort, balls, {}, workers);
-    return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+    return top_down(mesh, run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
   CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  return top_down(mesh, second_run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+  return top_down(mesh, second_run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
 }
 
 }  // namespace morula::detail

@@ -153,7 +153,39 @@ int exact_orient2d(double ax, double ay, double bx, double by, double cx, double
   return sum.sign();
 }
 
+// Sign of |c - c'|^2 - (r - r')^2.
+int exact_sign_of_gap(const Sphere& outer, const Sphere& inner) {
+  std::array<Number, 9> n{};
+  for (int axis = 0; axis < 3; ++axis) {
+    n[static_cast<std::size_t>(2 * axis)] = number(outer.center[axis]);
+    n[static_cast<std::size_t>(2 * axis + 1)] = number(inner.center[axis]);
+  }
+  n[6] = number(outer.radius), n[7] = number(inner.radius), n[8] = number(1.0);
+  ExactSum sum(n);
+  const Number& one = n[8];
+  for (std::size_t i = 0; i < 8; i += 2) {
+    const bool minus = i == 6;
+    sum.add(n[i], n[i], one, minus);
+    sum.add(n[i + 1], n[i + 1], one, minus);
+    sum.add(n[i], n[i + 1], one, !minus);
+    sum.add(n[i], n[i + 1], one, !minus);
+  }
+  return sum.sign();
+}
+
 }  // namespace
+
+bool encloses(const Sphere& outer, const Sphere& inner) {
+  if (inner.radius > outer.radius) return false;
+  const double squared = squared_distance(outer.center, inner.center);
+  const double room = outer.radius - inner.radius, squared_room = room * room;
+  // A square of a difference (1 + e)^3, the sum of three of them (1 + e)^5, their difference (1 + e)^6. Allowed: 8 e,
+  // and what underflow takes.
+  const double error = 8 * 0x1p-53 * (squared + squared_room) + TrianglePlane::underflow;
+  if (squared_room - squared > error) return true;
+  if (squared - squared_room > error) return false;
+  return exact_sign_of_gap(outer, inner) <= 0;
+}
 
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection) {
   const double ax = a[projection.first], ay = a[projection.second];

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Signs of orientation determinants, always those of the real numbers, for all finite doubles: denormal ones, and ones
-// whose products leave the range of double, too.
+// Signs of orientation determinants, and whether a sphere contains another: always those of the real numbers, for all
+// finite doubles: denormal ones, and ones whose products leave the range of double, too.
 //
 // First in double with a bound of the error [shewchuk1997]; where the value is within its bound, as an exact sum of
 // products of integer mantissas in fixed point, wide enough for whatever the exponents are. Nothing is allocated.
 #pragma once
 
 #include <cmath>
+#include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
 
 namespace morula::detail {
@@ -25,6 +26,10 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection)
 /// Sign of (b - a) x (c - a) . (d - a): 1 when d is on the side from which a b c runs counter-clockwise, 0 when all
 /// four are in one plane. All finite. Cost: 10 to 25 ns; 50 to 220 ns where they are in one plane or nearly so.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// Does the one closed ball contain the other, |c - c'| + r' <= r? All finite, radii at least 0. Cost: 5 ns; 50 to 100
+/// ns where they touch from inside or nearly so.
+bool encloses(const Sphere& outer, const Sphere& inner);
 
 /// A triangle's plane for several points: orient3d(t[0], t[1], t[2], d), with what does not depend on d kept.
 class TrianglePlane {

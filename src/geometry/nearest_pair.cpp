@@ -18,34 +18,6 @@ namespace {
 // them are normal numbers.
 constexpr double least_ordinary = 0x1p-200;
 
-struct Parameters {
-  double s, t;
-};
-
-// Nearest points p + s d and q + t e of two segments [ericson2005, 5.1.9].
-Parameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
-  const Vec3 r = p - q;
-  const double dd = squared_length(d), ee = squared_length(e), er = dot(e, r);
-  if (dd <= 0 && ee <= 0) return {0, 0};
-  if (dd <= 0) return {0, std::clamp(er / ee, 0.0, 1.0)};
-  const double dr = dot(d, r);
-  if (ee <= 0) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
-  // By cross products: between nearly parallel segments, differences of products of dot products lose all digits.
-  const double de = dot(d, e);
-  const Vec3 normal = cross(d, e);
-  const double determinant = squared_length(normal);
-  double s = determinant > 0 ? std::clamp(dot(cross(e, r), normal) / determinant, 0.0, 1.0) : 0.0;
-  double t = (de * s + er) / ee;
-  if (t < 0) {
-    t = 0;
-    s = std::clamp(-dr / dd, 0.0, 1.0);
-  } else if (t > 1) {
-    t = 1;
-    s = std::clamp((de - dr) / dd, 0.0, 1.0);
-  }
-  return {s, t};
-}
-
 Vec3 along(const Vec3& p, const Vec3& q, double s) {
   return s == 0 ? p : s == 1 ? q : p + (q - p) * s;
 }
@@ -231,6 +203,29 @@ NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
   found.upper = found.upper > 0 ? std::ldexp(found.upper, -exponent) + rounding : 0;
   found.lower = std::max(0.0, std::ldexp(found.lower, -exponent) - rounding);
   return found;
+}
+
+SegmentParameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
+  const Vec3 r = p - q;
+  const double dd = squared_length(d), ee = squared_length(e), er = dot(e, r);
+  if (dd <= 0 && ee <= 0) return {0, 0};
+  if (dd <= 0) return {0, std::clamp(er / ee, 0.0, 1.0)};
+  const double dr = dot(d, r);
+  if (ee <= 0) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
+  // By cross products: between nearly parallel segments, differences of products of dot products lose all digits.
+  const double de = dot(d, e);
+  const Vec3 normal = cross(d, e);
+  const double determinant = squared_length(normal);
+  double s = determinant > 0 ? std::clamp(dot(cross(e, r), normal) / determinant, 0.0, 1.0) : 0.0;
+  double t = (de * s + er) / ee;
+  if (t < 0) {
+    t = 0;
+    s = std::clamp(-dr / dd, 0.0, 1.0);
+  } else if (t > 1) {
+    t = 1;
+    s = std::clamp((de - dr) / dd, 0.0, 1.0);
+  }
+  return {s, t};
 }
 
 double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x) {

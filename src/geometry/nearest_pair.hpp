@@ -30,6 +30,12 @@ NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b);
 /// the other; negative when there is none. Rounded down.
 double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& direction);
 
+struct SegmentParameters {
+  double s, t;
+};
+/// Nearest points p + s d and q + t e of two segments, s and t from 0 to 1 [ericson2005, 5.1.9].
+SegmentParameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e);
+
 /// Parameter of the point of [p, q] nearest to x.
 double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x);
 

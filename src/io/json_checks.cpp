@@ -30,6 +30,13 @@ std::uint64_t JsonFile::unsigned_member(const nlohmann::json& object, const char
   return value.get<std::uint64_t>();
 }
 
+bool JsonFile::flag(const nlohmann::json& object, const char* key, const std::string& owner) const {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (found == object.end()) return false;
+  if (!found->is_boolean()) fail("\"" + std::string(key) + "\" of " + owner + " is neither true nor false");
+  return found->get<bool>();
+}
+
 void JsonFile::fail(const std::string& problem) const {
   throw FileError(name_ + ": " + problem);
 }

@@ -20,6 +20,8 @@ class JsonFile {
   /// `owner` names the object in messages.
   const nlohmann::json& member(const nlohmann::json& object, const char* key, const std::string& owner) const;
   std::uint64_t unsigned_member(const nlohmann::json& object, const char* key, const std::string& owner) const;
+  /// A member that may be missing, which says false.
+  bool flag(const nlohmann::json& object, const char* key, const std::string& owner) const;
   [[noreturn]] void fail(const std::string& problem) const;
 
  private:

@@ -6,6 +6,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/tree/cover.hpp>
+#include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
@@ -145,6 +146,10 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
 }
 
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
+  return cover(mesh, tree, {.nested = false}, workers);
+}
+
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options, Workers& workers) {
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);
@@ -197,6 +202,9 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
     if (farthest_distance(sphere.center, points) > sphere.radius)
       sphere = grown_to_contain(sphere, points, pad_coordinate);
   });
+
+  built.cover = with_fewer_cuts(mesh, built, workers);
+  if (options.nested || tree.nested) nest(built.tree);
 
   BuildReport& report = built.report;
   report.method = "imported";

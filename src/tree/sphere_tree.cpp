@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
+#include <morula/tree/nesting.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <string>
@@ -126,6 +127,13 @@ std::vector<std::string> validate(const SphereTree& tree) {
       next += count;
     }
   if (next != n) faults.emplace_back("some nodes have no parent");
+  if (tree.nested && faults.empty()) {
+    const Nesting nesting = certify_nesting(tree, tree.spheres);
+    if (!nesting.nested)
+      faults.push_back("the tree says that it is nested, but " + node(nesting.worst_node) + " sticks out of " +
+                       node(tree.parent[nesting.worst_node]) + ", its parent, by " +
+                       std::to_string(nesting.worst_excess));
+  }
   return faults;
 }
 

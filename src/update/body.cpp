@@ -183,6 +183,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   for (const auto& engine : s.engines) s.work.points_tested += engine->tested_points();
   if (raises) {
     s.raised.emplace(built.tree, order, ownership, raised_nodes(rule_of_node));
+    for (const Rule rule : rule_of_node) s.wraps.push_back(rule == Rule::wrapped ? 1 : 0);
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
@@ -191,6 +192,10 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   s.coordinates_reached.resize(s.options.modes.mode_count);
   s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(),
                                                          [](Rule rule) { return traits(rule).covers; });
+  // A node of one that reads children contains their spheres; raised radii see to that, too.
+  s.posed.nested = true;
+  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
+    s.posed.nested = s.posed.nested && (built.tree.is_leaf(node) || rule_of_node[node] == Rule::wrapped);
   s.show();
   s.work.nodes_updated = built.tree.node_count();
   if (reads_points) {
@@ -307,6 +312,7 @@ void Body::copy_spheres(std::vector<Sphere>& spheres) const {
 
 SphereTree Body::current_tree() const {
   SphereTree tree = state_->built->tree;
+  tree.nested = state_->posed.nested;
   copy_spheres(tree.spheres);
   return tree;
 }

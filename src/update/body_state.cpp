@@ -51,9 +51,17 @@ void Body::State::write_levels(const RuleFrame& frame, Workers& workers) noexcep
 
 void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   raised->measure(local.points(), spheres, workers);
-  for (std::size_t k = 0; k < raised->nodes().size(); ++k) {
-    Spheref& sphere = spheres[raised->nodes()[k]];
-    sphere.radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
+  const SphereTree& tree = built->tree;
+  // Children come behind their parents: those of a wrapped node have been raised before it.
+  for (std::size_t k = raised->nodes().size(); k-- > 0;) {
+    const std::uint32_t node = raised->nodes()[k];
+    Spheref& sphere = spheres[node];
+    float radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
+    if (wraps[node] != 0) {
+      const auto children = std::span(spheres).subspan(tree.first_child[node], tree.child_count[node]);
+      radius = std::max(radius, rounding.wrapping_radius(children, sphere.center));
+    }
+    sphere.radius = radius;
   }
 }
 

@@ -24,6 +24,7 @@ struct Body::State {
   UpdateStatus work{};  // of a good update: the same every time
   detail::EngineList engines{};
   std::optional<detail::CornerWalk> raised{};  // conservative: the nodes of rules that do not cover by themselves
+  std::vector<std::uint8_t> wraps{};           // of such a body: one flag per node of the rule `wrapped`
   std::optional<detail::ModalPoser> modal{};   // of a body with modes
   std::optional<detail::SkinPoser> skin{};     // of a body with a skin
   RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else

@@ -47,4 +47,26 @@ Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& p
   return certify(body.cover(), positions, spheres, workers);
 }
 
+bool any_promises_nesting(const Body& body) {
+  for (std::size_t level = 0; level + 1 < body.rest_tree().level_count(); ++level) {
+    if (rule_of_level(body.options().rules, level) == Rule::wrapped) return true;
+  }
+  return false;
+}
+
+Nesting certify_promised_nesting(const Body& body) {
+  const SphereTree& tree = body.rest_tree();
+  std::vector<Sphere> about_origin, in_mesh_coordinates;
+  for (const Spheref& s : body.spheres()) about_origin.push_back({Vec3(s.center), static_cast<double>(s.radius)});
+  body.copy_spheres(in_mesh_coordinates);
+  std::vector<std::uint8_t> promises(tree.node_count());
+  for (std::size_t level = 0; level < tree.level_count(); ++level)
+    if (rule_of_level(body.options().rules, level) == Rule::wrapped)
+      std::fill(promises.begin() + tree.level_begin[level], promises.begin() + tree.level_begin[level + 1],
+                std::uint8_t{1});
+  const Nesting seen[] = {certify_nesting(tree, about_origin, promises),
+                          certify_nesting(tree, in_mesh_coordinates, promises)};
+  return seen[0].worst_excess > seen[1].worst_excess ? seen[0] : seen[1];
+}
+
 }  // namespace morula

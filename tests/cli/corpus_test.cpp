@@ -3,7 +3,7 @@
 // A real scan of 75,000 facets through every command.
 #include <gtest/gtest.h>
 
-#include <scenes/scenes.hpp>
+#include <support/corpus.hpp>
 
 #include "workbench.hpp"
 
@@ -13,12 +13,10 @@ namespace {
 class CliCorpus : public testing::TestWithParam<const char*> {};
 
 TEST_P(CliCorpus, bunny_is_built_moved_and_stays_covered) {
-  const auto corpus = scenes::corpus_folder();
-  if (!corpus || !std::filesystem::is_regular_file(*corpus / "bunny00.off")) {
-    GTEST_SKIP() << "bunny00.off is not here: run scripts/corpus, or set MORULA_CORPUS";
-  }
+  const auto file = corpus_file("bunny00.off");
+  if (file.empty()) GTEST_SKIP() << no_corpus;
   const Workbench bench;
-  const std::string bunny = "'" + (*corpus / "bunny00.off").string() + "'";
+  const std::string bunny = "'" + file.string() + "'";
   bench.require("info " + bunny);
   const std::string method = GetParam();
   EXPECT_TRUE(

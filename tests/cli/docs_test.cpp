@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> command_pages{"docs/cli.md", "docs/cli_build.md", "docs/cli_motion.md",
-                                             "docs/cli_study.md"};
+                                             "docs/cli_study.md", "docs/features.md"};
 
 /// README and everything in docs, by name.
 std::vector<std::string> all_pages() {
@@ -175,7 +175,7 @@ TEST(CliPages, mention_every_option_of_every_command) {
     for (const std::string& line : page_lines(page)) text += line + '\n';
   const Workbench bench;
   for (const char* command : {"build", "measure", "deform", "update", "collide", "view", "medial", "info", "sample",
-                              "convert", "demo", "study"}) {
+                              "convert", "demo", "study", "pairs"}) {
     EXPECT_NE(text.find("\n## " + std::string(command) + "\n"), std::string::npos) << command;
     std::istringstream words(bench.require(std::string(command) + " --help").out);
     for (std::string word; words >> word;) {

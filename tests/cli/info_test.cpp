@@ -52,6 +52,28 @@ TEST(InfoCommand, describes_and_checks_trees) {
   EXPECT_EQ(small["growth_to_cover"]["levels"][0]["grown"], 1);
 }
 
+TEST(InfoCommand, says_whether_a_tree_is_nested) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 6");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 2");
+  EXPECT_EQ(bench.require("info bar.morula --json").json()["nested"], false);
+  EXPECT_NE(bench.require("info bar.morula").out.find("nested     no: "), std::string::npos);
+  const CommandResult built = bench.require("build bar.obj -o nested.morula --method octree --depth 2 --nested");
+  EXPECT_NE(built.out.find("nested        yes"), std::string::npos) << built.out;
+  EXPECT_EQ(bench.require("info nested.morula --check --mesh bar.obj --json").json()["nested"], true);
+  const CommandResult info = bench.require("info nested.morula");
+  EXPECT_NE(info.out.find("nested     yes: every sphere contains its children's\n"), std::string::npos) << info.out;
+  bench.require("convert nested.morula nested.sph");
+  EXPECT_NE(bench.require("info nested.sph").out.find("though the file does not say so"), std::string::npos);
+  bench.require("convert bar.morula bar.sph");
+  bench.require("convert bar.sph again.morula --mesh bar.obj --nested");
+  EXPECT_EQ(bench.require("info again.morula --check --mesh bar.obj --json").json()["nested"], true);
+  bench.require("convert bar.sph again.json --nested");
+  EXPECT_TRUE(read_tree(bench / "again.json").tree.nested);
+  bench.expect_refused("convert bar.obj bar.off --nested", "--nested is for trees");
+  bench.expect_refused("convert bar.morula bar.ply --nested", "balls have no parents");
+}
+
 TEST(InfoCommand, finds_patches_that_do_not_tile_the_mesh) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");

@@ -79,9 +79,7 @@ TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
     EXPECT_EQ(child.wait(), code);
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - sent).count(), 5.0);
     EXPECT_EQ(bench.listing(), before);
-    std::ifstream file(err);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
-    EXPECT_EQ(text, "morula: interrupted; nothing was written\n");
+    EXPECT_EQ(bytes_of(err), "morula: interrupted; nothing was written\n");
   }
   std::filesystem::remove(err);
 }
@@ -124,9 +122,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
     child.send(signal);
     EXPECT_EQ(child.wait(), code) << commands[i].front() << " -o " << commands[i][3];
     EXPECT_EQ(bench.listing(), before) << commands[i].front();
-    std::ifstream file(err);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
-    EXPECT_EQ(text, "morula: interrupted; nothing unfinished was left behind\n");
+    EXPECT_EQ(bytes_of(err), "morula: interrupted; nothing unfinished was left behind\n");
   }
   std::filesystem::remove(err);
 }

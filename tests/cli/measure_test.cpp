@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <morula/io/tree_file.hpp>
 #include <sstream>
@@ -78,6 +79,34 @@ TEST(MeasureCommand, csv_holds_the_digits_of_the_json) {
     EXPECT_EQ(std::stod(row[10]), level["protrusion_worst"].get<double>());
   }
   EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST(MeasureCommand, has_curobos_figures_when_asked_for) {
+  const Workbench bench;
+  bench.write("cube.off",
+              "OFF\n8 6 0\n-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
+              "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+  bench.write("about.sph", "1 8\n0 0 0 2 0\n");
+  const auto plain = bench.require("measure cube.off about.sph --json").json();
+  EXPECT_FALSE(plain["frames"][0]["levels"][0].contains("curobo"));
+  const auto level = bench.require("measure cube.off about.sph --json --curobo --csv cube.csv")
+                         .json()["frames"][0]["levels"][0]["curobo"];
+  EXPECT_EQ(level["coverage"], 1.0);
+  EXPECT_EQ(level["protrusion"], 1.0);
+  EXPECT_NEAR(level["protrusion_dist_max"].get<double>(), 1.0, 0.02);
+  EXPECT_GT(level["protrusion_dist_p95"].get<double>(), level["protrusion_dist_mean"].get<double>());
+  EXPECT_EQ(level["surface_gap_mean"], 0.0);
+  EXPECT_EQ(level["max_uncovered_gap"], 0.0);
+  EXPECT_NEAR(level["volume_ratio"].get<double>(), 4.18879, 1e-4);
+  std::istringstream lines(bench.read("cube.csv"));
+  std::string header, row;
+  std::getline(lines, header);
+  std::getline(lines, row);
+  EXPECT_NE(header.find(",voxel_edge,curobo_coverage,curobo_protrusion,"), std::string::npos) << header;
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
+  const std::string text = bench.require("measure cube.off about.sph --curobo").out;
+  EXPECT_NE(text.find("cuRobo's figures, from samples"), std::string::npos) << text;
+  EXPECT_NE(text.find("4.19"), std::string::npos) << text;
 }
 
 TEST(MeasureCommand, frames_and_trees_are_paired_by_number) {

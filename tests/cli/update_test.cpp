@@ -7,6 +7,7 @@
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
 #include <support/npy.hpp>
@@ -91,6 +92,26 @@ TEST(UpdateCommand, rules_can_be_mixed_by_level_and_the_certificate_follows_the_
   EXPECT_TRUE(without["certificate"].is_null());
   const auto unchecked = bench.require("update limb.obj limb.morula motion.npy -o exact --no-check --json").json();
   EXPECT_TRUE(unchecked["certificate"].is_null());
+}
+
+TEST(UpdateCommand, certifies_that_spheres_of_the_rule_wrapped_contain_their_childrens) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 8");
+  bench.require("build limb.obj -o limb.morula --method octree --depth 2 --nested");
+  bench.require("deform limb.obj -o motion.npy --stretch 2 --twist 90 --frames 3");
+  const std::string command = "update limb.obj limb.morula motion.npy --json -o ";
+  const auto wrapped = bench.require(command + "wrapped.npz --rule wrapped --wrapped-center smallest").json();
+  EXPECT_TRUE(wrapped["nesting"]["nested"].get<bool>());
+  EXPECT_EQ(wrapped["nesting"]["frames_not_nested"], 0);
+  EXPECT_TRUE(wrapped["certificate"]["covered"].get<bool>());
+  EXPECT_TRUE(SphereFrames(bench / "wrapped.npz").frame(1).nested);
+  const auto exact = bench.require(command + "exact.npz").json();
+  EXPECT_FALSE(exact.contains("nesting"));
+  EXPECT_FALSE(SphereFrames(bench / "exact.npz").frame(1).nested);
+  const auto mixed = bench.require(command + "mixed.npz --rule 0:wrapped,1:exact").json();
+  EXPECT_TRUE(mixed["nesting"]["nested"].get<bool>());
+  EXPECT_FALSE(SphereFrames(bench / "mixed.npz").frame(1).nested) << "not on every level";
+  bench.expect_refused(command + "x.npz --rule wrapped --wrapped-center middle", "children, smallest");
 }
 
 TEST(UpdateCommand, refuses_rule_lists_that_do_not_fit) {

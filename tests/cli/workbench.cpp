@@ -14,44 +14,21 @@
 #include <stdexcept>
 
 namespace morula::test {
-namespace {
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-}  // namespace
-
-Workbench::Workbench() {
-  // mkdtemp fills in the last six letters, which have to be X.
-  std::string pattern = (std::filesystem::temp_directory_path() / ("morula-cli-" + std::string(6, 'X'))).string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder for the test");
-  folder_ = pattern;
-}
-
-Workbench::~Workbench() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
-
 CommandResult Workbench::run(const std::string& arguments) const {
   return shell("\"$MORULA\" " + arguments);
 }
 
 CommandResult Workbench::shell(const std::string& command) const {
   // Beside the folder, so that the listing holds what the command wrote and nothing else.
-  const std::string out = folder_.string() + ".out";
-  const std::string err = folder_.string() + ".err";
-  const std::string line = "cd '" + folder_.string() + "' && MORULA='" MORULA_COMMAND "' && { " + command + "\n} >'" +
+  const std::string out = folder().string() + ".out";
+  const std::string err = folder().string() + ".err";
+  const std::string line = "cd '" + folder().string() + "' && MORULA='" MORULA_COMMAND "' && { " + command + "\n} >'" +
                            out + "' 2>'" + err + "' </dev/null";
   const int status = std::system(line.c_str());
   CommandResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  result.out = contents(out);
-  result.err = contents(err);
+  result.out = bytes_of(out);
+  result.err = bytes_of(err);
   std::filesystem::remove(out);
   std::filesystem::remove(err);
   return result;
@@ -79,19 +56,18 @@ bool Workbench::has_page() const {
 }
 
 void Workbench::write(const std::string& name, const std::string& text) const {
-  std::ofstream file(folder_ / name, std::ios::binary);
-  file << text;
+  std::ofstream(folder() / name, std::ios::binary) << text;
 }
 
 std::string Workbench::read(const std::string& name) const {
-  return contents(folder_ / name);
+  return bytes_of(folder() / name);
 }
 
 std::vector<std::string> Workbench::listing() const {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
-    std::string line = std::filesystem::relative(entry.path(), folder_).string();
-    if (entry.is_regular_file()) line += ' ' + std::to_string(std::hash<std::string>{}(contents(entry.path())));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder())) {
+    std::string line = std::filesystem::relative(entry.path(), folder()).string();
+    if (entry.is_regular_file()) line += ' ' + std::to_string(std::hash<std::string>{}(bytes_of(entry.path())));
     names.push_back(line);
   }
   std::sort(names.begin(), names.end());

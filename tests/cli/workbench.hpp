@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <support/scratch_folder.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -20,13 +21,8 @@ struct CommandResult {
 
 class Workbench {
  public:
-  Workbench();
-  ~Workbench();
-  Workbench(const Workbench&) = delete;
-  Workbench& operator=(const Workbench&) = delete;
-
-  const std::filesystem::path& folder() const { return folder_; }
-  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  std::filesystem::path operator/(const std::string& name) const { return folder() / name; }
   /// Runs "morula ARGUMENTS" in the folder, through the shell.
   CommandResult run(const std::string& arguments) const;
   /// Runs a line of shell in the folder, where $MORULA is the command: for streams that are closed or full.
@@ -44,7 +40,7 @@ class Workbench {
   std::vector<std::string> listing() const;
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 }  // namespace morula::test

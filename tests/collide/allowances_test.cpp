@@ -10,6 +10,7 @@
 #include <morula/collide/overlap.hpp>
 #include <morula/geometry/random.hpp>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "collide/pairs/pair_kernels.hpp"
@@ -167,6 +168,25 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Contacts& conta
   return pairs;
 }
 
+// Contacts of two bodies carried from frame to frame, beside those found anew in each.
+struct CarriedAndFresh {
+  CarriedAndFresh(const test::Specimen& a, const test::Specimen& b) {
+    for (ContactQuery* query : {&carried, &fresh}) query->add(*a.collider, *b.collider);
+    EXPECT_TRUE(carried.start());
+    at_first = pairs_of(carried.contacts());
+  }
+  // After the bodies have moved.
+  void expect_the_same() {
+    ASSERT_TRUE(carried.carry());
+    ASSERT_TRUE(fresh.start());
+    ASSERT_EQ(pairs_of(carried.contacts()), pairs_of(fresh.contacts()));
+  }
+  bool have_changed() const { return at_first != pairs_of(fresh.contacts()); }
+
+  ContactQuery carried, fresh;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> at_first;
+};
+
 // How far along a direction two spheres still touch, or a little more: between `in`, where they do, and `out`. What
 // `place_at` gets is that way.
 template <class PlaceAt>
@@ -204,20 +224,16 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
     const double unit = little * a.size;
     double way = far + random.uniform(0, 6) * unit;
     place_at(way);
-    ContactQuery carried, fresh;
-    carried.add(*a.collider, *b.collider);
-    fresh.add(*a.collider, *b.collider);
-    ASSERT_TRUE(carried.start());
-    const auto before = pairs_of(carried.contacts());
+    CarriedAndFresh contacts(a, b);
     const int steps = 1 + round % 3;
     const double step = random.uniform(0, 1.2) * (way - far + unit) / steps;
     for (int k = 0; k < steps; ++k) {
+      SCOPED_TRACE("round " + std::to_string(round) + ", step " + std::to_string(k));
       place_at(way -= step);
-      ASSERT_TRUE(carried.carry());
-      ASSERT_TRUE(fresh.start());
-      ASSERT_EQ(pairs_of(carried.contacts()), pairs_of(fresh.contacts())) << "round " << round << ", step " << k;
+      contacts.expect_the_same();
+      if (testing::Test::HasFatalFailure()) return;
     }
-    changed += before != pairs_of(fresh.contacts());
+    changed += contacts.have_changed();
   }
   EXPECT_GT(changed, 50u);
 }
@@ -226,6 +242,7 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
 TEST(FrontAllowance, pays_for_verdicts_that_rounding_alone_decides) {
   expect_the_contacts_of_a_fresh_front(e, 1500, 6);
 }
+
 // A body's origin goes with one of its vertices. Where that one leaves, the coordinates of all others grow, and with
 // them what a test allows for moving them: verdicts change that no travel accounts for.
 TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
@@ -270,16 +287,12 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
     if (!(before < after)) continue;
     place_at(before + (after - before) * random.uniform(0.5, 1));
     pose(near);
-    ContactQuery carried, fresh;
-    carried.add(*a.collider, *b.collider);
-    fresh.add(*a.collider, *b.collider);
-    ASSERT_TRUE(carried.start());
-    const auto were = pairs_of(carried.contacts());
+    SCOPED_TRACE("round " + std::to_string(round));
+    CarriedAndFresh contacts(a, b);
     pose(away);
-    ASSERT_TRUE(carried.carry());
-    ASSERT_TRUE(fresh.start());
-    ASSERT_EQ(pairs_of(carried.contacts()), pairs_of(fresh.contacts())) << "round " << round;
-    changed += were != pairs_of(fresh.contacts());
+    contacts.expect_the_same();
+    if (testing::Test::HasFatalFailure()) return;
+    changed += contacts.have_changed();
   }
   EXPECT_GT(changed, 100u);
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <scenes/scenes.hpp>
 #include <stdexcept>
+#include <support/scratch_folder.hpp>
 
 namespace morula {
 namespace {
@@ -72,10 +73,9 @@ class CorpusVariable {
 
 TEST(Scenes, corpus_is_where_the_variable_says) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "morula_scenes_test";
-  fs::remove_all(folder);
-  fs::create_directories(folder / "below");
-  for (const char* name : {"b.off", "a.obj", "notes.txt", "below/c.stl"}) std::ofstream(folder / name) << "x";
+  const test::ScratchFolder scratch;
+  const fs::path& folder = scratch.path();
+  for (const char* name : {"b.off", "a.obj", "notes.txt", "below/c.stl"}) scratch.file(name, "x");
   {
     const CorpusVariable variable(folder.string());
     EXPECT_EQ(scenes::corpus_folder(), folder);
@@ -91,7 +91,6 @@ TEST(Scenes, corpus_is_where_the_variable_says) {
     const CorpusVariable variable((folder / "missing").string());
     EXPECT_THROW(scenes::corpus_folder(), std::invalid_argument);
   }
-  fs::remove_all(folder);
 }
 
 }  // namespace

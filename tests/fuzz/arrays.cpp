@@ -24,8 +24,8 @@ namespace {
 
 constexpr const char* array_name = "array.npy";
 
-const ScratchFolder& scratch() {
-  static const ScratchFolder folder;
+const test::ScratchFolder& scratch() {
+  static const test::ScratchFolder folder;
   return folder;
 }
 
@@ -70,18 +70,13 @@ void read_folder(std::string_view bytes) {
   const std::string pattern = plain(std::string(part('\x1f')));
   for (int n = 0; n < 4 && !bytes.empty(); ++n) {
     const std::string name = plain(std::string(part('\x1f')));
-    scratch().write(name, part('\x1e'));
+    scratch().file(name, part('\x1e'));
   }
   const Motion motion(pattern == "x" ? scratch().path() : scratch().path() / pattern, specimen_mesh());
   for (std::size_t i = 0; i < motion.frame_count(); ++i) {
     require(!motion.frame_name(i).empty(), "a frame without a name");
     for (const Vec3& p : motion.frame(i)) require(is_finite(p), "a frame was read that is not finite");
   }
-}
-
-std::string file_bytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 // Numbers of any kind are written so that they read back, or refused.
@@ -94,7 +89,7 @@ void write_balls_and_spheres(Bytes in) {
   } catch (const std::invalid_argument&) {
     return;
   }
-  const std::string bytes = file_bytes(path);
+  const std::string bytes = test::bytes_of(path);
   const Mesh mesh = read_ply(path, bytes);
   require(mesh.vertex_count() == balls.size(), "balls that were written read back as another number");
   for (std::size_t i = 0; i < balls.size(); ++i)
@@ -107,7 +102,7 @@ void write_balls_and_spheres(Bytes in) {
   for (const Sphere& s : balls) writer.write(std::span(&s, 1));
   writer.finish();
   // The first file of the archive is the array, as it is.
-  const std::string archive = file_bytes(scratch().path() / "spheres.npz");
+  const std::string archive = test::bytes_of(scratch().path() / "spheres.npz");
   const std::string_view name = "spheres.npy";
   const std::string_view rest = std::string_view(archive).substr(30 + name.size());
   for (std::size_t i = 0; i < balls.size(); ++i)

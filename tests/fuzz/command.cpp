@@ -43,7 +43,7 @@ class Example {
     if (there == there_ && untouched()) return;
     folder_.clear();
     if (there)
-      for (const auto& [name, bytes] : files_) folder_.write(name, bytes);
+      for (const auto& [name, bytes] : files_) folder_.file(name, bytes);
     there_ = there;
     times_ = times();
   }
@@ -57,7 +57,7 @@ class Example {
   }
   bool untouched() const { return times() == times_; }
 
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::map<std::string, std::string> files_;
   std::map<std::string, fs::file_time_type> times_;
   bool there_ = false;

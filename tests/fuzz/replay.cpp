@@ -16,6 +16,7 @@
 #include <iterator>
 #include <morula/geometry/random.hpp>
 #include <string>
+#include <support/scratch_folder.hpp>
 #include <vector>
 
 #include "fuzz.hpp"
@@ -24,11 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using morula::Random;
-
-std::string read(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::vector<std::string> inputs_of(const std::vector<fs::path>& places) {
   std::vector<fs::path> files;
@@ -44,7 +40,7 @@ std::vector<std::string> inputs_of(const std::vector<fs::path>& places) {
     files.insert(files.end(), found.begin(), found.end());
   }
   std::vector<std::string> inputs;
-  for (const fs::path& file : files) inputs.push_back(read(file));
+  for (const fs::path& file : files) inputs.push_back(morula::test::bytes_of(file));
   return inputs;
 }
 

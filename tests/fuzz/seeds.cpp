@@ -11,6 +11,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/ball_file.hpp>
 #include <string>
+#include <support/scratch_folder.hpp>
 
 #include "../io/gltf_files.hpp"
 #include "io/array/npy.hpp"
@@ -95,11 +96,6 @@ void add_meshes(Seeds seeds) {
   seeds.add("1STCNOFF4 1 0\n0 0 0 1 1\n1 0 0 1 1\n1 1 0 1 1\n0 1 0 1 1\n4 0 1 2 3 255 0 0\n");
 }
 
-std::string file_bytes(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
     const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
@@ -113,8 +109,8 @@ void add_trees(Seeds seeds) {
       const fs::path archive = seeds.scratch("tree.npz"), balls = seeds.scratch("balls.ply");
       write_tree(archive, built.tree);
       write_balls(balls, built.tree.spheres);
-      seeds.add(bases[3] + file_bytes(archive));
-      seeds.add(bases[3] + file_bytes(balls));
+      seeds.add(bases[3] + test::bytes_of(archive));
+      seeds.add(bases[3] + test::bytes_of(balls));
       fs::remove(archive);
       fs::remove(balls);
     }

@@ -7,6 +7,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/update/body.hpp>
 #include <scenes/scenes.hpp>
+#include <support/corpus.hpp>
 
 namespace morula {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 // The folder may come or change after the tests were listed, so they are named by parts of it, not by meshes: part p
 // has every mesh whose place in the list is p, modulo the number of parts.
 constexpr std::size_t parts = 8;
-constexpr const char* not_there = "the corpus is not there: run scripts/corpus, or set MORULA_CORPUS";
 
 struct Part {
   BuildOptions options;
@@ -24,7 +24,7 @@ class Corpus : public testing::TestWithParam<Part> {};
 
 TEST_P(Corpus, gets_a_proof_of_cover_for_every_mesh_that_loads) {
   const auto paths = scenes::corpus_meshes();
-  if (paths.empty()) GTEST_SKIP() << not_there;
+  if (paths.empty()) GTEST_SKIP() << test::no_corpus;
   const auto& [options, part] = GetParam();
   Workers workers(0);
   for (std::size_t i = part; i < paths.size(); i += parts) {
@@ -42,7 +42,7 @@ TEST_P(Corpus, gets_a_proof_of_cover_for_every_mesh_that_loads) {
 
 TEST(CorpusFiles, are_read_or_refused_by_name) {
   const auto paths = scenes::corpus_meshes();
-  if (paths.empty()) GTEST_SKIP() << not_there;
+  if (paths.empty()) GTEST_SKIP() << test::no_corpus;
   std::size_t loaded = 0;
   for (const auto& path : paths) {
     try {

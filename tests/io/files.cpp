@@ -13,39 +13,6 @@ namespace morula::test {
 
 namespace fs = std::filesystem;
 
-ScratchFolder::ScratchFolder() {
-  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const std::string name = "morula_" + std::string(test->test_suite_name()) + "_" + test->name() + "_";
-  int n = 0;
-  do path_ = fs::path(testing::TempDir()) / (name + std::to_string(n++));
-  while (!fs::create_directory(path_));
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-fs::path ScratchFolder::file(const std::string& name, std::string_view bytes) const {
-  const fs::path path = path_ / name;
-  // Some file systems wait for the disk when a file is cut to nothing and written again; a new one does not matter.
-  fs::remove(path);
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return path;
-}
-
-std::vector<std::string> ScratchFolder::names() const {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(path_)) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 void expect_file_error(const fs::path& path, std::size_t line, const std::string& fragment,
                        const std::function<void()>& action) {
   try {
@@ -101,7 +68,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 
 bool same_bits(const SphereTree& a, const SphereTree& b) {
   return a.spheres == b.spheres && a.first_child == b.first_child && a.child_count == b.child_count &&
-         a.parent == b.parent && a.level_begin == b.level_begin && a.branching == b.branching &&
+         a.parent == b.parent && a.level_begin == b.level_begin && a.branching == b.branching && a.nested == b.nested &&
          tree_hash(a) == tree_hash(b);
 }
 

@@ -10,29 +10,10 @@
 #include <string>
 #include <string_view>
 #include <support/raw.hpp>
+#include <support/scratch_folder.hpp>
 #include <vector>
 
 namespace morula::test {
-
-/// A folder of its own for each test, empty at first, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  /// Writes a file into the folder and returns its path.
-  std::filesystem::path file(const std::string& name, std::string_view bytes) const;
-  /// Names of all files in it, hidden ones included, sorted.
-  std::vector<std::string> names() const;
-
- private:
-  std::filesystem::path path_;
-};
-
-std::string bytes_of(const std::filesystem::path& path);
 
 /// Expects a FileError whose text begins with the file's path and holds the fragment. line: 0, or the line that it has
 /// to name right after the path.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 #include <morula/io/spheres_file.hpp>
+#include <morula/tree/nesting.hpp>
 #include <stdexcept>
 #include <support/zip.hpp>
 
@@ -101,6 +102,22 @@ TEST(SpheresFile, reads_back_bit_for_bit) {
   same("parent", tree.parent);
   same("first_child", tree.first_child);
   same("child_count", tree.child_count);
+}
+
+TEST(SpheresFile, says_that_the_tree_is_nested_where_every_frame_is) {
+  const ScratchFolder folder;
+  SphereTree tree = small_built(small_mesh()).tree;
+  const std::vector<Sphere> outside = tree.spheres;
+  nest(tree);
+  const fs::path path = folder.path() / "spheres.npz";
+  for (const bool last_is_outside : {false, true}) {
+    SphereFramesWriter writer(path, tree, 2);
+    writer.write(tree.spheres);
+    writer.write(last_is_outside ? outside : tree.spheres);
+    writer.finish();
+    for (std::size_t frame = 0; frame < 2; ++frame)
+      EXPECT_EQ(SphereFrames(path).frame(frame).nested, !last_is_outside) << frame;
+  }
 }
 
 TEST(SpheresFile, crc_has_the_check_value_of_the_standard) {

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <morula/io/tree_file.hpp>
+#include <morula/tree/nesting.hpp>
 #include <support/meshes.hpp>
 
 #include "files.hpp"
@@ -69,6 +70,118 @@ TEST(TreeFile, native_files_read_back_bit_for_bit) {
   EXPECT_TRUE(same_bits(*read.cover, built.cover));
   EXPECT_TRUE(same_bits(read.report, built.report));
   EXPECT_TRUE(validate(mesh, read_covered_tree(path, mesh)).empty());
+}
+
+TEST(TreeFile, a_nested_tree_says_so_in_every_format_that_can_and_no_other_file_changes) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  const CoveredTree plain = small_built(mesh);
+  CoveredTree nested = plain;
+  nest(nested.tree);
+  for (const std::string extension : {".morula", ".json", ".npz", ".sph"}) {
+    const fs::path path = folder.path() / ("tree" + extension);
+    write_tree(path, plain);
+    EXPECT_EQ(bytes_of(path).find("nested"), std::string::npos) << extension;
+    EXPECT_FALSE(read_tree(path).tree.nested) << extension;
+    write_tree(path, nested);
+    const SphereTree read = read_tree(path).tree;
+    EXPECT_EQ(read.spheres, nested.tree.spheres) << extension;
+    EXPECT_EQ(read.nested, extension != ".sph") << extension;
+    EXPECT_TRUE(certify_nesting(read, read.spheres).nested) << extension << ": all numbers come back";
+    EXPECT_EQ(read_covered_tree(path, mesh).tree.nested, read.nested) << extension;
+  }
+}
+
+TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
+  const ScratchFolder folder;
+  CoveredTree built = small_built(small_mesh());
+  ASSERT_FALSE(certify_nesting(built.tree, built.tree.spheres).nested);
+  built.tree.nested = true;
+  for (const std::string extension : {".morula", ".json", ".npz"})
+    EXPECT_THROW(write_tree(folder.path() / ("tree" + extension), built), std::invalid_argument);
+  EXPECT_TRUE(folder.names().empty());
+
+  built.tree.nested = false;
+  const fs::path json = folder.path() / "tree.json", native = folder.path() / "tree.morula";
+  write_tree(json, built.tree);
+  std::string text = bytes_of(json);
+  const std::string before = text;
+  text.insert(text.find("\"nodes\""), "\"nested\": true, ");
+  expect_file_error(folder.file("tree.json", text), 0, "says that it is nested", [&] { read_tree(json); });
+  text = before;
+  text.insert(text.find("\"nodes\""), "\"nested\": 1, ");
+  expect_file_error(folder.file("tree.json", text), 0, "neither true nor false", [&] { read_tree(json); });
+  nest(built.tree);
+  write_tree(native, built);
+  std::string lying = bytes_of(native);
+  // A radius that was made for the children's, taken back.
+  const std::string old_radius(reinterpret_cast<const char*>(&built.tree.spheres[0].radius), sizeof(double));
+  const double smaller = 0.5;
+  const std::size_t at = lying.find(old_radius);
+  ASSERT_NE(at, std::string::npos);
+  lying.replace(at, sizeof(double), std::string(reinterpret_cast<const char*>(&smaller), sizeof(double)));
+  expect_file_error(folder.file("tree.morula", resealed(lying)), 0, "says that it is nested",
+                    [&] { read_tree(native); });
+}
+
+CoveredTree built_with_poses(const Mesh& mesh) {
+  CoveredTree built = small_built(mesh);
+  for (const double factor : {1.5, -0.25}) {
+    KnownPose pose{"x by " + std::to_string(factor), mesh.positions, nullptr};
+    for (Vec3& p : pose.positions) p.x *= factor;
+    pose.built = std::make_shared<const CoveredTree>(small_built({pose.positions, mesh.facets}));
+    built.poses.push_back(std::move(pose));
+  }
+  return built;
+}
+
+TEST(TreeFile, trees_for_known_poses_read_back_bit_for_bit_and_leave_the_others_where_they_were) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  const CoveredTree built = built_with_poses(mesh);
+  const fs::path path = folder.path() / "tree.morula";
+  write_tree(path, built);
+  const CoveredTree read = read_covered_tree(path, mesh);
+  EXPECT_TRUE(same_bits(read.tree, built.tree));
+  ASSERT_EQ(read.poses.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(read.poses[k].name, built.poses[k].name);
+    EXPECT_EQ(read.poses[k].positions, built.poses[k].positions);
+    EXPECT_TRUE(same_bits(read.poses[k].built->tree, built.poses[k].built->tree));
+    EXPECT_TRUE(same_bits(read.poses[k].built->cover, built.poses[k].built->cover));
+    EXPECT_TRUE(same_bits(read.poses[k].built->report, built.poses[k].built->report));
+  }
+  // What a library that knows no poses reads is the file without them: the same arrays under the same names.
+  CoveredTree alone = built;
+  alone.poses.clear();
+  write_tree(folder.path() / "alone.morula", alone);
+  EXPECT_TRUE(read_tree(folder.path() / "alone.morula").poses.empty());
+  const std::string bytes = bytes_of(path), bytes_alone = bytes_of(folder.path() / "alone.morula");
+  EXPECT_EQ(bytes.substr(8, 4), bytes_alone.substr(8, 4)) << "one version";
+  const auto data_of = [](const std::string& file) {
+    std::uint32_t header_size = 0;
+    std::memcpy(&header_size, file.data() + 12, 4);
+    return file.substr(24 + header_size);
+  };
+  const std::string arrays_alone = data_of(bytes_alone);
+  EXPECT_EQ(data_of(bytes).substr(0, arrays_alone.size() - 8), arrays_alone.substr(0, arrays_alone.size() - 8));
+}
+
+TEST(TreeFile, poses_that_are_not_of_the_mesh_are_neither_written_nor_read) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  CoveredTree built = built_with_poses(mesh);
+  const fs::path path = folder.path() / "tree.morula";
+  built.poses[1].positions.pop_back();
+  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
+  built = built_with_poses(mesh);
+  built.poses[0].built = nullptr;
+  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(path));
+  built = built_with_poses(mesh);
+  for (Vec3& p : built.poses[1].positions) p.x *= 1.01;  // outside the spheres that were made for it
+  write_tree(path, built);
+  EXPECT_THROW(read_covered_tree(path, mesh), FileError);
 }
 
 TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {

@@ -8,6 +8,7 @@
 #include <morula/study/study.hpp>
 #include <morula/update/body.hpp>
 #include <nlohmann/json.hpp>
+#include <support/scratch_folder.hpp>
 
 namespace morula::study {
 namespace {
@@ -25,18 +26,6 @@ Plan small_plan() {
   plan.needle_sides = 0;
   return plan;
 }
-
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("morula-study-" + std::to_string(std::rand()))) {
-    std::filesystem::remove_all(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   const Plan plan = small_plan();
@@ -124,7 +113,7 @@ TEST(StudyRun, there_and_back_certified_and_timed) {
 TEST(StudyRun, same_figures_for_any_workers_from_the_cache_and_after_a_stop) {
   const Plan plan = small_plan();
   const std::string expected = cells_csv(plan, run(plan));
-  const Folder folder;
+  const test::ScratchFolder folder;
   const Cache cache(folder.path());
   std::stop_source stop;
   std::atomic<int> steps = 0;

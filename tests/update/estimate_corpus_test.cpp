@@ -3,9 +3,8 @@
 // Estimates of looseness on meshes that nobody made for the purpose.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <morula/io/mesh_file.hpp>
-#include <scenes/scenes.hpp>
+#include <support/corpus.hpp>
 
 #include "looseness_comparison.hpp"
 
@@ -15,10 +14,8 @@ namespace {
 class EstimateCorpus : public testing::TestWithParam<const char*> {};
 
 TEST_P(EstimateCorpus, agrees_with_voxels_on_scanned_modelled_and_machined_bodies) {
-  const auto corpus = scenes::corpus_folder();
-  if (!corpus) GTEST_SKIP() << "the corpus is not there: run scripts/corpus, or set MORULA_CORPUS";
-  const auto file = *corpus / (std::string(GetParam()) + ".off");
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "not in this corpus: " << file;
+  const auto file = test::corpus_file(std::string(GetParam()) + ".off");
+  if (file.empty()) GTEST_SKIP() << test::no_corpus;
   test::expect_estimates_near_voxels(GetParam(), read_mesh(file));
 }
 

@@ -8,6 +8,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/tree/nesting.hpp>
 #include <optional>
 
 #include "shared/command.hpp"
@@ -26,6 +27,7 @@ struct Options {
   std::string mesh;
   std::string sph_origin = "none";
   std::optional<std::size_t> frame;
+  bool nested = false;
   unsigned threads = 0;
   bool json = false;
 };
@@ -77,6 +79,8 @@ int convert_tree(const Options& o) {
   if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
   TreeFile file = o.frame ? TreeFile{read_frame(o), std::nullopt, {}} : read_tree(o.input, reading);
+  if (o.nested && to_balls) throw UsageError(fmt::format("{}: balls have no parents: leave out --nested", o.output));
+  if (o.nested && !(mesh && extension(o.output) == ".morula")) nest(file.tree);
   if (to_balls) return write_leaves(o, level_set_spheres(file.tree, file.tree.level_count() - 1));
   if (extension(o.output) != ".morula") {
     write_tree(o.output, file.tree);
@@ -87,7 +91,8 @@ int convert_tree(const Options& o) {
                   nullptr);
   }
   if (file.cover && !mesh) {
-    write_tree(o.output, CoveredTree{std::move(file.tree), std::move(*file.cover), std::move(file.report)});
+    write_tree(o.output, CoveredTree{std::move(file.tree), std::move(*file.cover), std::move(file.report),
+                                     std::move(file.poses)});
     return report(o, fmt::format("{}: copied with its cover", o.output), nullptr);
   }
   if (!mesh) {
@@ -95,8 +100,9 @@ int convert_tree(const Options& o) {
         "{} has spheres alone, and a .morula file proves that they cover a mesh: add --mesh MESH", o.input));
   }
   Workers workers = make_workers(o.threads);
-  const CoveredTree built =
-      o.frame ? cover(*mesh, file.tree, workers) : read_covered_tree(o.input, *mesh, reading, workers);
+  CoveredTree built = o.frame ? cover(*mesh, file.tree, {.nested = o.nested}, workers)
+                              : read_covered_tree(o.input, *mesh, reading, workers);
+  if (o.nested) nest(built.tree);
   write_tree(o.output, built);
   return report(o,
                 fmt::format("{}: {}, {}", o.output, counted(built.tree.node_count(), "sphere"),
@@ -116,6 +122,7 @@ int convert_command(const Options& o) {
           ending == ".morula" || ending == ".sph" || ending == ".json" || ending == ".npz") {
         throw UsageError(fmt::format("{} is a mesh and {} a tree: morula build makes trees", o.input, o.output));
       }
+      if (o.nested) throw UsageError(fmt::format("{} is a mesh: --nested is for trees, leave it out", o.input));
       return convert_mesh(o);
     case FileKind::sphere_frames:
       if (!o.frame && SphereFrames(o.input).frame_count() > 1) {
@@ -151,6 +158,7 @@ void add_convert(CLI::App& app, Run& run) {
   add_option(*command, "--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
       ->type_name("N")
       ->transform(whole_number());
+  add_flag(*command, "--nested", o->nested, "Of a tree: spheres grow or move until each contains its children's");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);

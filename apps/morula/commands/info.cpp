@@ -11,6 +11,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/parallel/stopwatch.hpp>
+#include <morula/tree/nesting.hpp>
 
 #include "shared/command.hpp"
 #include "shared/figures.hpp"
@@ -116,13 +117,24 @@ std::vector<std::string> check_tree(const Options& o, const TreeFile& file, cons
   std::vector<std::string> faults = validate(file.tree);
   if (!faults.empty() || !file.cover || !mesh) return faults;
   if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // says so
-  return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report});
+  return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report, file.poses});
+}
+
+std::string nesting_line(const SphereTree& tree) {
+  const Nesting nesting = certify_nesting(tree, tree.spheres);
+  if (nesting.nested)
+    return fmt::format("yes: every sphere contains its children's{}",
+                       tree.nested ? "" : ", though the file does not say so");
+  return fmt::format("no: {} out of the one above, by up to {}",
+                     nesting.outside == 1 ? "1 sphere sticks" : fmt::format("{} spheres stick", nesting.outside),
+                     figure(nesting.worst_excess));
 }
 
 void print_tree(const Options& o, const TreeFile& file) {
   const SphereTree& tree = file.tree;
   fmt::print("{}: tree of {}, {}, branching {}\n\n{}\n", o.file, counted(tree.node_count(), "sphere"),
              counted(tree.level_count(), "level"), tree.branching, level_table(tree));
+  fmt::print("nested     {}\n", nesting_line(tree));
   if (!file.cover) {
     fmt::print("cover      none in this format: morula update and morula convert make one\n");
     return;
@@ -133,6 +145,9 @@ void print_tree(const Options& o, const TreeFile& file) {
              counted(file.cover->facet_count, "facet"), hash_text(file.report.mesh_hash));
   fmt::print("cover      {}, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
              counted(file.cover->cut_points.size(), "cut point"));
+  for (const KnownPose& pose : file.poses) {
+    fmt::print("pose       {}: {}\n", pose.name, counted(pose.built->tree.node_count(), "sphere"));
+  }
   if (!file.report.growth.empty()) fmt::print("\n{}", growth_text(file.report));
   for (const std::string& note : file.report.notes) fmt::print("note       {}\n", note);
 }
@@ -145,6 +160,7 @@ Json tree_json(const Options& o, const TreeFile& file) {
             {"branching", file.tree.branching},
             {"tree_hash", hash_text(tree_hash(file.tree))},
             {"levels", level_json(file.tree)},
+            {"nested", certify_nesting(file.tree, file.tree.spheres).nested},
             {"cover", nullptr}};
   if (file.cover) {
     json["cover"] = {{"vertices", file.cover->vertex_count},
@@ -158,6 +174,10 @@ Json tree_json(const Options& o, const TreeFile& file) {
     json["mesh_hash"] = hash_text(file.report.mesh_hash);
     json["growth"] = growth_json(file.report);
     json["notes"] = file.report.notes;
+    json["poses"] = Json::array();
+    for (const KnownPose& pose : file.poses) {
+      json["poses"].push_back({{"name", pose.name}, {"nodes", pose.built->tree.node_count()}});
+    }
   }
   return json;
 }

@@ -35,6 +35,7 @@ struct Options {
   int resolution = VoxelGrid{}.resolution;
   double voxel_edge = 0;
   bool no_protrusion = false;
+  bool curobo = false;
   std::string sph_origin = "none";
   std::string csv;
   std::string plot;
@@ -47,6 +48,7 @@ MeasureOptions measure_options(const Options& o, const Mesh& rest) {
   if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
   MeasureOptions options;
   options.with_protrusion = !o.no_protrusion;
+  options.with_sampled_fit = o.curobo;
   options.open_by_winding = true;
   options.grid.resolution = o.resolution;
   if (o.grid == "fixed") {
@@ -152,21 +154,45 @@ void print_text(const Options& o, const Mesh& rest, const std::vector<MeasuredFr
       "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
       "{} in mesh units (diagonal {}).\n",
       o.no_protrusion ? "gap is" : "gap and protrusion (worst, mean) are", figure(report.box.diagonal()));
+  if (o.curobo) {
+    fmt::print(
+        "\ncuRobo's figures, from samples\n{}Covered: share of the interior; outside: share of the spheres' surfaces, "
+        "and how far that is\nfrom the object; gap: of the surface from the spheres; volumes: the spheres' over the "
+        "object's.\n",
+        sampled_table(frames));
+  }
 }
 
-std::string csv_text(const std::vector<MeasuredFrame>& frames) {
+std::string csv_text(const std::vector<MeasuredFrame>& frames, bool with_sampled) {
   std::string text =
       "frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,gap_upper,covered,protrusion_worst,"
-      "protrusion_mean,voxel_edge\n";
+      "protrusion_mean,voxel_edge";
+  if (with_sampled) {
+    text +=
+        ",curobo_coverage,curobo_protrusion,curobo_protrusion_dist_mean,curobo_protrusion_dist_p95,"
+        "curobo_protrusion_dist_max,curobo_surface_gap_mean,curobo_surface_gap_p95,curobo_max_uncovered_gap,"
+        "curobo_volume_ratio";
+  }
+  text += '\n';
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
   for (const MeasuredFrame& frame : frames) {
     for (const LevelMeasure& l : frame.levels) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(frame.name), csv_cell(frame.tree),
-                          l.level, l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(frame.name), csv_cell(frame.tree), l.level,
+                          l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
                           exact_digits(l.coverage.bare_area), exact_digits(l.coverage.gap),
                           exact_digits(l.coverage.gap_upper), l.coverage.covered ? "yes" : "no",
                           l.protrusion ? exact_digits(l.protrusion->worst) : "",
                           l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
+      if (l.sampled) {
+        const SampledFit& s = *l.sampled;
+        for (const std::optional<double>& value :
+             {s.coverage, s.protrusion, s.protrusion_mean, s.protrusion_p95, s.protrusion_max,
+              std::optional(s.surface_gap_mean), std::optional(s.surface_gap_p95), std::optional(s.surface_gap_max),
+              s.volume_ratio}) {
+          text += ',' + digits(value);
+        }
+      }
+      text += '\n';
     }
   }
   return text;
@@ -196,7 +222,7 @@ int measure_command(const Options& o) {
   const MeasureOptions options = measure_options(o, rest);
   const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
   if (!o.csv.empty()) {
-    write_whole(o.csv, csv_text(frames));
+    write_whole(o.csv, csv_text(frames, o.curobo));
     note_written(o.csv);
   }
   write_plot(o.plot, measure_plot(fmt::format("{}: looseness and bare area", o.mesh), frames));
@@ -241,6 +267,8 @@ void add_measure(CLI::App& app, Run& run) {
       ->type_name("LENGTH")
       ->transform(number_above_zero());
   add_flag(*command, "--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
+  add_flag(*command, "--curobo", o->curobo,
+           "Also the figures by which cuRobo judges spheres, from samples: docs/measure.md");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");

@@ -115,6 +115,31 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
   return table.text();
 }
 
+std::string sampled_table(const std::vector<MeasuredFrame>& frames) {
+  const bool several = frames.size() > 1;
+  std::vector<std::string> header{"level", "spheres",  "covered", "outside", "mean",   "p95",
+                                  "max",   "gap mean", "p95",     "max",     "volumes"};
+  if (several) header.insert(header.begin(), "frame");
+  Table table(header, several ? 1 : 0);
+  for (const MeasuredFrame& frame : frames) {
+    for (const LevelMeasure& level : frame.levels) {
+      if (!level.sampled) continue;
+      const SampledFit& s = *level.sampled;
+      std::vector<std::string> cells;
+      if (several) cells.push_back(level.level == 0 ? frame.name : std::string());
+      for (std::string cell :
+           {std::to_string(level.level), std::to_string(level.spheres), percent_or_na(s.coverage),
+            percent_or_na(s.protrusion), figure_or_na(s.protrusion_mean), figure_or_na(s.protrusion_p95),
+            figure_or_na(s.protrusion_max), figure(s.surface_gap_mean), figure(s.surface_gap_p95),
+            figure(s.surface_gap_max), figure_or_na(s.volume_ratio)}) {
+        cells.push_back(std::move(cell));
+      }
+      table.add(std::move(cells));
+    }
+  }
+  return table.text();
+}
+
 study::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
   study::Plot plot{.title = title, .x_label = frames.size() > 1 ? "frame" : "level", .panels = {}};

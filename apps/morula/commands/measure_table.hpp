@@ -23,6 +23,8 @@ std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames);
 /// A row per frame and level; of several frames also the worst.
 std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::vector<LevelMeasure>& worst,
                           bool with_protrusion);
+/// A row per frame and level that has them: cuRobo's figures.
+std::string sampled_table(const std::vector<MeasuredFrame>& frames);
 /// Looseness, and bare area where there is any: over the frames, or of one frame over the levels.
 study::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames);
 /// Whether surface is bare, at which levels and how much, in one line.

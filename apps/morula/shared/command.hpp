@@ -49,6 +49,7 @@ void add_measure(CLI::App& app, Run& run);
 void add_deform(CLI::App& app, Run& run);
 void add_update(CLI::App& app, Run& run);
 void add_collide(CLI::App& app, Run& run);
+void add_pairs(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 void add_medial(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);

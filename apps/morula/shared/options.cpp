@@ -91,6 +91,7 @@ CLI::Validator real_number(double least, double most) {
         const std::optional<double> value = parse_number<double>(without_plus(text));
         if (!value || !std::isfinite(*value)) return fmt::format("'{}' is not a number", text);
         if (*value >= least && *value <= most) return std::string();
+        if (most == std::numeric_limits<double>::max()) return fmt::format("{} is below {}", text, least);
         return fmt::format("{} is not in {} to {}", text, least, most);
       },
       "");
@@ -143,6 +144,10 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
       ->capture_default_str();
   add_option(command, "--approach2-inner-boxes", names.approach2_inner_boxes,
              "Inner boxes hold: child-spheres or child-centers")
+      ->type_name("NAME")
+      ->capture_default_str();
+  add_option(command, "--wrapped-center", names.wrapped_center,
+             "Of wrapped: moved as the children in the mean, or smallest, about where it reaches all with least")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--distance-floor", names.distance_floor,
@@ -272,6 +277,9 @@ RuleOptions parse_rule_details(const RuleDetailNames& names) {
   details.approach2_inner_boxes = names.approach2_inner_boxes == "child-spheres"
                                       ? RuleOptions::InnerBoxes::child_spheres
                                       : RuleOptions::InnerBoxes::child_centers;
+  check_name("--wrapped-center", names.wrapped_center, {"children", "smallest"});
+  details.wrapped_center =
+      names.wrapped_center == "children" ? RuleOptions::WrappedCenter::children : RuleOptions::WrappedCenter::smallest;
   details.distance_floor = names.distance_floor;
   check_name("--modal-bound", names.modal_bound, {"gradient", "shift"});
   details.modal_bound =

@@ -37,6 +37,7 @@ struct RuleDetailNames {
   std::string approach1_weights = "uniform";
   std::string approach1_inner_center = "children";
   std::string approach2_inner_boxes = "child-spheres";
+  std::string wrapped_center = "children";
   double distance_floor = 0.0;
   std::string modal_bound = "gradient";
 };

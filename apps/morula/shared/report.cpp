@@ -131,6 +131,19 @@ Json level_measure_json(const LevelMeasure& level) {
   json.update(coverage_json(level.coverage));
   json["protrusion_worst"] = level.protrusion ? Json(level.protrusion->worst) : Json(nullptr);
   json["protrusion_mean"] = level.protrusion ? Json(level.protrusion->mean) : Json(nullptr);
+  if (level.sampled) {
+    // Under the names that cuRobo gives them.
+    const SampledFit& s = *level.sampled;
+    json["curobo"] = {{"coverage", optional_json(s.coverage)},
+                      {"protrusion", optional_json(s.protrusion)},
+                      {"protrusion_dist_mean", optional_json(s.protrusion_mean)},
+                      {"protrusion_dist_p95", optional_json(s.protrusion_p95)},
+                      {"protrusion_dist_max", optional_json(s.protrusion_max)},
+                      {"surface_gap_mean", s.surface_gap_mean},
+                      {"surface_gap_p95", s.surface_gap_p95},
+                      {"max_uncovered_gap", s.surface_gap_max},
+                      {"volume_ratio", optional_json(s.volume_ratio)}};
+  }
   return json;
 }
 

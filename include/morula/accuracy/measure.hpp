@@ -6,6 +6,7 @@
 #include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/accuracy/protrusion.hpp>
+#include <morula/accuracy/sampled_fit.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <optional>
 #include <vector>
@@ -18,12 +19,14 @@ struct LevelMeasure {
   Looseness looseness;
   Coverage coverage;
   std::optional<Protrusion> protrusion;  ///< not taken when switched off or on a mesh without inside
+  std::optional<SampledFit> sampled{};   ///< when asked for
 };
 
 struct MeasureOptions {
   VoxelGrid grid{};
   bool with_protrusion = true;
   double protrusion_tolerance = 1e-2;  ///< share of each radius
+  bool with_sampled_fit = false;       ///< cuRobo's figures as well
   bool open_by_winding = false;        ///< looseness of open meshes by LoosenessMeter::measure_open
 };
 

@@ -73,6 +73,9 @@ struct BuildOptions {
   /// Not 0: as few leaves as needed for each to stick out of the object by at most this length, mesh units, proven by
   /// r + φ(c). With `spheres` too: until the one or the other.
   double max_protrusion = 0;
+  /// Every sphere contains its children's, for engines that prune that way (tree/nesting.hpp): inner spheres grow or
+  /// move for it, leaves stay as they are. Looser above them: docs/tree.md has a table.
+  bool nested = false;
   std::uint64_t seed = 1;  ///< of every random choice; equal seeds, equal bits
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,
   /// merge and expand. Every one adds to the time; the best is taken for each node.
@@ -104,7 +107,7 @@ int automatic_depth(std::size_t facet_count, int branching);
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
 /// disjoint, and a node's region is the union of its children's (region wrapping; child spheres may stick out of their
-/// parent's). Works on open, non-manifold and multi-component meshes.
+/// parent's, unless options.nested). Works on open, non-manifold and multi-component meshes.
 ///
 /// A region that cannot be told apart further, or does not get tighter by division, ends in a leaf above the last
 /// level. Same bits for any number of workers, unless a time limit ends it. Cost: near-linear in facets × levels.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The smallest sphere that contains points.
+// The smallest sphere that contains points, or spheres.
 #pragma once
 
 #include <morula/geometry/sphere.hpp>
@@ -14,6 +14,17 @@ namespace morula {
 /// After: radius = the largest distance in double arithmetic; no rounding pad (see rounded_up_radius).
 /// Cost: O(n) per pivot, about ten pivots.
 Sphere enclosing_sphere(std::span<const Vec3> points);
+
+/// Smallest enclosing sphere of spheres, by farthest-sphere pivoting [fischer2003].
+///
+/// spheres: finite, radii at least 0; any number, some inside others included. None gives a sphere of radius 0 at the
+/// origin, one gives itself.
+/// After: radius = farthest_reach(center, spheres); no rounding pad. Infinite or NaN where differences overflow.
+/// Cost: O(n) per pivot, about ten pivots.
+Sphere enclosing_sphere_of_spheres(std::span<const Sphere> spheres);
+
+/// Largest |center - c| + r of the spheres, to a few ulps whatever their size; 0 for no spheres.
+double farthest_reach(const Vec3& center, std::span<const Sphere> spheres);
 
 /// Largest distance from center to a point; 0 for no points.
 double farthest_distance(const Vec3& center, std::span<const Vec3> points);

@@ -27,7 +27,7 @@ class SphereFramesWriter {
   SphereFramesWriter(const SphereFramesWriter&) = delete;
   SphereFramesWriter& operator=(const SphereFramesWriter&) = delete;
 
-  /// spheres: one per node.
+  /// spheres: one per node. The file says that the tree is nested where `tree` did and every frame is.
   void write(std::span<const Sphere> spheres);
   /// After the last frame; the file appears whole now. Throws FileError if frames are missing.
   void finish();

@@ -21,6 +21,7 @@ struct PosedTree {
   std::uint64_t ownership = 0;       ///< equal for poses of one tree with one cover
   std::uint64_t frame = 0;           ///< tells one pose of a source from the next; 0 at rest
   bool covers = false;               ///< every level's spheres contain the surface, whatever the motion
+  bool nested = false;               ///< every sphere contains its children's, whatever the motion
   bool current = true;               ///< false: the last update was refused, and the spheres are of an older frame
   bool complete = true;              ///< false: a lazy update has left nodes behind
   std::optional<PositionView> positions{};  ///< the vertices that the spheres followed, where the source was given them

@@ -25,6 +25,7 @@ struct SphereTree {
   std::vector<std::uint32_t> parent;       ///< no_node for the root
   std::vector<std::uint32_t> level_begin;  ///< level j holds nodes [level_begin[j], level_begin[j + 1])
   std::uint32_t branching = 8;             ///< most children of a node, 2…64
+  bool nested = false;                     ///< a promise: every sphere contains its children's (tree/nesting.hpp)
 
   std::size_t node_count() const { return spheres.size(); }
   /// Depth + 1; 0 for a tree without nodes.
@@ -47,7 +48,8 @@ std::vector<std::uint32_t> level_set(const SphereTree& tree, std::size_t level);
 std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::size_t level);
 std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::span<const Sphere> spheres, std::size_t level);
 
-/// What is wrong with the arrays, in words; empty when every invariant above holds and all numbers are finite.
+/// What is wrong with the arrays, in words; empty when every invariant above holds, all numbers are finite,
+/// and a tree that says it is nested is.
 std::vector<std::string> validate(const SphereTree& tree);
 
 /// 64-bit FNV-1a over all arrays.

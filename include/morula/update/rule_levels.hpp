@@ -3,6 +3,7 @@
 // Rules by level: which one a level follows, in words, and the certificate of the levels that are meant to carry one.
 #pragma once
 
+#include <morula/tree/nesting.hpp>
 #include <morula/update/body.hpp>
 #include <span>
 #include <string>
@@ -21,5 +22,12 @@ bool any_promises_cover(const Body& body);
 /// certify() of the body's current spheres at these positions, over the levels whose rules promise cover.
 Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& positions,
                                     Workers& workers = serial_workers());
+
+/// True when the nodes of some inner level promise to contain their children's spheres: those of the rule `wrapped`.
+bool any_promises_nesting(const Body& body);
+
+/// certify_nesting() of the body's current spheres below the nodes that promise to contain their children's, both about
+/// its origin and in mesh coordinates.
+Nesting certify_promised_nesting(const Body& body);
 
 }  // namespace morula

@@ -21,7 +21,7 @@ enum class Rule : std::uint8_t {
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
   exact,        ///< Morula's: owned patches, every corner inside; covers by construction
-  wrapped,      ///< bottom-up: a sphere around the children's; covers when they do. Leaves follow `exact`
+  wrapped,      ///< bottom-up: a sphere around the children's, hence nested; covers when they do. Leaves: `exact`
   modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers likewise
   skinned,      ///< moved and resized by the transforms of a skin's bones [jones2017]; may leave surface bare
 };
@@ -78,6 +78,10 @@ struct RuleOptions {
   InnerCenter approach1_inner_center = InnerCenter::children;
   enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
   InnerBoxes approach2_inner_boxes = InnerBoxes::child_spheres;
+  /// Of `wrapped`: the centre moves with the mean of the children's, or from there to where it has to reach least,
+  /// within a few percent: the smallest sphere around theirs.
+  enum class WrappedCenter : std::uint8_t { children, smallest };
+  WrappedCenter wrapped_center = WrappedCenter::children;
   /// Distances below this share of the radius are raised before ratios are taken (τ of D.4): 0 is the paper, which then
   /// skips vertices nearer than 1e-9 of the radius; 0.25 is robust.
   double distance_floor = 0.0;
@@ -92,7 +96,8 @@ struct RuleOptions {
 struct UpdateOptions {
   std::vector<Rule> rules{Rule::exact};
   /// Radii of the other rules grow to what owned corners need, where that is more: every level then covers the surface,
-  /// in the cheapest way that is sound. One more walk over the owned corners.
+  /// in the cheapest way that is sound. One more walk over the owned corners. Those of `wrapped` also grow to what
+  /// children that have grown need.
   bool conservative = false;
   RuleOptions details{};
   Modes modes{};  ///< what update_modal() moves the body by; `modal` needs them

@@ -41,6 +41,7 @@ class Group {
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
 
+  /// Empty space that the balls take in together, and what balance adds.
   double objective();
   /// Fits a ball to other points, with all balls of this group but the nearest to the first start in place.
   GroupBall refit_to(GroupPoints points, std::span<const Vec3f> starts);

@@ -15,10 +15,6 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-std::ptrdiff_t offset(std::size_t i) {
-  return static_cast<std::ptrdiff_t>(i);
-}
-
 // Cells whose middle lies within `half` of `middle`: [begin, end). Positions are not far below zero, so truncation
 // serves as floor.
 struct Range {
@@ -258,27 +254,6 @@ float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
 }
 
 float OutsideGrid::new_outside(const Spheref& ball) {
-  return outside_beyond(ball, balls_over_);
-}
-
-double OutsideGrid::outside_together(std::span<const Spheref> balls) {
-  // Beside what is counted as taken in, so that lines worked out for that stay right.
-  seen_.resize(balls_over_.size(), 0);
-  double sum = 0;
-  for (const Spheref& ball : balls) {
-    sum += outside_beyond(ball, seen_);
-    each_run(ball, [&](std::size_t begin, std::size_t end) {
-      std::fill(seen_.begin() + offset(begin), seen_.begin() + offset(end), std::uint8_t{1});
-    });
-  }
-  for (const Spheref& ball : balls)
-    each_run(ball, [&](std::size_t begin, std::size_t end) {
-      std::fill(seen_.begin() + offset(begin), seen_.begin() + offset(end), std::uint8_t{0});
-    });
-  return sum;
-}
-
-float OutsideGrid::outside_beyond(const Spheref& ball, const std::vector<std::uint8_t>& taken_in) {
   // Line by line: thirds of cells added to one large float would be rounded the same way each time.
   double total = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -293,7 +268,7 @@ float OutsideGrid::outside_beyond(const Spheref& ball, const std::vector<std::ui
       const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)),
                   to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
       const Outside* const cells = &axes_[a].outside[line * at(n)];
-      const std::uint8_t* const over = &taken_in[at(u) * step_[ua] + at(v) * step_[va]];
+      const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
       const int last = std::min(n - 1, static_cast<int>(to));
       float sum = 0;
       for (int w = static_cast<int>(from); w <= last; ++w) {
@@ -308,6 +283,67 @@ float OutsideGrid::outside_beyond(const Spheref& ball, const std::vector<std::ui
     });
   }
   return static_cast<float>(total);
+}
+
+double OutsideGrid::outside_together(std::span<const Spheref> balls) {
+  double total = 0;
+  std::vector<std::array<float, 2>> on_line;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
+    const std::size_t row_length = at(count_[ua]);
+    const int n = count_[a];
+    first_chord_.resize(std::max(first_chord_.size(), row_length * at(count_[va])), -1);
+    chords_.clear();
+    lines_met_.clear();
+    for (const Spheref& ball : balls) {
+      const float cu = ball.center[static_cast<int>(ua)], middle = ball.center[static_cast<int>(a)];
+      each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float in_row) {
+        for (int u = begin; u < end; ++u) {
+          const float du = static_cast<float>(u) + 0.5F - cu, square = in_row - du * du;
+          if (!(square > 0)) continue;
+          const float half = std::sqrt(square);
+          std::int32_t& first = first_chord_[at(v) * row_length + at(u)];
+          if (first < 0) lines_met_.push_back({u, v});
+          chords_.push_back({std::clamp(middle - half, 0.0F, static_cast<float>(n)),
+                             std::clamp(middle + half, 0.0F, static_cast<float>(n)), first});
+          first = static_cast<std::int32_t>(chords_.size() - 1);
+        }
+      });
+    }
+    for (const auto& [u, v] : lines_met_) {
+      const std::size_t line = at(v) * row_length + at(u);
+      on_line.clear();
+      for (std::int32_t c = first_chord_[line]; c >= 0; c = chords_[at(c)].next)
+        on_line.push_back({chords_[at(c)].from, chords_[at(c)].to});
+      first_chord_[line] = -1;
+      std::sort(on_line.begin(), on_line.end());
+      if (axes_[a].traced[line] == 0) trace(a, u, v, line);
+      const Outside* const cells = &axes_[a].outside[line * at(n)];
+      float sum = 0;
+      const auto add = [&](float from, float to) {
+        const int last = std::min(n - 1, static_cast<int>(to));
+        for (int w = static_cast<int>(from); w <= last; ++w) {
+          const Outside& cell = cells[w];
+          if (!(cell.total > 0)) continue;
+          const auto up_to = [&](float position) {
+            return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);
+          };
+          sum += up_to(std::min(to, static_cast<float>(w + 1))) - up_to(std::max(from, static_cast<float>(w)));
+        }
+      };
+      std::array<float, 2> merged = on_line[0];
+      for (const std::array<float, 2>& chord : on_line)
+        if (chord[0] <= merged[1]) {
+          merged[1] = std::max(merged[1], chord[1]);
+        } else {
+          add(merged[0], merged[1]);
+          merged = chord;
+        }
+      add(merged[0], merged[1]);
+      total += static_cast<double>(sum);
+    }
+  }
+  return total;
 }
 
 }  // namespace morula::detail

@@ -89,6 +89,7 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
     if (!reached[i]) file.fail(name(i) + " has no parent");
   if (const std::uint64_t levels = file.unsigned_member(root, "levels", "the file"); levels != tree.level_count())
     file.fail("\"levels\" is " + std::to_string(levels) + ", but the nodes form " + std::to_string(tree.level_count()));
+  tree.nested = file.flag(root, "nested", "the file");
   require_valid(path, tree);
   return tree;
 }
@@ -96,7 +97,8 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
 std::string json_tree_text(const SphereTree& tree) {
   std::string text = "{\n  \"format\": \"" + std::string(format_name) +
                      "\",\n  \"version\": 1,\n  \"branching\": " + std::to_string(tree.branching) +
-                     ",\n  \"levels\": " + std::to_string(tree.level_count()) + ",\n  \"nodes\": [\n";
+                     ",\n  \"levels\": " + std::to_string(tree.level_count()) +
+                     (tree.nested ? ",\n  \"nested\": true" : "") + ",\n  \"nodes\": [\n";
   for (std::size_t i = 0; i < tree.node_count(); ++i) {
     const Sphere& s = tree.spheres[i];
     text += "    {\"center\": [";

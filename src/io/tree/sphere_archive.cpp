@@ -72,9 +72,16 @@ SphereArchive::SphereArchive(ByteSource source) : source_(std::move(source)), sp
   if (branching > max_branching)
     fail(source_.name(),
          "the branching is " + std::to_string(branching) + ", not 2 to " + std::to_string(max_branching));
+  bool nested = false;
+  if (const std::optional<ZipEntry> entry = entry_of(entries, "nested")) {
+    const std::vector<std::uint32_t> given = indices(source_, *entry, false);
+    if (given.size() != 1 || given[0] > 1) fail(source_.name(), "the array 'nested' is not one number, 0 or 1");
+    nested = given[0] == 1;
+  }
   structure_ = tree_of_counts(source_.name(), std::vector<Sphere>(nodes), child_count, level_begin, branching);
   if (structure_.parent != parent || structure_.first_child != first_child)
     fail(source_.name(), "parent or first_child are not those that child_count and level_begin give");
+  structure_.nested = nested;
 }
 
 SphereTree SphereArchive::frame(std::size_t i) const {

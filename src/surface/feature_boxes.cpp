@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/feature_boxes.hpp"
+
+#include <algorithm>
+
+namespace morula::detail {
+namespace {
+
+template <std::size_t N>
+MinBox box_of_vertices(const SurfaceTreeState& s, const std::array<std::uint32_t, N>& vertices) {
+  MinBox box;
+  for (const std::uint32_t v : vertices) box.add(s.vertex_boxes[s.slot_of_vertex[v]]);
+  return box;
+}
+
+void put(BoxGroup& group, std::size_t place, const MinBox& box) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    group.bound[k][place] = box.bound[k];
+    group.bound[k + 3][place] = -box.bound[k + 4];
+  }
+}
+
+}  // namespace
+
+void FeatureBoxes::start(const SurfaceTreeState& state, Features features) {
+  state_ = &state;
+  frame_ = state.frame;
+  features_ = features;
+  used_ = 0;
+  wanted_.clear();
+  if (stamp_.size() < state.block_count()) {
+    stamp_.resize(state.block_count(), now_);
+    first_.resize(state.block_count());
+  }
+  if (++now_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0u);
+    now_ = 1;
+  }
+}
+
+void FeatureBoxes::want(std::uint32_t block) {
+  if (stamp_[block] == now_) return;
+  stamp_[block] = now_;
+  first_[block] = static_cast<std::uint32_t>(used_);
+  used_ += 1;
+  if (features_ == Features::all) used_ += vertex_groups(block) + edge_groups(block);
+  wanted_.push_back(block);
+}
+
+void FeatureBoxes::fill(Workers& workers) {
+  if (groups_.size() < used_) groups_.resize(std::max(used_, groups_.size() + groups_.size() / 2));
+  parallel_for(workers, wanted_.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) make(wanted_[i]);
+  });
+  wanted_.clear();
+}
+
+void FeatureBoxes::make(std::uint32_t block) {
+  const SurfaceTreeState& s = *state_;
+  BoxGroup* group = &groups_[first_[block]];
+  group->clear();
+  const std::size_t facets = std::min<std::size_t>(8, s.order.size() - 8 * std::size_t{block});
+  for (std::size_t i = 0; i < facets; ++i)
+    put(*group, i, box_of_vertices(s, s.facets_in_order[8 * std::size_t{block} + i]));
+  if (features_ == Features::facets) return;
+  const std::uint32_t vertex_begin = s.own_vertices[block], vertex_end = s.own_vertices[block + 1];
+  for (std::uint32_t slot = vertex_begin; slot < vertex_end; ++slot) {
+    const std::uint32_t place = (slot - vertex_begin) % 8;
+    if (place == 0) (++group)->clear();
+    put(*group, place, s.vertex_boxes[slot]);
+  }
+  const std::uint32_t edge_begin = s.own_edges_begin[block], edge_end = s.own_edges_begin[block + 1];
+  for (std::uint32_t i = edge_begin; i < edge_end; ++i) {
+    const std::uint32_t place = (i - edge_begin) % 8;
+    if (place == 0) (++group)->clear();
+    put(*group, place, box_of_vertices(s, s.ends_of_own_edges[i]));
+  }
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/surface/proximity.hpp>
+
+#include "surface/feature_distance.hpp"
+#include "surface/feature_query.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+/// The vertices that a nearest point is made of, ascending; the rest is no_slot.
+using Simplex = std::array<std::uint32_t, 3>;
+
+Simplex simplex(const SurfaceTreeState& s, Feature feature, std::uint32_t number, const Barycentric& weights) {
+  Simplex result;
+  result.fill(SurfaceTreeState::no_slot);
+  const FeatureVertices vertices(s, feature, number);
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (weights[i] != 0) result[size++] = vertices[i];
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace
+
+struct ProximityQuery::State {
+  ProximityOptions options;
+  FeatureQuery<ProximityPair> query;
+  std::vector<ProximityPair> once;  // the found ones whose nearest features no pair before has
+
+  template <class Ask>
+  SurfaceQueryStatus ask(const Ask& how) {
+    const double distance = options.distance;
+    const SurfaceQueryStatus status =
+        how([distance](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
+          const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
+                                                     FeaturePoints(b, feature_b(pair.kind), pair.b));
+          return found.distance <= distance ? std::optional(found) : std::nullopt;
+        });
+    if (status && options.nearest_features_once) keep_nearest_features_once();
+    return status;
+  }
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+    return ask(
+        [&](const auto& narrow) { return query.run(a, b, {.reach = options.distance}, options, workers, narrow); });
+  }
+  void keep_nearest_features_once();
+};
+
+void ProximityQuery::State::keep_nearest_features_once() {
+  struct Key {
+    Simplex first, second;
+    std::uint32_t index;
+    bool operator<(const Key& k) const { return std::tie(first, second, index) < std::tie(k.first, k.second, k.index); }
+  };
+  const std::vector<ProximityPair>& found = query.found();
+  std::vector<Key> keys;
+  for (std::uint32_t i = 0; i < found.size(); ++i) {
+    const ProximityPair& pair = found[i];
+    Key key{simplex(query.search().a(), feature_a(pair.kind), pair.a, pair.weights_a),
+            simplex(query.search().b(), feature_b(pair.kind), pair.b, pair.weights_b), i};
+    // Of one surface with itself it does not matter which is first.
+    if (query.search().is_with_itself() && key.second < key.first) std::swap(key.first, key.second);
+    keys.push_back(key);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> kept;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    if (k == 0 || keys[k].first != keys[k - 1].first || keys[k].second != keys[k - 1].second)
+      kept.push_back(keys[k].index);
+  std::sort(kept.begin(), kept.end());
+  once.clear();
+  for (const std::uint32_t i : kept) once.push_back(found[i]);
+}
+
+ProximityQuery::ProximityQuery(ProximityOptions options) : state_(std::make_unique<State>()) {
+  set_options(std::move(options));
+}
+ProximityQuery::~ProximityQuery() = default;
+ProximityQuery::ProximityQuery(ProximityQuery&&) noexcept = default;
+ProximityQuery& ProximityQuery::operator=(ProximityQuery&&) noexcept = default;
+
+void ProximityQuery::set_options(ProximityOptions options) {
+  require_length(options.distance, "ProximityOptions::distance");
+  FeatureFilter::require_usable(options.filter);
+  require_budget(options.budget);
+  state_->options = std::move(options);
+}
+const ProximityOptions& ProximityQuery::options() const {
+  return state_->options;
+}
+
+SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& surface, Workers& workers) {
+  return state_->run(surface.state(), nullptr, workers);
+}
+SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
+  return state_->run(a.state(), &b.state(), workers);
+}
+SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
+  return state_->ask([&](const auto& narrow) { return state_->query.resume(state_->options, workers, narrow); });
+}
+
+std::span<const ProximityPair> ProximityQuery::pairs() const {
+  return state_->options.nearest_features_once ? state_->once : state_->query.found();
+}
+const std::vector<OpenFacets>& ProximityQuery::open() const {
+  return state_->query.open();
+}
+
+void ProximityQuery::safe_distances(std::span<double> distances) const {
+  std::fill(distances.begin(), distances.end(), 0.5 * state_->options.distance);
+  const PairSearch& search = state_->query.search();
+  for (const ProximityPair& pair : state_->query.found()) {
+    const auto bound = [&](const SurfaceTreeState& s, Feature feature, std::uint32_t number) {
+      for (const std::uint32_t v : FeatureVertices(s, feature, number))
+        if (v < distances.size()) distances[v] = std::min(distances[v], 0.5 * pair.distance);
+    };
+    bound(search.a(), feature_a(pair.kind), pair.a);
+    if (search.is_with_itself()) bound(search.b(), feature_b(pair.kind), pair.b);
+  }
+}
+
+}  // namespace morula

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <morula/surface/surface_crossings.hpp>
+
+#include "geometry/triangles_meet.hpp"
+#include "surface/feature_query.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+std::optional<FeaturePair> crossing(const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
+  const auto corners = [](const SurfaceTreeState& s, std::uint32_t facet) -> Triangle {
+    const Facet& f = s.facets[facet];
+    return {s.from_of(f[0]), s.from_of(f[1]), s.from_of(f[2])};
+  };
+  return triangles_meet(corners(a, pair.a), corners(b, pair.b)) ? std::optional(pair) : std::nullopt;
+}
+
+}  // namespace
+
+struct SurfaceCrossingQuery::State {
+  SurfaceCrossingOptions options;
+  FeatureQuery<FeaturePair> query;
+
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+    return query.run(a, b, {.features = Features::facets}, options, workers, crossing);
+  }
+};
+
+SurfaceCrossingQuery::SurfaceCrossingQuery(SurfaceCrossingOptions options) : state_(std::make_unique<State>()) {
+  set_options(std::move(options));
+}
+SurfaceCrossingQuery::~SurfaceCrossingQuery() = default;
+SurfaceCrossingQuery::SurfaceCrossingQuery(SurfaceCrossingQuery&&) noexcept = default;
+SurfaceCrossingQuery& SurfaceCrossingQuery::operator=(SurfaceCrossingQuery&&) noexcept = default;
+
+void SurfaceCrossingQuery::set_options(SurfaceCrossingOptions options) {
+  FeatureFilter::require_usable(options.filter);
+  require_budget(options.budget);
+  state_->options = std::move(options);
+}
+const SurfaceCrossingOptions& SurfaceCrossingQuery::options() const {
+  return state_->options;
+}
+
+SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& surface, Workers& workers) {
+  return state_->run(surface.state(), nullptr, workers);
+}
+SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
+  return state_->run(a.state(), &b.state(), workers);
+}
+SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
+  return state_->query.resume(state_->options, workers, crossing);
+}
+
+std::span<const FeaturePair> SurfaceCrossingQuery::pairs() const {
+  return state_->query.found();
+}
+const std::vector<OpenFacets>& SurfaceCrossingQuery::open() const {
+  return state_->query.open();
+}
+
+}  // namespace morula

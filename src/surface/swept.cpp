@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/surface/swept.hpp>
+
+#include "surface/feature_query.hpp"
+
+namespace morula {
+using namespace detail;
+
+namespace {
+
+std::optional<FeaturePair> candidate(const SurfaceTreeState&, const SurfaceTreeState&, const FeaturePair& pair) {
+  return pair;
+}
+
+/// Those that are not proven to stay apart.
+struct Impact {
+  double distance;
+
+  std::optional<SweptPair> operator()(const SurfaceTreeState& a, const SurfaceTreeState& b,
+                                      const FeaturePair& pair) const {
+    const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
+    const double time = time_of_impact(FeaturePoints(a, of_a, pair.a), FeaturePoints(a, of_a, pair.a, true),
+                                       FeaturePoints(b, of_b, pair.b), FeaturePoints(b, of_b, pair.b, true), distance);
+    if (time > 1) return std::nullopt;
+    return SweptPair{pair, time};
+  }
+};
+
+}  // namespace
+
+struct SweptQuery::State {
+  SweptOptions options;
+  FeatureQuery<SweptPair> query;
+  FeatureQuery<FeaturePair> candidates;
+
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+    if (options.candidates_only)
+      return candidates.run(a, b, {.reach = options.distance, .sorted = false}, options, workers, candidate);
+    return query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
+  }
+  SurfaceQueryStatus resume(Workers& workers) {
+    return options.candidates_only ? candidates.resume(options, workers, candidate)
+                                   : query.resume(options, workers, Impact{options.distance});
+  }
+};
+
+SweptQuery::SweptQuery(SweptOptions options) : state_(std::make_unique<State>()) {
+  set_options(std::move(options));
+}
+SweptQuery::~SweptQuery() = default;
+SweptQuery::SweptQuery(SweptQuery&&) noexcept = default;
+SweptQuery& SweptQuery::operator=(SweptQuery&&) noexcept = default;
+
+void SweptQuery::set_options(SweptOptions options) {
+  require_length(options.distance, "SweptOptions::distance");
+  FeatureFilter::require_usable(options.filter);
+  require_budget(options.budget);
+  state_->options = std::move(options);
+}
+const SweptOptions& SweptQuery::options() const {
+  return state_->options;
+}
+
+SurfaceQueryStatus SweptQuery::run(const SurfaceTree& surface, Workers& workers) {
+  return state_->run(surface.state(), nullptr, workers);
+}
+SurfaceQueryStatus SweptQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
+  return state_->run(a.state(), &b.state(), workers);
+}
+SurfaceQueryStatus SweptQuery::resume(Workers& workers) {
+  return state_->resume(workers);
+}
+
+std::span<const SweptPair> SweptQuery::pairs() const {
+  return state_->query.found();
+}
+std::span<const FeaturePair> SweptQuery::candidates() const {
+  return state_->candidates.found();
+}
+const std::vector<OpenFacets>& SweptQuery::open() const {
+  return state_->options.candidates_only ? state_->candidates.open() : state_->query.open();
+}
+
+double SweptQuery::collision_free_step() const {
+  double step = 1;
+  for (const SweptPair& pair : pairs()) step = std::min(step, pair.time);
+  return step;
+}
+
+}  // namespace morula

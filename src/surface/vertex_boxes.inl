@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The source of vertex_boxes.cpp: four numbers at once, as plain::rounded_down has them one by one.
+
+typedef double FourDoubles __attribute__((vector_size(32)));
+typedef double LooseFourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
+typedef std::int32_t FourWhole __attribute__((vector_size(16)));
+
+inline Four rounded_down(FourDoubles x) {
+  const Four nearest = __builtin_convertvector(x, Four);
+  FourWhole number = reinterpret_cast<FourWhole>(nearest);
+  number ^= (number >> 31) & 0x7fffffff;
+  // A true comparison is −1.
+  number += __builtin_convertvector(__builtin_convertvector(nearest, FourDoubles) > x, FourWhole);
+  number ^= (number >> 31) & 0x7fffffff;
+  return reinterpret_cast<Four>(number);
+}
+
+void make(const Vec3* lower, const Vec3* upper, std::size_t count, MinBox* boxes) {
+  for (std::size_t i = 0; i < count; ++i) {
+    FourDoubles low = *reinterpret_cast<const LooseFourDoubles*>(lower + i);
+    FourDoubles high = *reinterpret_cast<const LooseFourDoubles*>(upper + i);
+    low[3] = high[3] = 0;
+    Four* const bounds = reinterpret_cast<Four*>(boxes + i);
+    bounds[0] = rounded_down(low);
+    // −0 is 0 here as well: nothing is below it but negative numbers.
+    bounds[1] = rounded_down(-high);
+    bounds[1][3] = 0;
+  }
+}

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Surface trees: what boxes hold, what is refused, what depends on nothing.
+#include <gtest/gtest.h>
+
+#include <morula/surface/proximity.hpp>
+#include <morula/surface/surface_crossings.hpp>
+#include <morula/surface/swept.hpp>
+#include <support/aligned.hpp>
+#include <support/numbers.hpp>
+
+#include "surface/tree_state.hpp"
+#include "surfaces.hpp"
+
+namespace morula {
+namespace {
+
+/// Every vertex of every facet of a block, at both ends, lies in all boxes above it.
+void expect_boxes_hold(const SurfaceTree& tree) {
+  const detail::SurfaceTreeState& s = tree.state();
+  std::size_t looked_at = 0;
+  for (std::size_t i = 0; i < s.order.size(); ++i)
+    for (const std::uint32_t v : s.facets[s.order[i]])
+      for (const Vec3& p : {tree.from(v), tree.to(v)}) {
+        std::size_t box = i / 8;
+        for (const auto& level : s.levels) {
+          const detail::BoxGroup& group = level[box / 8];
+          for (int k = 0; k < 3; ++k) {
+            const double x = p[k] - s.origin[k];
+            ASSERT_LE(static_cast<double>(group.bound[k][box % 8]), x);
+            ASSERT_GE(static_cast<double>(group.bound[k + 3][box % 8]), x);
+          }
+          box /= 8;
+          ++looked_at;
+        }
+      }
+  EXPECT_GT(looked_at, 0u);
+}
+
+TEST(SurfaceTree, boxes_hold_every_vertex_at_both_ends) {
+  Random random(1);
+  for (const test::NamedMesh& body : test::all_meshes()) {
+    if (body.mesh.facets.empty()) continue;
+    SCOPED_TRACE(body.name);
+    SurfaceTree tree(body.mesh);
+    expect_boxes_hold(tree);
+    std::vector<Vec3> to = body.mesh.positions;
+    for (Vec3& p : to) p = p * 1.3 + Vec3{random.uniform(-1, 1), 1e6, random.uniform(-1e-3, 1e-3)};
+    ASSERT_TRUE(tree.update(PositionView(body.mesh.positions), PositionView(to)));
+    EXPECT_TRUE(tree.is_step());
+    expect_boxes_hold(tree);
+    ASSERT_TRUE(tree.update(PositionView(to)));
+    EXPECT_FALSE(tree.is_step());
+    expect_boxes_hold(tree);
+  }
+}
+
+TEST(SurfaceTree, every_vertex_and_edge_has_one_owner_and_blocks_have_eight_facets) {
+  for (const test::NamedMesh& body : test::aligned_bodies()) {
+    const SurfaceTree tree(body.mesh);
+    const detail::SurfaceTreeState& s = tree.state();
+    std::vector<int> facets(body.mesh.facets.size()), edges(tree.edges().size());
+    for (const std::uint32_t f : s.order) ++facets[f];
+    for (const std::uint32_t e : s.own_edges) ++edges[e];
+    EXPECT_EQ(std::count(facets.begin(), facets.end(), 1), std::ssize(facets)) << body.name;
+    EXPECT_EQ(std::count(edges.begin(), edges.end(), 1), std::ssize(edges)) << body.name;
+    EXPECT_EQ(s.vertex_of_slot.size(), test::plain_vertices(body.mesh).size()) << body.name;
+    EXPECT_EQ(tree.edges().size(), test::plain_edges(body.mesh).size()) << body.name;
+    EXPECT_EQ(s.own_vertices.back(), s.vertex_of_slot.size());
+    EXPECT_EQ(s.own_edges_begin.back(), s.own_edges.size());
+  }
+}
+
+TEST(SurfaceTree, has_the_same_bits_for_any_number_of_workers) {
+  Random random(5);
+  const test::Moving m = test::wavy_sheet(60, 0.01, random);
+  SurfaceTree one(m.mesh), three(m.mesh);
+  Workers workers(3);
+  ASSERT_TRUE(one.update(m.from, m.to));
+  ASSERT_TRUE(three.update(m.from, m.to, workers));
+  EXPECT_EQ(one.hash(), three.hash());
+  const std::uint64_t before = one.hash();
+  ASSERT_TRUE(one.update(m.from));
+  EXPECT_NE(one.hash(), before);
+}
+
+TEST(SurfaceTree, refuses_what_it_cannot_take_and_stays_as_it_was) {
+  Random random(5);
+  const test::Moving m = test::wavy_sheet(6, 0.01, random);
+  SurfaceTree tree(m.mesh);
+  ASSERT_TRUE(tree.update(m.from, m.to));
+  const std::uint64_t before = tree.hash();
+  std::vector<Vec3> bad = m.to;
+  bad[7].y = test::nan;
+  bad[9].x = test::infinity;
+  const Status status = tree.update(m.from, bad);
+  EXPECT_EQ(status.code, Status::Code::non_finite_position);
+  EXPECT_EQ(status.index, 7u);
+  bad[7].y = 0, bad[9].x = 1e40;
+  EXPECT_EQ(tree.update(bad, m.to), (Status{.code = Status::Code::non_finite_position, .index = 9}));
+  bad.pop_back();
+  EXPECT_EQ(tree.update(bad).code, Status::Code::wrong_vertex_count);
+  EXPECT_EQ(tree.hash(), before);
+  EXPECT_TRUE(tree.is_step());
+  EXPECT_EQ(tree.to(7), m.to[7]);
+  EXPECT_THROW(SurfaceTree(Mesh{}), std::invalid_argument);
+}
+
+TEST(SurfaceTree, vertices_that_no_facet_uses_may_be_anything) {
+  Mesh mesh = test::icosphere(1);
+  mesh.positions.push_back({test::nan, 0, 0});
+  SurfaceTree tree(mesh);
+  EXPECT_TRUE(tree.update(mesh.positions));
+}
+
+TEST(SurfaceQueries, refuse_options_that_make_no_sense_and_questions_about_the_past) {
+  EXPECT_THROW(ProximityQuery({.distance = -1}), std::invalid_argument);
+  EXPECT_THROW(ProximityQuery({.distance = test::nan}), std::invalid_argument);
+  EXPECT_THROW(SweptQuery({.distance = test::infinity}), std::invalid_argument);
+  EXPECT_THROW(SurfaceCrossingQuery({.filter = {.rest_distance = -1}}), std::invalid_argument);
+  EXPECT_THROW(SurfaceCrossingQuery({.budget = -1}), std::invalid_argument);
+  ProximityQuery query({.distance = 0.1});
+  EXPECT_EQ(query.resume().code, Status::Code::no_front);
+  const Mesh mesh = test::icosphere(2);
+  SurfaceTree tree(mesh);
+  query.set_options({.distance = 0.1, .filter = {.masks_a = {.of = {1, 2, 3}}}});
+  EXPECT_EQ(query.run(tree).code, Status::Code::bad_option);
+  query.set_options({.distance = 0.1, .budget = 128});
+  EXPECT_FALSE(query.run(tree).finished);
+  ASSERT_TRUE(tree.update(mesh.positions));
+  EXPECT_EQ(query.resume().code, Status::Code::other_frame);
+}
+
+}  // namespace
+}  // namespace morula
