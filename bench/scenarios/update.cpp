@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <morula/generators/build.hpp>
+#include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 
 #include "frames.hpp"
@@ -115,7 +116,8 @@ Result twenty_bodies(const Input& input, const CoveredTree& built, const std::ve
   const double vertices = static_cast<double>(count * input.mesh.vertex_count());
   result.figures = {{"threads", static_cast<double>(settings.workers->thread_count())},
                     {"ns/vertex", 1e9 * median(result.seconds) / vertices},
-                    {"times one thread", median(one_thread) / median(result.seconds)}};
+                    {"times one thread", median(one_thread) / median(result.seconds)},
+                    {"us a body, one thread", 1e6 * median(one_thread) / count}};
   if (before && after) {
     const double bytes = static_cast<double>(*after - *before) / count;
     const double allowed = 600.0 * static_cast<double>(built.tree.node_count()) +
@@ -124,6 +126,81 @@ Result twenty_bodies(const Input& input, const CoveredTree& built, const std::ve
     result.figures.push_back({"bytes of a body", bytes});
     result.figures.push_back({"of 600 a node + 24 a vertex + 40 a cut point", bytes / allowed});
   }
+  return result;
+}
+
+/// One layout of the mesh, and what moves there.
+struct Runner {
+  Mesh mesh;
+  std::vector<Frame> frames;
+  Body body;
+  std::vector<std::uint64_t> hashes{};
+  std::vector<double> seconds{};
+
+  Runner(const Mesh& its_mesh, const CoveredTree& built, Rule rule)
+      : mesh(its_mesh), frames(bend_and_back(mesh)), body(mesh, built, {.rules = {rule}}) {
+    for (const Frame& frame : frames) body.update(frame), hashes.push_back(body.hash());
+  }
+  bool run_all() {
+    bool same = true;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      seconds.push_back(processor_seconds_of([&] { body.update(frames[f]); }));
+      same = same && body.hash() == hashes[f];
+    }
+    return same;
+  }
+};
+
+/// Ratios between what runs in turn, a motion each, so that a machine that is busy for a while is busy for all: the
+/// rule beside approach 2 in the same layout, the file's order of vertices beside the leaves', one hundredth moved
+/// beside all, and one body by all threads beside one (wall time).
+Result side_by_side(const Input& input, const CoveredTree& built, const Settings& settings) {
+  Result result{.scenario = "update", .item = "exact beside others", .mesh = input.name};
+  const auto order = leaf_order(built);
+  const Mesh in_order = renumbered(input.mesh, order);
+  const CoveredTree built_in_order = renumbered(built, in_order, order);
+  Runner file(input.mesh, built, Rule::exact), file_2(input.mesh, built, Rule::approach2);
+  Runner leaf(in_order, built_in_order, Rule::exact), leaf_2(in_order, built_in_order, Rule::approach2);
+
+  // A hundredth of the vertices of each frame, another one every time, moves back and forth; a body that is updated
+  // whole says what is right.
+  Body changing(in_order, built_in_order), whole(in_order, built_in_order);
+  Frame moving = leaf.frames[leaf.frames.size() / 2];
+  const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(moving.size() / 100, 1));
+  changing.update(moving);
+  std::vector<double> changed_seconds, one_thread, all_threads;
+  std::uint32_t first = 0;
+  bool same = true;
+  const auto change_some = [&] {
+    for (std::size_t k = 0; k < leaf.frames.size(); ++k) {
+      const VertexRange range{first, first + count};
+      for (std::uint32_t v = range.begin; v < range.end; ++v) moving[v].x += k % 2 == 0 ? 1e-3f : -1e-3f;
+      changed_seconds.push_back(processor_seconds_of([&] { changing.update(moving, std::span(&range, 1)); }));
+      whole.update(moving);
+      same = same && whole.hash() == changing.hash();
+      first = (first + 7 * count) % (static_cast<std::uint32_t>(moving.size()) - count + 1);
+    }
+  };
+  timed(settings, [&] {
+    for (Runner* runner : {&leaf, &leaf_2, &file, &file_2}) same = runner->run_all() && same;
+    change_some();
+    for (std::size_t f = 0; f < leaf.frames.size(); ++f) {
+      one_thread.push_back(seconds_of([&] { whole.update(leaf.frames[f]); }));
+      all_threads.push_back(seconds_of([&] { leaf.body.update(leaf.frames[f], *settings.workers); }));
+      same = same && leaf.body.hash() == leaf.hashes[f];
+    }
+  });
+  result.expect(same, "other spheres than before, than on one thread, or than of a whole update");
+
+  const auto over = [](const std::vector<double>& a, const std::vector<double>& b) { return median(a) / median(b); };
+  result.seconds = leaf.seconds;
+  result.figures = {{"ns/vertex, leaf order", nanoseconds_per_vertex(leaf.seconds, in_order)},
+                    {"times approach2, leaf order", over(leaf.seconds, leaf_2.seconds)},
+                    {"times approach2, file order", over(file.seconds, file_2.seconds)},
+                    {"file order, times leaf order", over(file.seconds, leaf.seconds)},
+                    {"1 % moved, of a whole update", over(changed_seconds, leaf.seconds)},
+                    {"threads", static_cast<double>(settings.workers->thread_count())},
+                    {"one body, times one thread", over(one_thread, all_threads)}};
   return result;
 }
 
@@ -136,6 +213,7 @@ std::vector<Result> run_update(const Input& input, const Settings& settings) {
   const double floor = results.front().figures.front().value;
   for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
   results.push_back(twenty_bodies(input, built, frames, settings));
+  results.push_back(side_by_side(input, built, settings));
   return results;
 }
 

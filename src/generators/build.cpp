@@ -175,6 +175,7 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
   CoveredTree built = chosen.build(mesh, run, workers);
+  built.cover = with_fewer_cuts(mesh, built, workers);
   if (options.nested) nest(built.tree);
   return built;
 }

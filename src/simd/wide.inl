@@ -18,6 +18,21 @@ inline Wide max(Wide a, Wide b) {
 inline Wide min(Wide a, Wide b) {
   return a < b ? a : b;
 }
+inline Wide root(Wide a) {
+#if MORULA_LANES == 16
+  return _mm512_maskz_sqrt_ps(0xffff, a);  // GCC 12 takes the plain one for a read of nothing
+#elif MORULA_LANES == 8
+  return _mm256_sqrt_ps(a);
+#elif defined(__x86_64__)
+  return _mm_sqrt_ps(a);
+#elif defined(__aarch64__)
+  return vsqrtq_f32(a);
+#else
+  Wide roots;
+  for (int k = 0; k < lanes; ++k) roots[k] = __builtin_sqrtf(a[k]);
+  return roots;
+#endif
+}
 // Bit i: lane i of a comparison. x86 has instructions for it, each kind its own.
 #ifdef MORULA_DISPATCH
 inline unsigned lanes_equal(Wide a, Wide b) {
@@ -68,20 +83,20 @@ inline Four load_point(const LocalPoint& p) {
   return *reinterpret_cast<const Four*>(&p);
 }
 
-// Points i, i + 4, i + 8 … of a list, one after the other.
-inline Wide every_fourth(const LocalPoint* points, const std::uint32_t* index) {
+// Points 0, step, 2 step … of a list, one after the other. From memory into their places: compilers make shuffles of it
+// otherwise, which all wait for the one unit that has them.
+template <int step>
+inline Wide points_apart(const LocalPoint* points, const std::uint32_t* index) {
 #if MORULA_LANES == 4
   return load_point(points[index[0]]);
 #else
-  typedef float Eight __attribute__((vector_size(32)));
-  const Four a = load_point(points[index[0]]), b = load_point(points[index[4]]);
-  const Eight ab = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  const auto at = [&](int k) { return reinterpret_cast<const float*>(points + index[k * step]); };
 #if MORULA_LANES == 8
-  return ab;
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(at(0))), _mm_load_ps(at(1)), 1);
 #else
-  const Four c = load_point(points[index[8]]), d = load_point(points[index[12]]);
-  const Eight cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
-  return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m256 ab = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(at(0))), _mm_load_ps(at(1)), 1);
+  const __m512 abc = _mm512_insertf32x4(_mm512_castps256_ps512(ab), _mm_load_ps(at(2)), 2);
+  return _mm512_insertf32x4(abc, _mm_load_ps(at(3)), 3);
 #endif
 #endif
 }
@@ -126,11 +141,43 @@ inline Wide last_column(const Rows& rows) {
 }
 #undef MORULA_PICK
 
-// Points by index; their columns are in the order of the list.
+// Points by index, every step-th of a list; their columns are in the order of the list.
+template <int step = 1>
 inline Rows gather(const LocalPoint* points, const std::uint32_t* index) {
-  return {every_fourth(points, index), every_fourth(points, index + 1), every_fourth(points, index + 2),
-          every_fourth(points, index + 3)};
+  return {points_apart<4 * step>(points, index), points_apart<4 * step>(points, index + step),
+          points_apart<4 * step>(points, index + 2 * step), points_apart<4 * step>(points, index + 3 * step)};
 }
+
+// Every fourth of the points that lie one after the other: of four such rows the columns are in order.
+inline Wide points_in_rows(const LocalPoint* points) {
+  constexpr std::uint32_t index[]{0, 4, 8, 12};
+  return points_apart<1>(points, index);
+}
+// One number for each point of a row.
+#if MORULA_LANES == 4
+inline Wide spread(float a) {
+  return all(a);
+}
+inline Wide spread(const float* numbers) {
+  return spread(numbers[0]);
+}
+#elif MORULA_LANES == 8
+inline Wide spread(float a, float b) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_set1_ps(a)), _mm_set1_ps(b), 1);
+}
+inline Wide spread(const float* numbers) {
+  return spread(numbers[0], numbers[1]);
+}
+#else
+// Masks of all ones: GCC 12 takes what has none for a read of nothing.
+inline Wide spread(Four four) {
+  return _mm512_maskz_permutevar_ps(0xffff, _mm512_maskz_broadcast_f32x4(0xffff, four),
+                                    _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0));
+}
+inline Wide spread(const float* numbers) {
+  return spread(_mm_loadu_ps(numbers));
+}
+#endif
 
 // Points that lie one after the other, in any order.
 inline Rows load_run(const LocalPoint* points) {
@@ -153,6 +200,21 @@ inline float largest_lane(Wide wide) {
   wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2));
 #endif
   return wide[0];
+}
+// The largest lane of each of four registers.
+inline Four largest_lanes(Wide a, Wide b, Wide c, Wide d) {
+  const Rows rows{a, b, c, d};
+  const WidePoints three = columns(rows);
+  const Wide most = max(max(three.x, three.y), max(three.z, last_column(rows)));
+#if MORULA_LANES == 16
+  const __m256 half = _mm256_max_ps(__builtin_shufflevector(most, most, 0, 1, 2, 3, 4, 5, 6, 7),
+                                    __builtin_shufflevector(most, most, 8, 9, 10, 11, 12, 13, 14, 15));
+  return _mm_max_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps(half, 1));
+#elif MORULA_LANES == 8
+  return _mm_max_ps(_mm256_castps256_ps128(most), _mm256_extractf128_ps(most, 1));
+#else
+  return most;
+#endif
 }
 inline float least_lane(Wide wide) {
   return -largest_lane(-wide);

@@ -203,6 +203,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
       sphere = grown_to_contain(sphere, points, pad_coordinate);
   });
 
+  built.cover = with_fewer_cuts(mesh, built, workers);
   if (options.nested || tree.nested) nest(built.tree);
 
   BuildReport& report = built.report;

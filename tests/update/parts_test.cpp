@@ -125,6 +125,193 @@ TEST(Kernels, a_pull_never_ends_farther_out_and_agrees_bit_for_bit) {
   EXPECT_GT(nearer, 200);
 }
 
+TEST(Kernels, many_pulls_at_once_are_what_each_is_alone) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const std::vector<LocalPoint> points = random_points(64, seed % 3 == 0 ? 1e-3 : 1.0, seed);
+    Random random(seed);
+    // Every core names some points, at most core_count, and goes on with the first.
+    const auto core_count = static_cast<std::size_t>(random.uniform(1, core_size + 1));
+    std::vector<std::uint32_t> cores(core_size * nodes_at_once);
+    std::vector<float> rest_radii(nodes_at_once);
+    std::vector<LocalPoint> centers(nodes_at_once);
+    for (std::size_t k = 0; k < nodes_at_once; ++k) {
+      for (std::size_t i = 0; i < core_size; ++i)
+        cores[core_size * k + i] =
+            i < core_count ? static_cast<std::uint32_t>(random.uniform(0, 64)) : cores[core_size * k];
+      rest_radii[k] = static_cast<float>(random.uniform(k % 4 == 0 ? 1.0 : 0.0, 1.2));
+      centers[k] = k == 5 ? points[cores[core_size * k]] : points[k];
+    }
+    for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+      std::vector<LocalPoint> moved = centers;
+      all_kernels()[kind].pull_many(points.data(), cores.data(), core_count, rest_radii.data(), moved.data());
+      for (std::size_t k = 0; k < nodes_at_once; ++k) {
+        const float enough = 1.01f * rest_radii[k];
+        const Vec3f expected =
+            all_kernels().front().pull(points.data(), {&cores[core_size * k], enough * enough, rest_radii[k]},
+                                       {centers[k].x, centers[k].y, centers[k].z});
+        EXPECT_EQ((Vec3f{moved[k].x, moved[k].y, moved[k].z}), expected) << kind_name(kind) << ", seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(Kernels, weighted_sums_agree_bit_for_bit) {
+  const std::vector<LocalPoint> points = random_points(100, 3.0, 4);
+  Random random(3);
+  const std::vector<std::uint32_t> group_begin{0, 8, 8, 8 + 6 * 8, 8 + 7 * 8};
+  std::vector<std::uint32_t> index(group_begin.back());
+  std::vector<float> weight(index.size());
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    index[i] = static_cast<std::uint32_t>(random.uniform(0, 100));
+    weight[i] = i % 5 == 0 ? 0.0f : static_cast<float>(random.uniform(-1, 1));
+  }
+  for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+    std::vector<LocalPoint> sums(4 * nodes_per_group);
+    all_kernels()[kind].weighted_sums(points.data(), index.data(), weight.data(), group_begin, sums.data());
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      // As one would by hand: every other anchor, then the rest, then the two.
+      Vec3f sum[2]{};
+      int which = 0;
+      for (std::size_t i = group_begin[k / 4] + k % 4; i < group_begin[k / 4 + 1]; i += 4, which = 1 - which)
+        sum[which] += Vec3f{points[index[i]].x, points[index[i]].y, points[index[i]].z} * weight[i];
+      const Vec3f expected = sum[0] + sum[1];
+      EXPECT_EQ(std::memcmp(&sums[k], &expected, sizeof expected), 0) << kind_name(kind) << ", node " << k;
+    }
+  }
+}
+
+TEST(Kernels, radii_of_many_are_those_of_each) {
+  Random random(31);
+  for (const double magnitude : {0.0, 1e-30, 1e-3, 1.0, 1e17})
+    for (const Rounding& rounding : {Rounding{0, 0, 0}, Rounding{magnitude, 1e9, 0}, Rounding{magnitude, 3, 1e-16}}) {
+      std::vector<float> squared(37), norms(37);
+      for (std::size_t i = 0; i < squared.size(); ++i) {
+        squared[i] = static_cast<float>(magnitude * magnitude * random.uniform(0, i % 5));
+        norms[i] = static_cast<float>(magnitude * random.uniform());
+      }
+      for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+        std::vector<float> radii(squared.size());
+        all_kernels()[kind].covering_radii(squared.data(), norms.data(), squared.size(), rounding.allowances(),
+                                           radii.data());
+        for (std::size_t i = 0; i < squared.size(); ++i)
+          EXPECT_EQ(radii[i], rounding.covering_radius(squared[i], {0, -norms[i], 0})) << kind_name(kind);
+      }
+    }
+}
+
+TEST(Kernels, cut_points_agree_bit_for_bit_however_many_they_are) {
+  const std::vector<LocalPoint> points = random_points(50, 2.0, 12);
+  Random random(6);
+  const auto any = [&] { return static_cast<std::uint32_t>(random.uniform(0, 50)); };
+  for (std::size_t count = 0; count < 12; ++count) {
+    std::vector<EdgeCut> edges(count);
+    std::vector<InnerCut> inner(count);
+    for (EdgeCut& cut : edges) cut = {{any(), any()}, static_cast<float>(random.uniform(0, 0.5))};
+    for (InnerCut& cut : inner)
+      cut = {{any(), any(), any()},
+             static_cast<float>(random.uniform(0, 0.5)),
+             static_cast<float>(random.uniform(0, 0.3))};
+    const auto at = [&](std::uint32_t p) { return Vec3f{points[p].x, points[p].y, points[p].z}; };
+    for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+      const LocalPoint untouched{7, 7, 7, 7};
+      std::vector<LocalPoint> on_edges(count + 1, untouched), inside(count + 1, untouched);
+      all_kernels()[kind].move_edge_cuts(points.data(), edges.data(), count, on_edges.data());
+      all_kernels()[kind].move_inner_cuts(points.data(), inner.data(), count, inside.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f a = at(edges[i].point[0]), e = a + (at(edges[i].point[1]) - a) * edges[i].weight;
+        EXPECT_EQ(std::memcmp(&on_edges[i], &e, sizeof e), 0) << kind_name(kind);
+        const Vec3f b = at(inner[i].point[0]), f = b + (at(inner[i].point[1]) - b) * inner[i].weight1 +
+                                                   (at(inner[i].point[2]) - b) * inner[i].weight2;
+        EXPECT_EQ(std::memcmp(&inside[i], &f, sizeof f), 0) << kind_name(kind);
+      }
+      EXPECT_EQ(on_edges[count].x, 7) << kind_name(kind);
+      EXPECT_EQ(inside[count].x, 7) << kind_name(kind);
+    }
+  }
+}
+
+TEST(Kernels, all_leaves_in_one_call_reach_what_each_does_alone) {
+  const std::vector<LocalPoint> points = random_points(400, 1.0, 21);
+  Random random(22);
+  const auto any = [&](double end) { return static_cast<std::uint32_t>(random.uniform(0, end)); };
+  std::vector<Spheref> spheres(30);
+  std::vector<std::uint32_t> nodes(30), run_begin{0}, point_begin{0}, chain_begin{0}, list, chain;
+  std::iota(nodes.rbegin(), nodes.rend(), 0u);
+  for (Spheref& s : spheres) s = {{points[any(400)].x, points[any(400)].y, points[any(400)].z}, 0.5f};
+  std::vector<PointRun> runs;
+  for (std::uint32_t leaf = 0; leaf < 40; ++leaf) {
+    for (std::uint32_t r = any(3); r > 0; --r) {
+      const std::uint32_t begin = any(300);
+      runs.push_back({begin, begin + 16 * (1 + any(4))});
+    }
+    for (std::uint32_t i = 16 * any(4); i > 0; --i) list.push_back(any(400));
+    // Chains of one node to nine, from the top, whose places ascend.
+    const std::uint32_t length = 1 + leaf % 9;
+    for (std::uint32_t k = 0; k < length; ++k) chain.push_back(3 * k + any(3));
+    run_begin.push_back(static_cast<std::uint32_t>(runs.size()));
+    point_begin.push_back(static_cast<std::uint32_t>(list.size()));
+    chain_begin.push_back(static_cast<std::uint32_t>(chain.size()));
+  }
+  const LeafLists lists{runs.data(),  run_begin.data(),   list.data(), point_begin.data(),
+                        chain.data(), chain_begin.data(), nodes.data()};
+  for (const std::size_t count : {std::size_t{0}, std::size_t{7}, std::size_t{30}})
+    for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+      std::vector<float> squared(chain.size(), -1.0f);
+      all_kernels()[kind].farthest_of_leaves(points.data(), lists, 3, 38, count, spheres.data(), squared.data());
+      for (std::uint32_t leaf = 0; leaf < 40; ++leaf)
+        for (std::uint32_t e = chain_begin[leaf]; e < chain_begin[leaf + 1]; ++e) {
+          float expected = -1;
+          if (leaf >= 3 && leaf < 38 && chain[e] < count) {
+            const Vec3f& center = spheres[29 - chain[e]].center;
+            const auto see = [&](const LocalPoint& p) {
+              expected = std::max(expected, squared_distance(center, {p.x, p.y, p.z}));
+            };
+            expected = 0;
+            for (std::uint32_t r = run_begin[leaf]; r < run_begin[leaf + 1]; ++r)
+              for (std::uint32_t i = runs[r].begin; i < runs[r].end; ++i) see(points[i]);
+            for (std::uint32_t i = point_begin[leaf]; i < point_begin[leaf + 1]; ++i) see(points[list[i]]);
+          }
+          EXPECT_EQ(squared[e], expected) << kind_name(kind) << ", leaf " << leaf << ", entry " << e;
+        }
+    }
+}
+
+TEST(Kernels, narrowing_by_a_list_agrees_bit_for_bit_and_tells_what_is_not_finite) {
+  Random random(15);
+  for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 128u, 201u}) {
+    // One vertex more than the list names, so that there is a float after each of it; exactly as long as needed.
+    std::vector<float> packed(3 * (count + 1));
+    for (float& x : packed) x = static_cast<float>(random.uniform(-3, 3));
+    packed[3 * count] = std::numeric_limits<float>::quiet_NaN();  // of nobody
+    std::vector<std::uint32_t> vertices(count);
+    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(count)));
+    vertices.resize(count + narrow_ahead, static_cast<std::uint32_t>(count));
+    const Vec3f origin{0.25f, -7.5f, 0.1f};
+    for (const float bad : {0.0f, std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+      const std::size_t at = 3 * vertices[count / 2] + count % 3;
+      const float kept = packed[at];
+      if (bad != 0) packed[at] = bad;
+      for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+        std::vector<LocalPoint> found(count);
+        const std::uint32_t largest =
+            all_kernels()[kind].narrow_listed(packed.data(), vertices.data(), count, origin, found.data());
+        EXPECT_EQ(largest >= 0x7f800000u, bad != 0) << kind_name(kind);
+        if (bad != 0) continue;
+        float expected_largest = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+          const float* p = &packed[3 * vertices[i]];
+          const LocalPoint expected{p[0] - origin.x, p[1] - origin.y, p[2] - origin.z, 0};
+          EXPECT_EQ(std::memcmp(&found[i], &expected, sizeof expected), 0) << kind_name(kind) << ", vertex " << i;
+          expected_largest =
+              std::max({expected_largest, std::abs(expected.x), std::abs(expected.y), std::abs(expected.z)});
+        }
+        EXPECT_EQ(std::bit_cast<float>(largest), expected_largest) << kind_name(kind);
+      }
+      packed[at] = kept;
+    }
+  }
+}
+
 TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_not_finite) {
   Random random(5);
   for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 8u, 9u, 15u, 64u, 1001u}) {
@@ -201,6 +388,34 @@ TEST(Rounding, rounded_up_is_the_least_float_not_below) {
   }
   EXPECT_EQ(rounded_up(0.5), 0.5f);
   EXPECT_EQ(rounded_up(0.0), 0.0f);
+}
+
+// Zeros, subnormal numbers, both ends of the range, infinities, negative numbers; every exponent, on and beside floats.
+TEST(Rounding, rounded_up_is_what_nextafter_says_for_every_kind_of_number) {
+  constexpr double beyond_all = std::numeric_limits<double>::infinity();
+  std::vector<double> numbers{0.0,
+                              infinity,
+                              std::numeric_limits<double>::denorm_min(),
+                              0x1p-149,
+                              0x1p-150,
+                              0x1p-126,
+                              0x1.fffffep127,
+                              0x1.ffffffp127,
+                              0x1.fffffefffffffp127,
+                              1e300};
+  for (int exponent = -160; exponent <= 130; ++exponent)
+    for (const double mantissa : {1.0, 1.0 + 0x1p-23, 1.0 + 0x1p-24, 1.0 + 0x1p-25, 2.0 - 0x1p-23, 2.0 - 0x1p-24})
+      numbers.push_back(std::ldexp(mantissa, exponent));
+  for (const double magnitude : numbers)
+    for (const double beside : {std::nextafter(magnitude, 0.0), magnitude, std::nextafter(magnitude, beyond_all)})
+      for (const double x : {beside, -beside}) {
+        const float nearest = static_cast<float>(x);
+        const float expected = static_cast<double>(nearest) < x
+                                   ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+                                   : nearest;
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(rounded_up(x)), std::bit_cast<std::uint32_t>(expected)) << x;
+      }
+  EXPECT_TRUE(std::isnan(rounded_up(std::numeric_limits<double>::quiet_NaN())));
 }
 
 // Barycentric coordinates of a corner in a facet, by its second and third vertex; none when it is not in its plane.
@@ -354,6 +569,53 @@ TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
     EXPECT_GE(anchors[0].end - anchors[0].begin, 4u);
     EXPECT_LE(anchors[0].end - anchors[0].begin, 24u);
   }
+}
+
+// Centres inside and outside of their anchors' hull, anchors on a plane, on a line, in a point, none; also after these
+// have come to lie on a line or in a point.
+TEST(Anchors, many_centers_at_once_are_what_each_is_alone) {
+  Random random(14);
+  constexpr std::size_t count = 39;
+  std::vector<LocalPoint> rest = random_points(300, 1.0, 15);
+  for (std::size_t i = 100; i < 150; ++i) rest[i].z = 0;
+  for (std::size_t i = 150; i < 200; ++i) rest[i] = {rest[i].x, 2 * rest[i].x, -rest[i].x, 0};
+  for (std::size_t i = 200; i < 220; ++i) rest[i] = rest[200];
+  Anchors anchors;
+  std::size_t carrying = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = k % 6 == 5 ? 0 : std::array{0, 100, 150, 200, 40}[k % 6];
+    std::vector<std::uint32_t> candidates(k % 6 == 5 ? 0 : 3 + k % 20);
+    std::iota(candidates.begin(), candidates.end(), static_cast<std::uint32_t>(first));
+    const double away = k % 2 == 0 ? 3 : 0.3;
+    anchors.tie(Vec3f(Vec3{random.uniform(-away, away), random.uniform(-away, away), away}), 1.0f, rest, candidates);
+    carrying += anchors[k].carries;
+  }
+  EXPECT_GT(carrying, nodes_at_once);
+  std::vector<std::vector<LocalPoint>> poses{rest, random_points(300, 1.0, 16), rest, rest, rest};
+  for (LocalPoint& p : poses[2]) p = {p.y + 5, -p.x, p.z, 0};
+  for (LocalPoint& p : poses[3]) p = {p.x, 0, 0, 0};
+  for (LocalPoint& p : poses[4]) p = {0.5f, 0.25f, -1, 0};
+  std::vector<std::vector<Vec3f>> expected;
+  for (const auto& pose : poses) {
+    expected.emplace_back();
+    for (std::size_t k = 0; k < count; ++k) expected.back().push_back(anchors.center(k, pose));
+  }
+  anchors.pack();
+  const std::size_t kinds = runnable_kinds();
+  for (std::size_t most = 1; most <= kinds; ++most) {
+    allow_kinds(most);
+    for (std::size_t pose = 0; pose < poses.size(); ++pose)
+      for (const std::size_t begin : {std::size_t{0}, std::size_t{16}}) {
+        std::vector<LocalPoint> found(count + nodes_per_group);
+        anchors.centers(begin, count, poses[pose], found.data());
+        for (std::size_t k = begin; k < count; ++k) {
+          EXPECT_EQ(std::memcmp(&found[k - begin], &expected[pose][k], sizeof(Vec3f)), 0)
+              << kind_name(most - 1) << ", pose " << pose << ", centre " << k;
+          EXPECT_EQ(anchors.center(k, poses[pose]), expected[pose][k]) << "packed";
+        }
+      }
+  }
+  allow_kinds(kinds);
 }
 
 TEST(Anchors, weights_add_up_to_one_so_translation_carries_the_center_along) {

@@ -7,7 +7,9 @@
 #include <bit>
 #include <cmath>
 
+#include "geometry/rounded_up.hpp"
 #include "simd/processors.hpp"
+#include "update/points/turned_axes.hpp"
 
 namespace morula::detail {
 namespace {
@@ -49,6 +51,99 @@ Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   }
 }
 
+void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
+               LocalPoint* centers) {
+  for (std::size_t k = 0; k < nodes_at_once; ++k) {
+    const float enough = most_growth * rest_radii[k];
+    std::array<std::uint32_t, core_size> core;
+    for (std::size_t i = 0; i < core_size; ++i) core[i] = cores[core_size * k + (i < core_count ? i : 0)];
+    const Pull one{core.data(), enough * enough, rest_radii[k]};
+    const Vec3f center = pull(points, one, {centers[k].x, centers[k].y, centers[k].z});
+    centers[k] = {center.x, center.y, center.z, 0};
+  }
+}
+
+void weighted_sums(const LocalPoint* points, const std::uint32_t* index, const float* weight,
+                   std::span<const std::uint32_t> group_begin, LocalPoint* sums) {
+  for (std::size_t g = 0; g + 1 < group_begin.size(); ++g)
+    for (std::size_t node = 0; node < nodes_per_group; ++node) {
+      Vec3f even{}, odd{};
+      for (std::size_t i = group_begin[g] + node; i < group_begin[g + 1]; i += 2 * nodes_per_group) {
+        const LocalPoint &p = points[index[i]], &q = points[index[i + nodes_per_group]];
+        even += Vec3f{p.x, p.y, p.z} * weight[i];
+        odd += Vec3f{q.x, q.y, q.z} * weight[i + nodes_per_group];
+      }
+      const Vec3f sum = even + odd;
+      sums[nodes_per_group * g + node] = {sum.x, sum.y, sum.z, 0};
+    }
+}
+
+void carry(const LocalPoint* points, const Remainders& remainders, std::size_t begin, std::size_t end,
+           LocalPoint* moves) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto point = [&](int k) {
+      const LocalPoint& p = points[remainders.points[k][i]];
+      return Vec3f{p.x, p.y, p.z};
+    };
+    const auto vector = [&](const float* const(&columns)[3]) {
+      return Vec3f{columns[0][i], columns[1][i], columns[2][i]};
+    };
+    const Vec3f move =
+        TurnedAxes(point(0), point(1), point(2)).place(vector(remainders.in_axes)) - vector(remainders.at_rest);
+    moves[i - begin] = {move.x, move.y, move.z, 0};
+  }
+}
+
+void farthest_of_leaves(const LocalPoint* points, const LeafLists& lists, std::size_t begin, std::size_t end,
+                        std::size_t count, const Spheref* spheres, float* squared) {
+  for (std::size_t leaf = begin; leaf < end; ++leaf)
+    for (std::uint32_t e = lists.chain_begin[leaf]; e < lists.chain_begin[leaf + 1]; ++e)
+      if (lists.chain[e] < count)
+        farthest(points, {lists.runs + lists.run_begin[leaf], lists.runs + lists.run_begin[leaf + 1]},
+                 {lists.points + lists.point_begin[leaf], lists.points + lists.point_begin[leaf + 1]},
+                 {&spheres[lists.nodes[lists.chain[e]]].center, 1}, squared + e);
+}
+
+void covering_radii(const float* squared, const float* norms, std::size_t count, const RadiusAllowances& allowances,
+                    float* radii) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double farthest = std::sqrt(static_cast<double>(squared[i]));
+    const double mesh_coordinate = allowances.coordinate + static_cast<double>(norms[i]);
+    const double pad = allowances.least + allowances.per_coordinate * mesh_coordinate + 0x1p-62;
+    radii[i] = rounded_up(farthest * (1 + 0x1p-22) + pad);
+  }
+}
+
+void move_edge_cuts(const LocalPoint* points, const EdgeCut* cuts, std::size_t count, LocalPoint* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const LocalPoint &p = points[cuts[i].point[0]], &q = points[cuts[i].point[1]];
+    const Vec3f a{p.x, p.y, p.z}, b{q.x, q.y, q.z}, at = a + (b - a) * cuts[i].weight;
+    out[i] = {at.x, at.y, at.z, 0};
+  }
+}
+
+void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t count, LocalPoint* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const LocalPoint &p = points[cuts[i].point[0]], &q = points[cuts[i].point[1]], &r = points[cuts[i].point[2]];
+    const Vec3f a{p.x, p.y, p.z}, b{q.x, q.y, q.z}, c{r.x, r.y, r.z};
+    const Vec3f at = a + (b - a) * cuts[i].weight1 + (c - a) * cuts[i].weight2;
+    out[i] = {at.x, at.y, at.z, 0};
+  }
+}
+
+std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, std::size_t count, const Vec3f& origin,
+                            LocalPoint* out) {
+  std::uint32_t largest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* at = packed + 3 * std::size_t{vertices[i]};
+    const Vec3f p = Vec3f{at[0], at[1], at[2]} - origin;
+    out[i] = {p.x, p.y, p.z, 0};
+    for (const float coordinate : {p.x, p.y, p.z})
+      largest = std::max(largest, std::bit_cast<std::uint32_t>(coordinate) & 0x7fffffffu);
+  }
+  return largest;
+}
+
 std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
   std::uint32_t largest = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -60,7 +155,9 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return largest;
 }
 
-constexpr Kernels kernels{farthest, pull, narrow_floats};
+constexpr Kernels kernels{farthest,           pull,           pull_many,      weighted_sums,   carry,
+                          farthest_of_leaves, covering_radii, move_edge_cuts, move_inner_cuts, narrow_floats,
+                          narrow_listed};
 
 }  // namespace plain
 

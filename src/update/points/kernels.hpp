@@ -4,8 +4,10 @@
 // chosen at run time.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <morula/geometry/sphere.hpp>
 #include <morula/geometry/vector.hpp>
 #include <span>
 
@@ -22,6 +24,45 @@ inline constexpr std::size_t core_size = 32;
 /// Points [begin, end), a multiple of points_per_group.
 struct PointRun {
   std::uint32_t begin, end;
+};
+
+/// Nodes whose centres are moved at once, one in each lane or a few times that.
+inline constexpr std::size_t nodes_at_once = 16;
+/// Nodes whose anchors lie side by side: anchor i of the group's node j at 4 i + j.
+inline constexpr std::size_t nodes_per_group = 4;
+
+/// A cut point on an edge: `weight` of the way from the first point to the second.
+struct EdgeCut {
+  std::array<std::uint32_t, 2> point;
+  float weight;
+};
+
+/// One inside a facet, with the shares of the ways to two others.
+struct InnerCut {
+  std::array<std::uint32_t, 3> point;
+  float weight1, weight2;
+};
+
+/// Remainders that axes of three anchors carry (CenterTie): entry i of every array. Arrays go on for nodes_at_once
+/// entries, whose points are good ones.
+struct Remainders {
+  const std::uint32_t* points[3];
+  const float *in_axes[3], *at_rest[3];
+};
+
+/// What the radii of a frame allow for (Rounding::allowances).
+struct RadiusAllowances {
+  double coordinate, per_coordinate, least;
+};
+
+/// How many vertices ahead of the one at work are fetched.
+inline constexpr std::size_t narrow_ahead = 96;
+
+/// What leaves look at. Leaf k has runs [run_begin[k], run_begin[k + 1]), points likewise, and its chain: itself and
+/// the nodes above it that are measured, from the top, each as its place in `nodes`.
+struct LeafLists {
+  const PointRun* runs;
+  const std::uint32_t *run_begin, *points, *point_begin, *chain, *chain_begin, *nodes;
 };
 
 /// A centre on its way: see pull.
@@ -41,11 +82,40 @@ struct Kernels {
   /// The centre moved towards the farthest point of its core, up to pull_steps times: the best place on the way
   /// [badoiu2003], so never one farther from the core than it was.
   Vec3f (*pull)(const LocalPoint* points, const Pull& pull, const Vec3f& center);
+  /// The same for nodes_at_once centres, in place, each with its own core (core_size points after those of the node
+  /// before) and radius. enough: most_growth times the radius, squared.
+  /// Only the first core_count points of each core count.
+  void (*pull_many)(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count,
+                    const float* rest_radii, LocalPoint* centers);
+  /// sums[k] = the sum of a node's anchors by weight, those with even numbers and those with odd ones first summed by
+  /// themselves. Group g of nodes_per_group nodes has the entries [group_begin[g], group_begin[g + 1]) of index and
+  /// weight, an even number for each node, padded by weights 0.
+  void (*weighted_sums)(const LocalPoint* points, const std::uint32_t* index, const float* weight,
+                        std::span<const std::uint32_t> group_begin, LocalPoint* sums);
+  /// Where the remainders begin … end - 1 have come, minus where they were at rest; written in whole nodes_at_once.
+  void (*carry)(const LocalPoint* points, const Remainders& remainders, std::size_t begin, std::size_t end,
+                LocalPoint* moves);
+  /// For the leaves [begin, end), and the nodes of their chains whose place is below `count`: squared[e] = largest
+  /// squared distance from the centre of node chain[e] to a point of the leaf.
+  void (*farthest_of_leaves)(const LocalPoint* points, const LeafLists& lists, std::size_t begin, std::size_t end,
+                             std::size_t count, const Spheref* spheres, float* squared);
+  /// radii[i] = Rounding::covering_radius of squared[i], about a centre whose largest |coordinate| is norms[i].
+  void (*covering_radii)(const float* squared, const float* norms, std::size_t count,
+                         const RadiusAllowances& allowances, float* radii);
+  /// out[i] = where cuts[i] is.
+  void (*move_edge_cuts)(const LocalPoint* points, const EdgeCut* cuts, std::size_t count, LocalPoint* out);
+  void (*move_inner_cuts)(const LocalPoint* points, const InnerCut* cuts, std::size_t count, LocalPoint* out);
   /// out[i] = the i-th of `count` packed points (x, y, z of each, nothing between) minus origin. Returns the largest
   /// bit pattern of an absolute coordinate: of infinity or more when one is not finite.
   std::uint32_t (*narrow_floats)(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out);
+  /// The same for the vertices of a list, which goes on for narrow_ahead entries: what these name is fetched early.
+  /// There is a float after the coordinates of each vertex of the list.
+  std::uint32_t (*narrow_listed)(const float* packed, const std::uint32_t* vertices, std::size_t count,
+                                 const Vec3f& origin, LocalPoint* out);
 };
 inline constexpr int pull_steps = 4;
+/// Spheres that are no more than this times as large as at rest are good.
+inline constexpr float most_growth = 1.01f;
 
 /// Those that this processor can run, narrowest first.
 std::span<const Kernels> all_kernels();

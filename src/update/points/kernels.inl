@@ -80,6 +80,274 @@ Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   }
 }
 
+// A node in each lane. What a lane does is what pull does for its node: a lane that has enough stays where it is, so it
+// finds the same distance again, which is no better.
+void pull_lanes(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
+                LocalPoint* centers) {
+  WidePoints core[core_size];
+  for (std::size_t k = 0; k < core_count; ++k)
+    core[k] = columns(gather<static_cast<int>(core_size)>(points, cores + k));
+  const Wide rest = load(rest_radii), reach = all(most_growth) * rest, enough = reach * reach;
+  const auto row = [&](int k) { return points_in_rows(centers + k); };
+  const WidePoints start = columns(Rows{row(0), row(1), row(2), row(3)});
+  Wide x = start.x, y = start.y, z = start.z;
+  Wide best_x = x, best_y = y, best_z = z, least{};
+  for (int step = 0;; ++step) {
+    Wide most = all(-1.0f), far_x{}, far_y{}, far_z{};
+    for (std::size_t k = 0; k < core_count; ++k) {
+      const WidePoints& p = core[k];
+      const Wide d = squared_distance(p, x, y, z);
+      far_x = d > most ? p.x : far_x, far_y = d > most ? p.y : far_y, far_z = d > most ? p.z : far_z;
+      most = max(d, most);
+    }
+    if (step == 0) {
+      least = most;
+    } else {
+      best_x = most < least ? x : best_x, best_y = most < least ? y : best_y, best_z = most < least ? z : best_z;
+      least = min(most, least);
+    }
+    if (step == pull_steps || lanes_at_most(most, enough) == (1u << lanes) - 1) break;
+    const Wide distance = root(most);
+    const Wide along = all(0.15f) * distance / all(static_cast<float>(step + 1));
+    const Wide excess = all(0.8f) * (root(least) - rest);
+    const Wide share = most <= enough ? Wide{} : min(along, excess) / distance;
+    x += share * (far_x - x), y += share * (far_y - y), z += share * (far_z - z);
+  }
+  float out[3][lanes];
+  store(best_x, out[0]), store(best_y, out[1]), store(best_z, out[2]);
+  for (int k = 0; k < lanes; ++k) centers[k] = LocalPoint{out[0][k], out[1][k], out[2][k], 0};
+}
+
+void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
+               LocalPoint* centers) {
+  for (std::size_t k = 0; k < nodes_at_once; k += lanes)
+    pull_lanes(points, cores + core_size * k, core_count, rest_radii + k, centers + k);
+}
+
+void weighted_sums(const LocalPoint* points, const std::uint32_t* index, const float* weight,
+                   std::span<const std::uint32_t> group_begin, LocalPoint* sums) {
+  constexpr std::size_t at_once = lanes / 4;
+  const std::uint32_t* begin = group_begin.data();
+  const std::size_t groups = group_begin.size() - 1;
+  for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t node = 0; node < nodes_per_group; node += at_once) {
+      Wide even{}, odd{};
+      for (std::size_t i = begin[g] + node; i < begin[g + 1]; i += 2 * nodes_per_group) {
+        even += spread(weight + i) * points_apart<1>(points, index + i);
+        odd += spread(weight + i + nodes_per_group) * points_apart<1>(points, index + i + nodes_per_group);
+      }
+      store(even + odd, &sums[nodes_per_group * g + node].x);
+    }
+}
+
+// TurnedAxes, a node in each lane.
+struct WideVector {
+  Wide x, y, z;
+};
+inline WideVector operator-(const WideVector& a, const WideVector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline WideVector operator*(const WideVector& a, Wide s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+inline Wide dot(const WideVector& a, const WideVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline WideVector cross(const WideVector& a, const WideVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline WideVector unit(const WideVector& a, float x, float y) {
+  const Wide length = root(dot(a, a));
+  const auto choose = [&](Wide coordinate, float fallback) { return length > 0 ? coordinate / length : all(fallback); };
+  return {choose(a.x, x), choose(a.y, y), choose(a.z, 0)};
+}
+
+void carry(const LocalPoint* points, const Remainders& remainders, std::size_t begin, std::size_t end,
+           LocalPoint* moves) {
+  const Wide zero{}, one = all(1.0f);
+  for (std::size_t i = begin; i < end; i += lanes) {
+    const auto point = [&](int k) {
+      const WidePoints p = columns(gather(points, remainders.points[k] + i));
+      return WideVector{p.x, p.y, p.z};
+    };
+    const WideVector p = point(0), side = point(2) - p, a = unit(point(1) - p, 1, 0);
+    WideVector b = side - a * dot(a, side);
+    const Wide limit = all(1e-12f) * dot(side, side), length = dot(b, b);
+    const Wide x = max(a.x, -a.x), y = max(a.y, -a.y), z = max(a.z, -a.z);
+    // The axis that a is farthest from: the first among equals.
+    const Wide to_x = x <= y ? (x <= z ? one : zero) : zero, to_y = to_x > zero ? zero : y <= z ? one : zero;
+    const WideVector across = cross(a, {to_x, to_y, one - to_x - to_y});
+    b = {length > limit ? b.x : across.x, length > limit ? b.y : across.y, length > limit ? b.z : across.z};
+    b = unit(b, 0, 1);
+    b = unit(b - a * dot(a, b), 0, 1);
+    const WideVector c = cross(a, b);
+    const auto numbers = [&](const float* const(&arrays)[3]) {
+      return WideVector{load(arrays[0] + i), load(arrays[1] + i), load(arrays[2] + i)};
+    };
+    const WideVector e = numbers(remainders.in_axes), rest = numbers(remainders.at_rest);
+    float move[3][lanes];
+    store(a.x * e.x + b.x * e.y + c.x * e.z - rest.x, move[0]);
+    store(a.y * e.x + b.y * e.y + c.y * e.z - rest.y, move[1]);
+    store(a.z * e.x + b.z * e.y + c.z * e.z - rest.z, move[2]);
+    for (int k = 0; k < lanes; ++k)
+      moves[i - begin + static_cast<std::size_t>(k)] = LocalPoint{move[0][k], move[1][k], move[2][k], 0};
+  }
+}
+
+template <int count>
+[[gnu::always_inline]] inline void farthest_of_leaf(const LocalPoint* points, const LeafLists& lists, std::size_t leaf,
+                                                    std::size_t entry, const Spheref* spheres, float* squared) {
+  Centers<count> c;
+  Wide farthest[4]{};
+  for (int k = 0; k < count; ++k) {
+    const Spheref& s = spheres[lists.nodes[lists.chain[entry + k]]];
+    c.x[k] = all(s.center.x), c.y[k] = all(s.center.y), c.z[k] = all(s.center.z);
+  }
+  const auto walk = [&](const WidePoints& p) {
+    for (int k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
+  };
+  for (std::uint32_t r = lists.run_begin[leaf]; r != lists.run_begin[leaf + 1]; ++r)
+    for (std::uint32_t i = lists.runs[r].begin; i != lists.runs[r].end; i += lanes) walk(columns(load_run(points + i)));
+  for (std::uint32_t i = lists.point_begin[leaf]; i != lists.point_begin[leaf + 1]; i += lanes)
+    walk(columns(gather(points, lists.points + i)));
+  const Four most = largest_lanes(farthest[0], farthest[1], farthest[2], farthest[3]);
+  for (int k = 0; k < count; ++k) squared[entry + k] = most[k];
+}
+
+void farthest_of_leaves(const LocalPoint* points, const LeafLists& lists, std::size_t begin, std::size_t end,
+                        std::size_t count, const Spheref* spheres, float* squared) {
+  for (std::size_t leaf = begin; leaf < end; ++leaf) {
+    std::size_t entry = lists.chain_begin[leaf], last = lists.chain_begin[leaf + 1];
+    while (last > entry && lists.chain[last - 1] >= count) --last;
+    for (; entry + 4 <= last; entry += 4) farthest_of_leaf<4>(points, lists, leaf, entry, spheres, squared);
+    switch (last - entry) {
+      case 3:
+        farthest_of_leaf<3>(points, lists, leaf, entry, spheres, squared);
+        break;
+      case 2:
+        farthest_of_leaf<2>(points, lists, leaf, entry, spheres, squared);
+        break;
+      case 1:
+        farthest_of_leaf<1>(points, lists, leaf, entry, spheres, squared);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+// The compiler makes registers of it.
+void covering_radii(const float* squared, const float* norms, std::size_t count, const RadiusAllowances& given,
+                    float* __restrict radii) {
+  const RadiusAllowances allowances = given;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double farthest = __builtin_sqrt(static_cast<double>(squared[i]));
+    const double mesh_coordinate = allowances.coordinate + static_cast<double>(norms[i]);
+    const double pad = allowances.least + allowances.per_coordinate * mesh_coordinate + 0x1p-62;
+    // rounded_up, of positive numbers
+    const double exact = farthest * (1 + 0x1p-22) + pad;
+    const float nearest = static_cast<float>(exact);
+    const std::uint32_t below = static_cast<double>(nearest) < exact ? 1u : 0u;
+    radii[i] = __builtin_bit_cast(float, __builtin_bit_cast(std::uint32_t, nearest) + below);
+  }
+}
+
+void move_edge_cuts(const LocalPoint* points, const EdgeCut* cuts, std::size_t count, LocalPoint* out) {
+  static_assert(sizeof(EdgeCut) == 12);
+  constexpr std::size_t at_once = lanes / 4;
+  std::size_t i = 0;
+  for (; i + at_once <= count; i += at_once) {
+    const auto* ends = reinterpret_cast<const std::uint32_t*>(cuts + i);  // of the next record three further on
+#if MORULA_LANES == 16
+    const Four weight{cuts[i].weight, cuts[i + 1].weight, cuts[i + 2].weight, cuts[i + 3].weight};
+    const Wide share = spread(weight);
+#elif MORULA_LANES == 8
+    const Wide share = spread(cuts[i].weight, cuts[i + 1].weight);
+#else
+    const Wide share = all(cuts[i].weight);
+#endif
+    const Wide v0 = points_apart<3>(points, ends), v1 = points_apart<3>(points, ends + 1);
+    store(v0 + share * (v1 - v0), &out[i].x);
+  }
+  for (; i != count; ++i) {
+    const Four v0 = load_point(points[cuts[i].point[0]]), v1 = load_point(points[cuts[i].point[1]]);
+    *reinterpret_cast<Four*>(out + i) = v0 + cuts[i].weight * (v1 - v0);
+  }
+}
+
+void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t count, LocalPoint* out) {
+  static_assert(sizeof(InnerCut) == 20);
+  constexpr std::size_t at_once = lanes / 4;
+  std::size_t i = 0;
+  for (; i + at_once <= count; i += at_once) {
+    const auto* corners = reinterpret_cast<const std::uint32_t*>(cuts + i);  // of the next record five further on
+#if MORULA_LANES == 16
+    const Four weight1{cuts[i].weight1, cuts[i + 1].weight1, cuts[i + 2].weight1, cuts[i + 3].weight1};
+    const Four weight2{cuts[i].weight2, cuts[i + 1].weight2, cuts[i + 2].weight2, cuts[i + 3].weight2};
+    const Wide share1 = spread(weight1), share2 = spread(weight2);
+#elif MORULA_LANES == 8
+    const Wide share1 = spread(cuts[i].weight1, cuts[i + 1].weight1);
+    const Wide share2 = spread(cuts[i].weight2, cuts[i + 1].weight2);
+#else
+    const Wide share1 = all(cuts[i].weight1), share2 = all(cuts[i].weight2);
+#endif
+    const Wide v0 = points_apart<5>(points, corners), v1 = points_apart<5>(points, corners + 1);
+    const Wide v2 = points_apart<5>(points, corners + 2);
+    store(v0 + share1 * (v1 - v0) + share2 * (v2 - v0), &out[i].x);
+  }
+  for (; i != count; ++i) {
+    const Four v0 = load_point(points[cuts[i].point[0]]), v1 = load_point(points[cuts[i].point[1]]);
+    const Four v2 = load_point(points[cuts[i].point[2]]);
+    *reinterpret_cast<Four*>(out + i) = v0 + cuts[i].weight1 * (v1 - v0) + cuts[i].weight2 * (v2 - v0);
+  }
+}
+
+// Three floats of each vertex, and the one after them.
+inline Wide loose_triples(const float* packed, const std::uint32_t* vertices) {
+  const auto at = [&](int k) { return packed + 3 * std::size_t{vertices[k]}; };
+#if MORULA_LANES == 16
+  const __m256 ab = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(0))), _mm_loadu_ps(at(1)), 1);
+  const __m512 abc = _mm512_insertf32x4(_mm512_castps256_ps512(ab), _mm_loadu_ps(at(2)), 2);
+  return _mm512_insertf32x4(abc, _mm_loadu_ps(at(3)), 3);
+#elif MORULA_LANES == 8
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(0))), _mm_loadu_ps(at(1)), 1);
+#else
+  return load(at(0));
+#endif
+}
+
+std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, std::size_t count, const Vec3f& origin,
+                            LocalPoint* out) {
+  typedef std::int32_t WideInt __attribute__((vector_size(4 * lanes)));
+  constexpr std::size_t at_once = lanes / 4;
+  Wide at{};
+  WideInt three{}, most{};  // all bits of a point's coordinates
+  for (int k = 0; k < lanes; ++k)
+    if (k % 4 < 3) at[k] = k % 4 == 0 ? origin.x : k % 4 == 1 ? origin.y : origin.z, three[k] = -1;
+  const WideInt without_sign = WideInt{} + 0x7fffffff;
+  std::size_t i = 0;
+  for (; i + at_once <= count; i += at_once) {
+    for (std::size_t k = 0; k < at_once; ++k)
+      __builtin_prefetch(packed + 3 * std::size_t{vertices[i + narrow_ahead + k]});
+    const Wide p = loose_triples(packed, vertices + i) - at;
+    const WideInt bits = __builtin_bit_cast(WideInt, p) & three, magnitude = bits & without_sign;
+    store(__builtin_bit_cast(Wide, bits), &out[i].x);
+    most = magnitude > most ? magnitude : most;
+  }
+  std::int32_t largest = 0;
+  for (int k = 0; k < lanes; ++k) largest = most[k] > largest ? most[k] : largest;
+  for (; i != count; ++i) {
+    const float* one = packed + 3 * std::size_t{vertices[i]};
+    const Four p = Four{one[0], one[1], one[2], 0} - Four{origin.x, origin.y, origin.z, 0};
+    *reinterpret_cast<Four*>(out + i) = p;
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t magnitude = __builtin_bit_cast(std::int32_t, p[k]) & 0x7fffffff;
+      largest = magnitude > largest ? magnitude : largest;
+    }
+  }
+  return static_cast<std::uint32_t>(largest);
+}
+
 std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
   typedef std::int32_t WideInt __attribute__((vector_size(4 * lanes)));
   constexpr std::size_t at_once = lanes / 4;
@@ -119,4 +387,6 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return static_cast<std::uint32_t>(largest);
 }
 
-constexpr Kernels kernels{farthest, pull, narrow_floats};
+constexpr Kernels kernels{farthest,           pull,           pull_many,      weighted_sums,   carry,
+                          farthest_of_leaves, covering_radii, move_edge_cuts, move_inner_cuts, narrow_floats,
+                          narrow_listed};

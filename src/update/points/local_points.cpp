@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "update/points/kernels.hpp"
 #include "update/points/narrow.hpp"
 
 namespace morula::detail {
@@ -28,6 +27,8 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
     vertices_ = ownership.vertices;
     point_of_.assign(rest.vertex_count(), 0xffffffffu);
     for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[vertices_[i]] = i;
+    vertices_.resize(vertex_count_ + narrow_ahead, vertices_.back());
+    last_vertex_block_ = point_of_.back() / vertices_per_block;
   }
   for (const std::uint32_t k : ownership.cut_points) {
     const CutPoint& c = cover.cut_points[k];
@@ -97,9 +98,13 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
 void LocalPoints::narrow_block(const PositionView& positions, std::size_t block) noexcept {
   const std::size_t begin = block * vertices_per_block;
   const std::size_t count = std::min(vertices_per_block, vertex_count_ - begin);
-  block_largest_[block] = mesh_order_
-                              ? narrow_run(positions, begin, count, origin_, &points_[begin])
-                              : narrow(positions, std::span(vertices_).subspan(begin, count), origin_, &points_[begin]);
+  if (mesh_order_) {
+    block_largest_[block] = narrow_run(positions, begin, count, origin_, &points_[begin]);
+  } else {
+    const auto vertices = std::span(vertices_).subspan(begin, count);
+    block_largest_[block] = block == last_vertex_block_ ? narrow(positions, vertices, origin_, &points_[begin])
+                                                        : narrow_listed(positions, vertices, origin_, &points_[begin]);
+  }
 }
 
 std::size_t LocalPoints::changed_vertices() const noexcept {
@@ -129,7 +134,6 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
   return frame;
 }
 
-// Arrays are named outside of these loops: a store of floats may change anything as far as the compiler knows.
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
   parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk,
                [&](std::size_t begin, std::size_t end) { move_edge_cuts(begin, end); });
@@ -138,26 +142,12 @@ void LocalPoints::move_cut_points(Workers& workers) noexcept {
 }
 
 void LocalPoints::move_edge_cuts(std::size_t begin, std::size_t end) noexcept {
-  LocalPoint* const points = points_.data();
-  LocalPoint* const out = points + vertex_count_;
-  const EdgeCut* const cuts = edge_cuts_.data();
-  for (std::size_t i = begin; i < end; ++i) {
-    const EdgeCut& cut = cuts[i];
-    const Float4 v0 = Float4::load(points[cut.point[0]]), v1 = Float4::load(points[cut.point[1]]);
-    (v0 + Float4(cut.weight) * (v1 - v0)).store(out[i]);
-  }
+  kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], end - begin, &points_[vertex_count_ + begin]);
 }
 
 void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
-  LocalPoint* const points = points_.data();
-  LocalPoint* const out = points + vertex_count_ + edge_cuts_.size();
-  const InnerCut* const cuts = inner_cuts_.data();
-  for (std::size_t i = begin; i < end; ++i) {
-    const InnerCut& cut = cuts[i];
-    const Float4 v0 = Float4::load(points[cut.point[0]]);
-    const Float4 v1 = Float4::load(points[cut.point[1]]), v2 = Float4::load(points[cut.point[2]]);
-    (v0 + Float4(cut.weight1) * (v1 - v0) + Float4(cut.weight2) * (v2 - v0)).store(out[i]);
-  }
+  kernels().move_inner_cuts(points_.data(), &inner_cuts_[begin], end - begin,
+                            &points_[vertex_count_ + edge_cuts_.size() + begin]);
 }
 
 void LocalPoints::move_cut_point(std::size_t cut) noexcept {

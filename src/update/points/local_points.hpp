@@ -10,6 +10,7 @@
 
 #include "simd/float4.hpp"
 #include "update/points/block_lists.hpp"
+#include "update/points/kernels.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/rounding.hpp"
 
@@ -65,15 +66,6 @@ class LocalPoints {
   std::uint32_t point_of(std::uint32_t vertex) const { return mesh_order_ ? vertex : point_of_[vertex]; }
 
  private:
-  // The first point has the largest weight; each other one is `weight` of the way from it.
-  struct EdgeCut {
-    std::array<std::uint32_t, 2> point;
-    float weight;
-  };
-  struct InnerCut {
-    std::array<std::uint32_t, 3> point;
-    float weight1, weight2;
-  };
   std::uint32_t vertex_of(std::size_t point) const {
     return mesh_order_ ? static_cast<std::uint32_t>(point) : vertices_[point];
   }
@@ -87,10 +79,12 @@ class LocalPoints {
   void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
 
   std::size_t vertex_count_;
-  bool mesh_order_;  // point i is mesh vertex i; the next two are empty then
-  std::vector<std::uint32_t> vertices_;
+  bool mesh_order_;                      // point i is mesh vertex i; the next two are empty then
+  std::vector<std::uint32_t> vertices_;  // and narrow_ahead more, for narrow_listed
   std::vector<std::uint32_t> point_of_;
-  std::vector<EdgeCut> edge_cuts_;    // points vertices_.size() …
+  std::size_t last_vertex_block_ = 0;  // the block with the mesh's last vertex; the number of blocks where none has it
+  // The first point has the largest weight; each other one is `weight` of the way from it.
+  std::vector<EdgeCut> edge_cuts_;    // points vertex_count_ …
   std::vector<InnerCut> inner_cuts_;  // … and after those
   std::vector<LocalPoint> points_;
   std::vector<float> block_largest_;  // largest |coordinate|; infinity when something in it is not finite

@@ -26,6 +26,12 @@ bool is_float(const Vec3& p) {
   return nearest_floats(p) == p;
 }
 
+void fetch_early([[maybe_unused]] const std::byte* from) {
+#ifdef __GNUC__
+  __builtin_prefetch(from);
+#endif
+}
+
 // vertex(i): the one that goes to out[i].
 template <class Vertex>
 float narrow_each_plainly(const PositionView& positions, std::size_t count, const Vertex& vertex, const Vec3& origin,
@@ -113,15 +119,36 @@ float narrow(const PositionView& positions, std::span<const std::uint32_t> verti
       positions, vertices.size(), [&](std::size_t i) { return vertices[i]; }, origin, out);
 }
 
+namespace {
+
+// Largest |coordinate| of the largest bit pattern of one.
+float largest_of(std::uint32_t bits) {
+  constexpr std::uint32_t not_finite = 0x7f800000u;
+  return bits < not_finite ? std::bit_cast<float>(bits) : std::numeric_limits<float>::infinity();
+}
+
+}  // namespace
+
+float narrow_listed(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+                    LocalPoint* out) noexcept {
+  if (positions.is_packed_float() && is_float(origin))
+    return largest_of(kernels().narrow_listed(reinterpret_cast<const float*>(positions.address(0)), vertices.data(),
+                                              vertices.size(), Vec3f(origin), out));
+  const std::uint32_t* const list = vertices.data();
+  const auto vertex = [&](std::size_t i) {
+    fetch_early(positions.address(list[i + narrow_ahead]));
+    return list[i];
+  };
+  return narrow_each(positions, vertices.size(), vertex, origin, out);
+}
+
 float narrow_run(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                  LocalPoint* out) noexcept {
   if (!positions.is_packed_float() || !is_float(origin))
     return narrow_each(
         positions, count, [&](std::size_t i) { return first + i; }, origin, out);
-  const std::uint32_t largest =
-      kernels().narrow_floats(reinterpret_cast<const float*>(positions.address(first)), count, Vec3f(origin), out);
-  constexpr std::uint32_t not_finite = 0x7f800000u;
-  return largest < not_finite ? std::bit_cast<float>(largest) : std::numeric_limits<float>::infinity();
+  return largest_of(
+      kernels().narrow_floats(reinterpret_cast<const float*>(positions.address(first)), count, Vec3f(origin), out));
 }
 
 }  // namespace morula::detail

@@ -24,6 +24,11 @@ Vec3 origin_near(const Vec3& p, double size) noexcept;
 float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
              LocalPoint* out) noexcept;
 
+/// The same where the list goes on for narrow_ahead more vertices (kernels.hpp) beyond its span, and none in the span
+/// is the last of all positions.
+float narrow_listed(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+                    LocalPoint* out) noexcept;
+
 /// The same for vertices first, first + 1 … first + count - 1.
 float narrow_run(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                  LocalPoint* out) noexcept;

@@ -33,6 +33,7 @@
 #include <span>
 
 #include "geometry/rounded_up.hpp"
+#include "update/points/kernels.hpp"
 
 namespace morula::detail {
 
@@ -68,6 +69,11 @@ struct Rounding {
         largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
     const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
     return rounded_up(farthest * (1 + 0x1p-22) + pad);
+  }
+
+  /// The same for many at once, Kernels::covering_radii.
+  RadiusAllowances allowances() const {
+    return {largest_origin_coordinate + largest_coordinate, 0x1p-48 + 6 * weight_slack, 0x1p-20 * largest_coordinate};
   }
 };
 

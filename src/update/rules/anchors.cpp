@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "update/rules/anchors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "update/points/kernels.hpp"
+#include "update/points/turned_axes.hpp"
 #include "update/rules/anchor_choice.hpp"
 
 namespace morula::detail {
@@ -13,32 +16,11 @@ Vec3f position(const LocalPoint& p) {
   return {p.x, p.y, p.z};
 }
 
-// Orthonormal axes that turn with three points; total, and the same for the same points. Where they do not tell a
-// direction, some perpendicular one is as good: then all anchors lie on a line (or in a point), and what matters of the
-// remainder is its share along the line and its length.
-struct TurnedAxes {
-  Vec3f a, b, c;
-};
-TurnedAxes axes_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
-  const Vec3f a = normalized(q - p), side = r - p;
-  Vec3f b = side - a * dot(a, side);
-  constexpr float parallel = 1e-12f;
-  if (!(squared_length(b) > parallel * squared_length(side))) {
-    const Vec3f size{std::abs(a.x), std::abs(a.y), std::abs(a.z)};
-    const Vec3f least = size.x <= size.y && size.x <= size.z ? Vec3f{1, 0, 0}
-                        : size.y <= size.z                   ? Vec3f{0, 1, 0}
-                                                             : Vec3f{0, 0, 1};
-    b = cross(a, least);
-  }
-  // Once more: where b was a small difference, rounding has left it a share along a, and then distances would change.
-  b = normalized(b, {0, 1, 0});
-  b = normalized(b - a * dot(a, b), {0, 1, 0});
-  return {a, b, cross(a, b)};
+TurnedAxes axes_of(const CenterTie& tie, std::span<const LocalPoint> points) {
+  return {position(points[tie.axes[0]]), position(points[tie.axes[1]]), position(points[tie.axes[2]])};
 }
 Vec3f carried(const CenterTie& tie, std::span<const LocalPoint> points) {
-  const TurnedAxes f =
-      axes_of(position(points[tie.axes[0]]), position(points[tie.axes[1]]), position(points[tie.axes[2]]));
-  return f.a * tie.in_axes.x + f.b * tie.in_axes.y + f.c * tie.in_axes.z;
+  return axes_of(tie, points).place(tie.in_axes);
 }
 
 }  // namespace
@@ -59,9 +41,7 @@ void Anchors::tie(const Vec3f& center, float radius, std::span<const LocalPoint>
   if (!choice.reproduces && !choice.points.empty()) {
     const Vec3 remainder = Vec3(center) - Vec3(tie.rest_sum);
     tie.carries = length(remainder) > 1e-7 * static_cast<double>(radius);
-    const TurnedAxes f = axes_of(position(rest_points[tie.axes[0]]), position(rest_points[tie.axes[1]]),
-                                 position(rest_points[tie.axes[2]]));
-    tie.in_axes = Vec3f(Vec3{dot(remainder, Vec3(f.a)), dot(remainder, Vec3(f.b)), dot(remainder, Vec3(f.c))});
+    tie.in_axes = axes_of(tie, rest_points).coordinates(remainder);
     tie.rest_carried = carried(tie, rest_points);
   }
   ties_.push_back(tie);
@@ -78,13 +58,57 @@ void Anchors::append(const Anchors& others) {
   weights_.insert(weights_.end(), others.weights_.begin(), others.weights_.end());
 }
 
+// Padded by weights 0 for the anchor that a node has anyway, or any point, which changes no sum: none is ever -0, since
+// each begins with +0, and +0 or another number plus a zero of either sign is what it was.
+void Anchors::pack() {
+  std::vector<std::uint32_t> points;
+  std::vector<float> weights;
+  group_begin_.assign(1, 0);
+  for (std::size_t first = 0; first < ties_.size(); first += nodes_per_group) {
+    const std::size_t last = std::min(first + nodes_per_group, ties_.size());
+    std::uint32_t most = 0;
+    for (std::size_t k = first; k < last; ++k) most = std::max(most, (ties_[k].end - ties_[k].begin) / ties_[k].step);
+    most += most % 2;
+    const auto begin = static_cast<std::uint32_t>(points.size());
+    points.resize(begin + nodes_per_group * most, 0);
+    weights.resize(points.size(), 0.0f);
+    for (std::size_t k = first; k < last; ++k) {
+      CenterTie& tie = ties_[k];
+      const auto lane = static_cast<std::uint32_t>(k - first);
+      std::uint32_t to = begin + lane;
+      for (std::uint32_t i = tie.begin; i < tie.end; i += tie.step, to += nodes_per_group)
+        points[to] = points_[i], weights[to] = weights_[i];
+      tie.begin = begin + lane, tie.end = to, tie.step = nodes_per_group;
+    }
+    group_begin_.push_back(static_cast<std::uint32_t>(points.size()));
+  }
+  points_ = std::move(points);
+  weights_ = std::move(weights);
+
+  for (std::uint32_t k = 0; k < ties_.size(); ++k) {
+    const CenterTie& tie = ties_[k];
+    if (!tie.carries) continue;
+    carrying_.push_back(k);
+    for (int i = 0; i < 3; ++i) {
+      axes_[i].push_back(tie.axes[i]);
+      in_axes_[i].push_back(tie.in_axes[i]);
+      rest_carried_[i].push_back(tie.rest_carried[i]);
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    axes_[i].resize(carrying_.size() + nodes_at_once, 0);
+    in_axes_[i].resize(carrying_.size() + nodes_at_once, 0.0f);
+    rest_carried_[i].resize(carrying_.size() + nodes_at_once, 0.0f);
+  }
+}
+
 Vec3f Anchors::weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept {
   // Two sums, so that an addition need not wait for the one before.
   Float4 even(0.0f), odd(0.0f);
   std::uint32_t i = tie.begin;
-  for (; i + 1 < tie.end; i += 2) {
+  for (; i + tie.step < tie.end; i += 2 * tie.step) {
     even = even + Float4(weights_[i]) * Float4::load(points[points_[i]]);
-    odd = odd + Float4(weights_[i + 1]) * Float4::load(points[points_[i + 1]]);
+    odd = odd + Float4(weights_[i + tie.step]) * Float4::load(points[points_[i + tie.step]]);
   }
   if (i < tie.end) even = even + Float4(weights_[i]) * Float4::load(points[points_[i]]);
   const Float4 sum = even + odd;
@@ -98,6 +122,32 @@ Vec3f Anchors::center(std::size_t k, std::span<const LocalPoint> points) const n
   Vec3f center = tie.rest_center + (weighted_sum(tie, points) - tie.rest_sum);
   if (tie.carries) center = center + (carried(tie, points) - tie.rest_carried);
   return center;
+}
+
+void Anchors::centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
+                      LocalPoint* centers) const noexcept {
+  const std::size_t groups = (end - begin + nodes_per_group - 1) / nodes_per_group;
+  kernels().weighted_sums(points.data(), points_.data(), weights_.data(),
+                          std::span(group_begin_).subspan(begin / nodes_per_group, groups + 1), centers);
+  for (std::size_t k = begin; k < end; ++k) {
+    LocalPoint& center = centers[k - begin];
+    (Float4(ties_[k].rest_center) + (Float4::load(center) - Float4(ties_[k].rest_sum))).store(center);
+  }
+  const auto place = [&](std::size_t k) {
+    return static_cast<std::size_t>(std::lower_bound(carrying_.begin(), carrying_.end(), k) - carrying_.begin());
+  };
+  const Remainders remainders{{axes_[0].data(), axes_[1].data(), axes_[2].data()},
+                              {in_axes_[0].data(), in_axes_[1].data(), in_axes_[2].data()},
+                              {rest_carried_[0].data(), rest_carried_[1].data(), rest_carried_[2].data()}};
+  std::array<LocalPoint, nodes_at_once> moves;
+  for (std::size_t i = place(begin), last = place(end); i < last; i += nodes_at_once) {
+    const std::size_t to = std::min(i + nodes_at_once, last);
+    kernels().carry(points.data(), remainders, i, to, moves.data());
+    for (std::size_t j = i; j < to; ++j) {
+      LocalPoint& center = centers[carrying_[j] - begin];
+      (Float4::load(center) + Float4::load(moves[j - i])).store(center);
+    }
+  }
 }
 
 }  // namespace morula::detail

@@ -20,8 +20,9 @@ namespace morula::detail {
 /// axes are built anew from positions alone; nothing remembers the frame before.
 struct CenterTie {
   Vec3f rest_center;
-  Vec3f rest_sum;                       ///< sum w x0, by the very routine that runs per frame
-  std::uint32_t begin = 0, end = 0;     ///< range in points and weights
+  Vec3f rest_sum;                    ///< sum w x0, by the very routine that runs per frame
+  std::uint32_t begin = 0, end = 0;  ///< range in points and weights, of which the next is `step` entries on
+  std::uint32_t step = 1;
   bool carries = false;                 ///< e is not zero
   bool degenerate = false;              ///< as in AnchorChoice
   std::array<std::uint32_t, 3> axes{};  ///< anchors; repeated ones where they are collinear or fewer
@@ -38,14 +39,22 @@ class Anchors {
 
   /// Adds the ties of another, in order.
   void append(const Anchors& others);
+  /// After the last: lays anchors side by side, so that centers() may be asked.
+  void pack();
 
   std::size_t size() const { return ties_.size(); }
   const CenterTie& operator[](std::size_t k) const { return ties_[k]; }
-  std::span<const std::uint32_t> points(std::size_t k) const {
-    return std::span(points_).subspan(ties_[k].begin, ties_[k].end - ties_[k].begin);
+  /// visit(point) for each anchor of centre k.
+  template <class Visit>
+  void each_point(std::size_t k, const Visit& visit) const {
+    for (std::uint32_t i = ties_[k].begin; i < ties_[k].end; i += ties_[k].step) visit(points_[i]);
   }
   /// Where centre k is now. At rest exactly rest_center, because both differences are.
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
+  /// The same, bit for bit, for centres begin … end - 1, where begin is a multiple of nodes_per_group. centers has room
+  /// for whole groups; those beyond the last centre are of no use.
+  void centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
+               LocalPoint* centers) const noexcept;
 
  private:
   Vec3f weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept;
@@ -53,6 +62,12 @@ class Anchors {
   std::vector<CenterTie> ties_;
   std::vector<std::uint32_t> points_;
   std::vector<float> weights_;
+  // When packed: the ties that carry a remainder, with what a kernel reads of them, and where the groups of
+  // nodes_per_group nodes begin in points_ and weights_, and the end.
+  std::vector<std::uint32_t> carrying_;
+  std::array<std::vector<std::uint32_t>, 3> axes_;
+  std::array<std::vector<float>, 3> in_axes_, rest_carried_;
+  std::vector<std::uint32_t> group_begin_;
 };
 
 }  // namespace morula::detail

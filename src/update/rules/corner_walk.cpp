@@ -66,15 +66,13 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
 void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                Workers& workers) noexcept {
   std::fill(path_.begin(), path_.end(), 0.0);
+  std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t leaf = begin; leaf < end; ++leaf) {
-      std::size_t chain_end = chain_begin_[leaf + 1];
-      while (chain_end > chain_begin_[leaf] && chain_[chain_end - 1] >= count) --chain_end;
-      for (std::size_t entry = chain_begin_[leaf]; entry < chain_end; entry += most_centers)
-        walk(leaf, entry, std::min(most_centers, chain_end - entry), points, spheres);
-    }
+    kernels().farthest_of_leaves(points.data(), lists(), begin, end, count, spheres.data(), squared_.data());
   });
-  for (std::size_t k = 0; k < count; ++k) squared_reach_[k] = farthest(k);
+  std::fill_n(squared_reach_.begin(), count, 0.0f);
+  for (std::size_t entry = 0; entry < chain_.size(); ++entry)
+    if (chain_[entry] < count) squared_reach_[chain_[entry]] = std::max(squared_reach_[chain_[entry]], squared_[entry]);
 }
 
 void CornerWalk::measure_one(std::size_t k, std::span<const LocalPoint> points,

@@ -43,6 +43,7 @@ class CornerWalk {
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
   /// Of nodes()[k], as measured last.
   float squared_reach(std::size_t k) const noexcept { return squared_reach_[k]; }
+  std::span<const float> squared_reaches() const { return squared_reach_; }
 
   /// Those that nodes()[k] owns.
   std::size_t points_of(std::size_t k) const noexcept;
@@ -57,6 +58,10 @@ class CornerWalk {
   // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
   std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
                    std::span<const Spheref> spheres) noexcept;
+  LeafLists lists() const noexcept {
+    return {runs_.data(),  run_begin_.data(),   points_.data(), point_begin_.data(),
+            chain_.data(), chain_begin_.data(), nodes_.data()};
+  }
   float farthest(std::size_t k) const noexcept;
   std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 

@@ -3,6 +3,7 @@
 #include "update/rules/exact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "update/points/kernels.hpp"
@@ -31,8 +32,10 @@ ExactRule::ExactRule(const Binding& binding)
   const Ownership& ownership = binding.ownership;
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
-  core_.resize(core_size * node_count);
-  core_radius_.resize(node_count);
+  const std::size_t padded_count = (node_count + nodes_at_once - 1) / nodes_at_once * nodes_at_once;
+  core_.resize(core_size * padded_count);
+  core_radius_.resize(padded_count);
+  core_count_.resize(padded_count / nodes_at_once);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
   const NearbyPoints nearby(binding.mesh, tree, order, ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -55,6 +58,21 @@ ExactRule::ExactRule(const Binding& binding)
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
+  anchors_.pack();
+  for (std::size_t k = 0; k < node_count; ++k) {
+    // Once each, in the order of the list, which is what counts among equals; the rest repeats the first.
+    const auto core = std::span(core_).subspan(core_size * k, core_size);
+    auto end = core.begin();
+    for (const std::uint32_t p : core)
+      if (std::find(core.begin(), end, p) == end) *end++ = p;
+    std::fill(end, core.end(), core.front());
+    std::uint32_t& count = core_count_[k / nodes_at_once];
+    count = std::max(count, static_cast<std::uint32_t>(end - core.begin()));
+  }
+  for (std::size_t k = node_count; k < padded_count; ++k) {
+    std::copy_n(&core_[core_size * (node_count - 1)], core_size, &core_[core_size * k]);
+    core_radius_[k] = core_radius_[node_count - 1];
+  }
   find_dependents(binding);
 }
 
@@ -78,7 +96,7 @@ void ExactRule::find_dependents(const Binding& binding) {
     const auto depends_on = [&](std::uint32_t p) {
       binding.local.each_block(p, [&](std::uint32_t block) { nodes.emplace_back(block, k); });
     };
-    for (const std::uint32_t p : anchors_.points(k)) depends_on(p);
+    anchors_.each_point(k, depends_on);
     for (std::size_t i = 0; i < core_size; ++i) depends_on(core_[core_size * k + i]);
   }
   leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
@@ -95,14 +113,12 @@ std::size_t ExactRule::place_of(std::size_t node) const noexcept {
 void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
                        Workers& workers) noexcept {
   const std::size_t count = place_of(node_end);
-  parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].center = center(k, frame.points);
-  });
+  parallel_for(workers, count, nodes_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });
   walk_.measure_first(count, frame.points, spheres, workers);
   rounding_ = frame.rounding;
-  parallel_for(workers, count, 4 * nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) set_radius(k, rounding_, spheres);
-  });
+  parallel_for(workers, count, 4 * nodes_per_chunk,
+               [&](std::size_t begin, std::size_t end) { set_radii(begin, end, spheres); });
 }
 
 void ExactRule::update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept {
@@ -147,10 +163,31 @@ std::size_t ExactRule::update_changed(const RuleFrame& frame, std::span<const st
 // Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
 // they were at rest are good already.
 Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
-  constexpr float most_factor = 1.01f;
-  const float enough = most_factor * core_radius_[k];
+  const float enough = most_growth * core_radius_[k];
   return kernels().pull(points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]},
                         anchors_.center(k, points));
+}
+
+void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
+                             std::span<Spheref> spheres) const noexcept {
+  static_assert(nodes_per_chunk % nodes_at_once == 0 && nodes_at_once % nodes_per_group == 0);
+  std::array<LocalPoint, nodes_per_chunk> centers{};
+  anchors_.centers(begin, end, points, centers.data());
+  for (std::size_t k = begin; k < end; k += nodes_at_once)
+    kernels().pull_many(points.data(), &core_[core_size * k], core_count_[k / nodes_at_once], &core_radius_[k],
+                        &centers[k - begin]);
+  for (std::size_t k = begin; k < end; ++k) {
+    const LocalPoint& at = centers[k - begin];
+    spheres[walk_.nodes()[k]].center = {at.x, at.y, at.z};
+  }
+}
+
+void ExactRule::set_radii(std::size_t begin, std::size_t end, std::span<Spheref> spheres) const noexcept {
+  std::array<float, 4 * nodes_per_chunk> norms, radii;
+  for (std::size_t k = begin; k < end; ++k) norms[k - begin] = max_norm(spheres[walk_.nodes()[k]].center);
+  kernels().covering_radii(&walk_.squared_reaches()[begin], norms.data(), end - begin, rounding_.allowances(),
+                           radii.data());
+  for (std::size_t k = begin; k < end; ++k) spheres[walk_.nodes()[k]].radius = radii[k - begin];
 }
 
 void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept {

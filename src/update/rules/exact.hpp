@@ -42,12 +42,18 @@ class ExactRule final : public RuleEngine {
   // How many nodes of the walk come before a node of the tree.
   std::size_t place_of(std::size_t node) const noexcept;
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
+  // For nodes begin … end - 1 of the walk, where begin is a multiple of nodes_at_once.
+  void move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
+                    std::span<Spheref> spheres) const noexcept;
+  void set_radii(std::size_t begin, std::size_t end, std::span<Spheref> spheres) const noexcept;
   void set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept;
 
   CornerWalk walk_;
   Anchors anchors_;  // one tie per node of the walk
-  // core_size points of each node, its outermost, and how far they are from its centre at rest.
+  // core_size points of each node, its outermost, and how far they are from its centre at rest. Of whole
+  // nodes_at_once: those beyond the last node are as the last.
   std::vector<std::uint32_t> core_;
+  std::vector<std::uint32_t> core_count_;  // of each nodes_at_once: how many of each core tell all of it
   std::vector<float> core_radius_;
   BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
   BlockLists nodes_of_block_;   // nodes whose centres look at it

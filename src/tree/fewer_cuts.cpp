@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the centre of
+// node n to a corner that n owned before. A leaf takes over patches of a facet only where every corner that it takes
+// has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
+//   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): what is
+//               compared is what certify() computes, by the same expression, so where the tree's spheres were certified
+//               they are; and a rule that measures what nodes own finds no larger radius about the same centre at rest.
+//               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
+//   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
+//               one: the facet itself.
+//   regions     are made anew, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
+//               gives its last patch away.
+#include <algorithm>
+#include <limits>
+#include <morula/tree/cover.hpp>
+#include <numeric>
+
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+constexpr std::uint32_t none = 0xffffffffu;
+// As in certify(): squares above it have lost no digit.
+constexpr double smallest_safe_square = 0x1p-900;
+
+// Patches of one facet, and what they are about to become.
+struct Share {
+  std::uint32_t leaf;
+  double area = 0;
+  std::vector<std::uint32_t> patches{};
+};
+
+class Sharing {
+ public:
+  Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers);
+  Cover with_fewer_cuts() &&;
+
+ private:
+  void look_at(std::uint32_t facet, std::span<const std::uint32_t> patches);
+  bool takes_whole(std::uint32_t facet);
+  void join_shares();
+  template <class Corners>
+  bool contains(std::uint32_t leaf, const Corners& corners) const;
+  double area_of(std::uint32_t patch) const;
+  Cover assembled() const;
+
+  const Mesh& mesh_;
+  const SphereTree& tree_;
+  const Cover& cover_;
+  std::vector<Vec3> places_;  // of all corners
+  std::vector<double> reach_;
+  std::vector<std::uint32_t> owner_;         // leaf of each patch; none: it is part of a whole facet now
+  std::vector<std::uint32_t> whole_owner_;   // of each facet; none: it is as it was
+  std::vector<std::uint32_t> patch_counts_;  // of each leaf
+  std::vector<Share> shares_;                // of one facet, the largest first
+};
+
+Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
+    : mesh_(mesh), tree_(built.tree), cover_(built.cover) {
+  places_.resize(cover_.vertex_count + cover_.cut_points.size());
+  for (std::uint32_t i = 0; i < places_.size(); ++i) places_[i] = corner_position(cover_, i, mesh.positions);
+  reach_.resize(tree_.node_count());
+  parallel_for(workers, tree_.node_count(), 1, [&](std::size_t node, std::size_t) {
+    double farthest = 0;
+    for (const std::uint32_t c : cover_.region_corners(static_cast<std::uint32_t>(node)))
+      farthest = std::max(farthest, squared_distance(tree_.spheres[node].center, places_[c]));
+    const bool safe = farthest > smallest_safe_square && farthest < std::numeric_limits<double>::infinity();
+    reach_[node] = safe ? farthest : -1;
+  });
+  owner_.resize(cover_.patch_count());
+  whole_owner_.assign(mesh.facet_count(), none);
+  patch_counts_.resize(tree_.node_count());
+  for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
+    if (!tree_.is_leaf(node)) continue;
+    patch_counts_[node] = cover_.region_end[node] - cover_.region_begin[node];
+    for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p) owner_[p] = node;
+  }
+}
+
+// Facet after facet, in order: the answer cannot depend on chunks.
+Cover Sharing::with_fewer_cuts() && {
+  std::vector<std::uint32_t> begin(mesh_.facet_count() + 1), patches(cover_.patch_count());
+  for (const std::uint32_t f : cover_.patch_facet) ++begin[f + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t p = 0; p < patches.size(); ++p) patches[next[cover_.patch_facet[p]]++] = p;
+  for (std::uint32_t f = 0; f < mesh_.facet_count(); ++f)
+    look_at(f, std::span(patches).subspan(begin[f], begin[f + 1] - begin[f]));
+  return assembled();
+}
+
+void Sharing::look_at(std::uint32_t facet, std::span<const std::uint32_t> patches) {
+  if (patches.size() < 2) return;
+  shares_.clear();
+  for (const std::uint32_t p : patches) {
+    const auto owns = [&](const Share& share) { return share.leaf == owner_[p]; };
+    auto share = std::find_if(shares_.begin(), shares_.end(), owns);
+    if (share == shares_.end()) share = shares_.insert(shares_.end(), {.leaf = owner_[p]});
+    share->area += area_of(p);
+    share->patches.push_back(p);
+  }
+  std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.area > b.area; });
+  if (!takes_whole(facet)) join_shares();
+}
+
+bool Sharing::takes_whole(std::uint32_t facet) {
+  for (const Share& taker : shares_) {
+    const auto can_give = [&](const Share& share) {
+      return share.leaf == taker.leaf || patch_counts_[share.leaf] > share.patches.size();
+    };
+    if (!std::all_of(shares_.begin(), shares_.end(), can_give) || !contains(taker.leaf, mesh_.facets[facet])) continue;
+    for (const Share& share : shares_) {
+      patch_counts_[share.leaf] -= static_cast<std::uint32_t>(share.patches.size());
+      for (const std::uint32_t p : share.patches) owner_[p] = none;
+    }
+    ++patch_counts_[taker.leaf];
+    whole_owner_[facet] = taker.leaf;
+    return true;
+  }
+  return false;
+}
+
+// The smallest is the first to go, to the largest that contains it.
+void Sharing::join_shares() {
+  for (std::size_t k = shares_.size(); k-- > 1;) {
+    Share& giver = shares_[k];
+    const auto count = static_cast<std::uint32_t>(giver.patches.size());
+    if (patch_counts_[giver.leaf] <= count) continue;
+    const auto contains_giver = [&](const Share& taker) {
+      return &taker != &giver && std::all_of(giver.patches.begin(), giver.patches.end(),
+                                             [&](std::uint32_t p) { return contains(taker.leaf, cover_.patch(p)); });
+    };
+    const auto taker = std::find_if(shares_.begin(), shares_.end(), contains_giver);
+    if (taker == shares_.end()) continue;
+    patch_counts_[giver.leaf] -= count;
+    patch_counts_[taker->leaf] += count;
+    for (const std::uint32_t p : giver.patches) owner_[p] = taker->leaf;
+    taker->patches.insert(taker->patches.end(), giver.patches.begin(), giver.patches.end());
+    shares_.erase(shares_.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+}
+
+template <class Corners>
+bool Sharing::contains(std::uint32_t leaf, const Corners& corners) const {
+  for (std::uint32_t node = leaf; node != no_node; node = tree_.parent[node])
+    for (const std::uint32_t c : corners)
+      if (!(squared_distance(tree_.spheres[node].center, places_[c]) <= reach_[node])) return false;
+  return true;
+}
+
+double Sharing::area_of(std::uint32_t patch) const {
+  const auto corners = cover_.patch(patch);
+  Vec3 sum{};
+  for (std::size_t k = 2; k < corners.size(); ++k)
+    sum += cross(places_[corners[k - 1]] - places_[corners[0]], places_[corners[k]] - places_[corners[0]]);
+  return length(sum);
+}
+
+// Patches in the order that they had, a whole facet where the first of its owner's was; what came from elsewhere last.
+Cover Sharing::assembled() const {
+  std::vector<std::vector<std::uint32_t>> patches_of(tree_.node_count());
+  std::vector<std::uint8_t> placed(mesh_.facet_count());
+  const auto is_leafs_own = [&](std::uint32_t node, std::uint32_t p) {
+    if (owner_[p] != none) return owner_[p] == node;
+    const std::uint32_t f = cover_.patch_facet[p];
+    return whole_owner_[f] == node && placed[f]++ == 0;
+  };
+  for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
+    if (!tree_.is_leaf(node)) continue;
+    for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
+      if (is_leafs_own(node, p)) patches_of[node].push_back(p);
+  }
+  for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
+    if (!tree_.is_leaf(node)) continue;
+    for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
+      if (owner_[p] != none && owner_[p] != node) patches_of[owner_[p]].push_back(p);
+  }
+
+  Cover result;
+  result.vertex_count = cover_.vertex_count;
+  result.facet_count = cover_.facet_count;
+  result.corner_begin.push_back(0);
+  result.region_begin.resize(tree_.node_count());
+  result.region_end.resize(tree_.node_count());
+  std::vector<std::uint32_t> number(cover_.cut_points.size(), none);
+  const auto add_corner = [&](std::uint32_t c) {
+    if (c >= cover_.vertex_count) {
+      std::uint32_t& cut = number[c - cover_.vertex_count];
+      if (cut == none) {
+        cut = static_cast<std::uint32_t>(cover_.vertex_count + result.cut_points.size());
+        result.cut_points.push_back(cover_.cut_points[c - cover_.vertex_count]);
+      }
+      c = cut;
+    }
+    result.corners.push_back(c);
+  };
+  const auto visit = [&](const auto& self, std::uint32_t node) -> void {
+    result.region_begin[node] = static_cast<std::uint32_t>(result.patch_count());
+    for (const std::uint32_t p : patches_of[node]) {
+      const std::uint32_t f = cover_.patch_facet[p];
+      result.patch_facet.push_back(f);
+      if (owner_[p] == none)
+        for (const std::uint32_t v : mesh_.facets[f]) add_corner(v);
+      else
+        for (const std::uint32_t c : cover_.patch(p)) add_corner(c);
+      result.corner_begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    }
+    for (std::uint32_t c = 0; c < tree_.child_count[node]; ++c) self(self, tree_.first_child[node] + c);
+    result.region_end[node] = static_cast<std::uint32_t>(result.patch_count());
+  };
+  visit(visit, 0);
+  return result;
+}
+
+}  // namespace
+
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers) {
+  const StandardFloats standard;
+  return Sharing(mesh, built, workers).with_fewer_cuts();
+}
+
+}  // namespace morula
