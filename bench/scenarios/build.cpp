@@ -72,6 +72,40 @@ void add_spread(const Input& input, BuildOptions options, const std::vector<Leve
   }
 }
 
+/// So many spheres as one flat set, beside one level of as many children and the level of a tree.
+Result flat_set_of(const Input& input, BuildOptions options, std::size_t spheres, const Settings& settings) {
+  Result result{.scenario = "build", .mesh = input.name};
+  result.item =
+      fmt::format("{}{}, {} spheres", name(options.method), options.quality == Quality::fast ? " fast" : "", spheres);
+  options.spheres = spheres;
+  CoveredTree flat;
+  double user = std::numeric_limits<double>::infinity();
+  result.seconds = timed(settings, [&] {
+    const double before = user_seconds();
+    flat = build(input.mesh, options, *settings.workers);
+    user = std::min(user, user_seconds() - before);
+  });
+  verify(input, flat, *settings.workers, result);
+  const auto loose = [&](const CoveredTree& built, std::size_t level) {
+    const VoxelGrid grid{.kind = VoxelGrid::Kind::fixed, .voxel_edge = bounding_box(input.mesh).diagonal() / 256};
+    return looseness(input.mesh, level_set_spheres(built.tree, level), grid, *settings.workers).looseness;
+  };
+  result.figures = {{"spheres", static_cast<double>(flat.tree.leaf_count())}, {"user s", user}};
+  const auto own = loose(flat, flat.tree.level_count() - 1);
+  if (!own) return result;
+  result.figures.push_back({"looseness", *own});
+  options.spheres = 0;
+  options.branching = static_cast<int>(spheres);
+  options.depth = 1;
+  const CoveredTree one_level = build(input.mesh, options, *settings.workers);
+  result.figures.push_back({"over one level", *own / *loose(one_level, one_level.tree.level_count() - 1)});
+  options.branching = 8;
+  options.depth = 2;
+  const CoveredTree levels = build(input.mesh, options, *settings.workers);
+  result.figures.push_back({"over level 2", *own / *loose(levels, levels.tree.level_count() - 1)});
+  return result;
+}
+
 }  // namespace
 
 std::vector<Result> run_build(const Input& input, const Settings& settings) {
@@ -108,13 +142,21 @@ std::vector<Result> run_build(const Input& input, const Settings& settings) {
     add_looseness(input, result, levels, settings.baseline, result.figures);
     if (settings.seeds > 1) add_spread(input, options, levels, settings, result.figures);
     results.push_back(std::move(result));
+    constexpr std::size_t flat_spheres = 64;
+    results.push_back(flat_set_of(input, {.method = method}, flat_spheres, settings));
+    if (method == Method::morula)
+      results.push_back(flat_set_of(input, {.method = method, .quality = Quality::fast}, flat_spheres, settings));
   }
   return results;
 }
 
 std::vector<Result> run_build_scaling(const Settings& settings) {
   std::vector<Result> results;
-  for (const Method method : settings.methods)
+  for (const Method method : settings.methods) {
+    struct Measured {
+      double facets, seconds, bytes;
+    };
+    std::vector<Measured> measured;
     for (const int facets : {10'000, 30'000, 100'000, 300'000, 1'000'000}) {
       // A blob has 1.7 × resolution² facets.
       const int resolution = static_cast<int>(std::lround(std::sqrt(facets / 1.7)));
@@ -131,8 +173,17 @@ std::vector<Result> run_build_scaling(const Settings& settings) {
                     "surface outside the spheres");
       result.figures = {{"us/facet", 1e6 * result.seconds[0] / count}};
       if (bytes) result.figures.push_back({"peak bytes/facet", static_cast<double>(*bytes) / count});
+      // What a build costs whatever the mesh is not the facets'.
+      measured.push_back({count, result.seconds[0], bytes ? static_cast<double>(*bytes) : 0.0});
+      const Measured &least = measured.front(), &now = measured.back();
+      if (measured.size() > 1) {
+        const double more = now.facets - least.facets;
+        result.figures.push_back({"us/facet beyond 10k", 1e6 * (now.seconds - least.seconds) / more});
+        if (bytes) result.figures.push_back({"bytes/facet beyond 10k", (now.bytes - least.bytes) / more});
+      }
       results.push_back(std::move(result));
     }
+  }
   return results;
 }
 

@@ -43,6 +43,7 @@
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <morula/update/known_poses.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <morula/update/sample_motions.hpp>

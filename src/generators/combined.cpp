@@ -6,6 +6,7 @@
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
+#include "generators/driver/flat_set.hpp"
 #include "generators/reduce/adaptive_medial.hpp"
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/optimise.hpp"
@@ -38,22 +39,38 @@ constexpr ReduceSettings thorough{
 CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                           const ReduceSettings& settings) {
   const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
+  const ObjectLines lines(mesh, shape, cells_for(run, shape.bvh()), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
     constexpr int rounds = 2;
     if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
   };
   Reducer reducer = combined_reducer(std::move(reductions), run);
+  if (is_flat_set(run)) {
+    const ObjectLines fine(mesh, shape, flat_set_cells, workers);
+    const FitInput fine_input = fit_input(mesh, shape, fine);
+    const auto divider = [&](const FitInput& by, const BuildRun& level) {
+      return divide_by(by, level, reducer, settings);
+    };
+    const FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
+                       .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
+                       .improve =
+                           [&](std::vector<BuildNode>& nodes) {
+                             constexpr int rounds = 2;
+                             exchange(fine_input, nodes, rounds, workers);
+                           },
+                       .quick = true};
+    return flat_set(input, fine, run, by, workers);
+  }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (settings.balance[0] == 0 || run.depth < 2 || flat)
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape,
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape, &lines,
                     exchange_parts);
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);
   return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape,
-                  exchange_parts);
+                  &lines, exchange_parts);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {

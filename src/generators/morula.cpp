@@ -13,12 +13,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <morula/geometry/sampling.hpp>
 #include <morula/medial/medial_balls.hpp>
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
 #include "generators/divide/node_fit.hpp"
+#include "generators/driver/flat_set.hpp"
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
 
@@ -90,7 +92,7 @@ class OwnDivider {
 
   Division operator()(const BuildNode& node) const {
     const auto level = static_cast<std::size_t>(std::min(node.level, 2));
-    const auto starts = static_cast<std::size_t>(effort_.starts[level]);
+    const std::size_t starts = shared_among_children(effort_.starts[level]);
     std::vector<BuildNode> nodes(starts, node);
     Random seeds(node.seed);
     for (BuildNode& n : nodes) n.seed = seeds.next();
@@ -113,6 +115,13 @@ class OwnDivider {
   }
 
  private:
+  // What is tried for a node is tried for all its children: many of them share what few would have.
+  std::size_t shared_among_children(int tries) const {
+    constexpr std::size_t few = 8;
+    const auto children = std::max(few, static_cast<std::size_t>(run_.branching));
+    return (few * static_cast<std::size_t>(tries) + children - 1) / children;
+  }
+
   // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
   std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
@@ -152,7 +161,7 @@ class OwnDivider {
     }
     run_.throw_if_stopped();
     constexpr int move_every = 5;
-    group.try_changes(effort_.changes[level], move_every);
+    group.try_changes(static_cast<int>(shared_among_children(effort_.changes[level])), move_every);
     NodeFit::Exact exact = fit.exact();
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
@@ -226,12 +235,13 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape);
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape,
+                  &input.lines);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), workers);
+  const ObjectLines lines(mesh, shape, cells_for(run, shape.bvh()), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const Effort& effort = effort_of(run.quality);
   const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
@@ -240,17 +250,38 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
       if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
     });
   };
+  if (is_flat_set(run)) {
+    const ObjectLines fine(mesh, shape, flat_set_cells, workers);
+    const FitInput fine_input = fit_input(mesh, shape, fine);
+    const auto divider = [&](const FitInput& by, const BuildRun& level_run, Demand demand) -> Divider {
+      const auto level = std::make_shared<const BuildRun>(level_run);
+      return [level, divide = OwnDivider(by, *level, effort, balls, std::move(demand), workers)](
+                 const BuildNode& node) { return divide(node); };
+    };
+    const FlatSetBy by{
+        .one_level = [&](std::size_t most) { return divider(input, run.one_level(most), {}); },
+        .levels =
+            [&](int depth) {
+              const BuildRun levels = of_levels(run, depth);
+              if (effort.balance[0] == 0) return divider(fine_input, levels, {});
+              const CoveredTree first = fast_tree(fine_input, levels, workers);
+              return divider(fine_input, levels, demand_from(fine_input, first, workers));
+            },
+        .improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
+        .quick = effort.balance[0] == 0};
+    return flat_set(input, fine, run, by, workers);
+  }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {
     const OwnDivider divide(input, run, effort, balls, {}, workers);
-    return top_down(mesh, run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+    return top_down(mesh, run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
   CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  return top_down(mesh, second_run, {}, divide, workers, &shape, exchange_parts(effort.exchanges));
+  return top_down(mesh, second_run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
 }
 
 }  // namespace morula::detail

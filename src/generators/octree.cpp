@@ -4,9 +4,12 @@
 // sphere is then the smallest around what its cell holds, which the circumspheres of the literature are not.
 
 #include <algorithm>
+#include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/inspect.hpp>
 
 #include "generators/driver/top_down.hpp"
+#include "generators/fit/object_lines.hpp"
 #include "generators/fit/partition.hpp"
 
 namespace morula::detail {
@@ -113,7 +116,16 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   const Box& box = run.box();
   const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
-  return top_down(mesh, run, cube, OctreeDivider(mesh, run), workers);
+  const OctreeDivider divide(mesh, run);
+  if (run.spheres > 0 || run.max_protrusion > 0) return top_down(mesh, run, cube, divide, workers);
+  // Some four cells to the radius of a leaf, as far as memory allows.
+  double surface = 0, parts = 8;
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
+  for (int level = 1; level < run.depth; ++level) parts = std::min(4096.0, 8 * parts);
+  const double cell = 0.3 * std::sqrt(surface / parts);
+  const int cells = cell > 0 ? static_cast<int>(std::clamp(max_norm(box.extent()) / cell, 64.0, 512.0)) : 64;
+  const ObjectLines lines(mesh, box, inspect(mesh).has_volume(), cells, workers);
+  return top_down(mesh, run, cube, divide, workers, nullptr, &lines);
 }
 
 }  // namespace morula::detail

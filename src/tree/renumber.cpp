@@ -66,6 +66,12 @@ CoveredTree renumbered(const CoveredTree& built, const Mesh& mesh, std::span<con
   for (CutPoint& cut : result.cover.cut_points)
     for (std::uint32_t& v : cut.vertex) v = number[v];
   result.report.mesh_hash = mesh_hash(mesh);
+  for (KnownPose& pose : result.poses) {
+    const std::vector<Vec3> before = pose.positions;
+    for (std::size_t i = 0; i < order.size(); ++i) pose.positions[i] = before[order[i]];
+    const Mesh posed{pose.positions, mesh.facets};
+    pose.built = std::make_shared<const CoveredTree>(renumbered(*pose.built, posed, order));
+  }
   return result;
 }
 

@@ -145,8 +145,7 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover) {
   return faults;
 }
 
-std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built) {
-  const StandardFloats standard;
+static std::vector<std::string> faults_at_rest(const MeshView& mesh, const CoveredTree& built) {
   std::vector<std::string> faults = validate(built.tree);
   if (!faults.empty()) return faults;
   if (built.cover.vertex_count != mesh.vertex_count()) return {"the cover is for another number of vertices"};
@@ -159,6 +158,29 @@ std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built
   if (!certificate.covered)
     faults.push_back("node " + std::to_string(certificate.worst_node) + " does not wrap its region: a corner is " +
                      std::to_string(certificate.worst_excess) + " outside its sphere");
+  return faults;
+}
+
+// The first fault of a known pose, in words; empty where there is none.
+static std::string fault_of_pose(const MeshView& mesh, const KnownPose& pose) {
+  if (!pose.built) return "it has no tree";
+  if (!pose.built->poses.empty()) return "its tree carries poses of its own";
+  if (pose.positions.size() != mesh.vertex_count())
+    return "it has " + std::to_string(pose.positions.size()) + " positions for " + std::to_string(mesh.vertex_count()) +
+           " vertices";
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f)
+      if (!is_finite(pose.positions[v])) return "vertex " + std::to_string(v) + " is not finite";
+  const std::vector<std::string> faults = faults_at_rest({pose.positions, mesh.facets}, *pose.built);
+  return faults.empty() ? std::string() : faults.front();
+}
+
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built) {
+  const StandardFloats standard;
+  std::vector<std::string> faults = faults_at_rest(mesh, built);
+  for (const KnownPose& pose : built.poses)
+    if (const std::string fault = fault_of_pose(mesh, pose); !fault.empty())
+      faults.push_back("known pose \"" + pose.name + "\": " + fault);
   return faults;
 }
 

@@ -80,6 +80,11 @@ float focal_distance(float a, float b) {
   return divisor > 0 ? 2 / divisor : std::numeric_limits<float>::infinity();
 }
 
+constexpr std::size_t most_levels = max_depth + 1;
+
+// Nanoseconds, about, of the tasks of an estimate in steps: only how they compare matters.
+constexpr double sample_cost = 35, facet_cost = 1.1, level_cost = 300;
+
 }  // namespace
 
 // What is known about a ray at this pose: how near it comes to facing surface within `length`.
@@ -88,22 +93,56 @@ struct Outlook {
   float nearness = 0;
 };
 
+// A body's spheres at the moment of an estimate.
+struct Subject {
+  const SphereTree* tree = nullptr;
+  std::span<const Spheref> spheres{};
+  Vec3 origin{};
+};
+
+Subject subject_of(const Body& body) noexcept {
+  return {&body.rest_tree(), body.spheres(), body.origin()};
+}
+
+// An estimate in steps: the tasks of one come in a fixed order, and each has a share of the cost.
+struct Course {
+  std::vector<Vec3> positions;
+  std::vector<Spheref> spheres;
+  Subject subject;
+  std::size_t step = 0, steps = 0;  // equal: nothing is under way
+  std::size_t task = 0;
+  double cost = 0, whole_cost = 0;  // of the tasks done, and of all
+};
+
 struct LoosenessEstimator::State {
-  explicit State(const Mesh& rest, std::size_t count)
+  State(const Mesh& rest, std::size_t count)
       : samples(rest, count), height(samples.blocks().size()), candidates(height.size()) {
     for (auto& side : outlook) side.resize(samples.count());
+    course.positions.resize(rest.vertex_count());
   }
 
   SurfaceSamples samples;
   std::vector<Lanes> height;                    // per block
   std::array<std::vector<Outlook>, 2> outlook;  // outward and inward, per sample
   std::vector<std::uint32_t> candidates;        // blocks that may face the present one; the first few are set
+  Course course{};
+  std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
 
+  struct Groups {
+    std::size_t begin, end;
+  };
+  Groups all_groups() const noexcept { return {0, samples.group_bounds().size()}; }
+  std::size_t task_count() const noexcept { return SurfaceSamples::move_steps + all_groups().end; }
+  double cost_of(std::size_t task) const noexcept;
+  void run(std::size_t task) noexcept;
+
+  void forget_outlook() noexcept;
   void pose(const PositionView& positions) noexcept;
-  double level(const Body& body, std::size_t level) noexcept;
-  double outside_volume(const Body& body, std::size_t level, float side) noexcept;
-  void raise_over_level(const Body& body, std::size_t level, float side) noexcept;
-  void raise_over(const Spheref& ball, float side) noexcept;
+  double looseness_at(const Subject& subject, std::size_t level, double outward, double inward) const noexcept;
+  double level(const Subject& subject, std::size_t level) noexcept;
+  double outside_volume(const Subject& subject, std::size_t level, float side, Groups groups, double volume) noexcept;
+  void raise_over_level(const Subject& subject, std::size_t level, float side, Groups groups) noexcept;
+  void raise_over(const Spheref& ball, float side, Groups groups) noexcept;
   std::span<const std::uint32_t> blocks_facing(std::size_t block, float longest) noexcept;
   SampleBlock::Lanes ray_lengths(std::size_t block, float side) const noexcept;
   void look_out(std::size_t block, float side, const SampleBlock::Lanes& lengths) noexcept;
@@ -111,14 +150,19 @@ struct LoosenessEstimator::State {
   Outlook& outlook_of(std::size_t sample, float side) noexcept { return outlook[side < 0][sample]; }
 };
 
-void LoosenessEstimator::State::pose(const PositionView& positions) noexcept {
-  samples.move(positions);
+void LoosenessEstimator::State::forget_outlook() noexcept {
   for (auto& side : outlook) std::fill(side.begin(), side.end(), Outlook{});
 }
 
-void LoosenessEstimator::State::raise_over(const Spheref& ball, float side) noexcept {
+void LoosenessEstimator::State::pose(const PositionView& positions) noexcept {
+  course.step = course.steps;
+  samples.move(positions);
+  forget_outlook();
+}
+
+void LoosenessEstimator::State::raise_over(const Spheref& ball, float side, Groups groups) noexcept {
   const std::vector<BlockBound>& bounds = samples.bounds();
-  for (std::size_t g = 0; g < samples.group_bounds().size(); ++g) {
+  for (std::size_t g = groups.begin; g < groups.end; ++g) {
     if (!touch(ball, samples.group_bounds()[g])) continue;
     const std::size_t end = std::min(bounds.size(), (g + 1) * group_size);
     for (std::size_t b = g * group_size; b < end; ++b)
@@ -127,16 +171,18 @@ void LoosenessEstimator::State::raise_over(const Spheref& ball, float side) noex
 }
 
 // The spheres of level set j: those of level j and the leaves above it.
-void LoosenessEstimator::State::raise_over_level(const Body& body, std::size_t level, float side) noexcept {
-  for (Lanes& lanes : height) lanes.fill(Float4(0.0f));
-  const SphereTree& tree = body.rest_tree();
+void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::size_t level, float side,
+                                                 Groups groups) noexcept {
+  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b)
+    height[b].fill(Float4(0.0f));
+  const SphereTree& tree = *subject.tree;
   const double scale = samples.per_mesh_unit();
   const auto narrow_scale = static_cast<float>(scale);
-  const Vec3f shift((body.origin() - samples.origin()) * scale);
+  const Vec3f shift((subject.origin - samples.origin()) * scale);
   for (std::uint32_t node = 0; node < tree.level_begin[level + 1]; ++node) {
     if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
-    const Spheref& s = body.spheres()[node];
-    raise_over({s.center * narrow_scale + shift, s.radius * narrow_scale}, side);
+    const Spheref& s = subject.spheres[node];
+    raise_over({s.center * narrow_scale + shift, s.radius * narrow_scale}, side, groups);
   }
 }
 
@@ -201,10 +247,11 @@ double LoosenessEstimator::State::volume_over(std::size_t b, float side,
   return volume;
 }
 
-double LoosenessEstimator::State::outside_volume(const Body& body, std::size_t level, float side) noexcept {
-  raise_over_level(body, level, side);
-  double volume = 0;
-  for (std::size_t b = 0; b < height.size(); ++b) {
+// Adds to `volume`, block after block: the same sum whether the groups come at once or one by one.
+double LoosenessEstimator::State::outside_volume(const Subject& subject, std::size_t level, float side, Groups groups,
+                                                 double volume) noexcept {
+  raise_over_level(subject, level, side, groups);
+  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b) {
     const SampleBlock::Lanes lengths = ray_lengths(b, side);
     look_out(b, side, lengths);
     volume += volume_over(b, side, lengths);
@@ -212,17 +259,48 @@ double LoosenessEstimator::State::outside_volume(const Body& body, std::size_t l
   return volume;
 }
 
-double LoosenessEstimator::State::level(const Body& body, std::size_t level) noexcept {
+double LoosenessEstimator::State::looseness_at(const Subject& subject, std::size_t level, double outward,
+                                               double inward) const noexcept {
   const double volume = samples.volume();
   if (!(volume > 0)) return 0;
   if (level == 0) {
-    const auto radius = static_cast<double>(body.spheres()[0].radius);
+    const auto radius = static_cast<double>(subject.spheres[0].radius);
     const double ball = 4 * std::numbers::pi / 3 * radius * radius * radius;
     return std::max(0.0, ball / volume - (samples.has_volume() ? 1.0 : 0.0));
   }
   const double unit = 1 / samples.per_mesh_unit(), of_one = volume / (unit * unit * unit);
-  const double outside = outside_volume(body, level, 1.0f);
-  return (samples.has_volume() ? outside : outside + outside_volume(body, level, -1.0f)) / of_one;
+  return (samples.has_volume() ? outward : outward + inward) / of_one;
+}
+
+double LoosenessEstimator::State::level(const Subject& subject, std::size_t level) noexcept {
+  double outward = 0, inward = 0;
+  if (level > 0 && samples.volume() > 0) {
+    outward = outside_volume(subject, level, 1.0f, all_groups(), 0);
+    if (!samples.has_volume()) inward = outside_volume(subject, level, -1.0f, all_groups(), 0);
+  }
+  return looseness_at(subject, level, outward, inward);
+}
+
+double LoosenessEstimator::State::cost_of(std::size_t task) const noexcept {
+  if (task < SurfaceSamples::move_steps / 2) return sample_cost * static_cast<double>(samples.count());
+  if (task < SurfaceSamples::move_steps) return facet_cost * static_cast<double>(samples.facet_count());
+  return level_cost * static_cast<double>(group_size * block_size);
+}
+
+// First the samples are moved, step by step; then each group of their blocks is looked out from, at every level.
+void LoosenessEstimator::State::run(std::size_t task) noexcept {
+  if (task < SurfaceSamples::move_steps) return samples.move(course.positions, task, task + 1);
+  const std::size_t group = task - SurfaceSamples::move_steps;
+  if (group == 0) {
+    forget_outlook();
+    for (auto& side : outside) side.fill(0);
+  }
+  const Groups one{group, group + 1};
+  const std::size_t levels = std::min(most_levels, course.subject.tree->level_count());
+  for (std::size_t level = 1; level < levels; ++level) {
+    outside[0][level] = outside_volume(course.subject, level, 1.0f, one, outside[0][level]);
+    if (!samples.has_volume()) outside[1][level] = outside_volume(course.subject, level, -1.0f, one, outside[1][level]);
+  }
 }
 
 LoosenessEstimator::LoosenessEstimator(const Mesh& rest, std::size_t sample_count) {
@@ -247,7 +325,46 @@ void LoosenessEstimator::estimate(const Body& body, std::span<double> looseness)
   const StandardFloats standard;
   const std::size_t levels = body.rest_tree().level_count();
   for (std::size_t level = 0; level < looseness.size(); ++level)
-    looseness[level] = level < levels ? state_->level(body, level) : looseness[levels - 1];
+    looseness[level] = level < levels ? state_->level(subject_of(body), level) : looseness[levels - 1];
+}
+
+void LoosenessEstimator::reserve(std::size_t nodes) {
+  state_->course.spheres.reserve(nodes);
+}
+
+void LoosenessEstimator::give_up() noexcept {
+  state_->course.step = state_->course.steps;
+}
+
+void LoosenessEstimator::begin(const PositionView& positions, const Body& body, std::size_t steps) noexcept {
+  const StandardFloats standard;
+  State& s = *state_;
+  for (std::size_t v = 0; v < s.course.positions.size(); ++v) s.course.positions[v] = positions[v];
+  s.course.spheres.assign(body.spheres().begin(), body.spheres().end());
+  s.course.subject = {&body.rest_tree(), s.course.spheres, body.origin()};
+  s.course.step = s.course.task = 0;
+  s.course.steps = std::max<std::size_t>(1, steps);
+  s.course.cost = s.course.whole_cost = 0;
+  for (std::size_t task = 0; task < s.task_count(); ++task) s.course.whole_cost += s.cost_of(task);
+}
+
+bool LoosenessEstimator::step(std::span<double> looseness) noexcept {
+  const StandardFloats standard;
+  State& s = *state_;
+  Course& c = s.course;
+  if (c.step == c.steps) return false;
+  const bool last = ++c.step == c.steps;
+  const double until = c.whole_cost * static_cast<double>(c.step) / static_cast<double>(c.steps);
+  for (; c.task < s.task_count() && (last || c.cost < until); ++c.task) {
+    s.run(c.task);
+    c.cost += s.cost_of(c.task);
+  }
+  if (!last) return false;
+  const std::size_t levels = c.subject.tree->level_count();
+  for (std::size_t level = 0; level < looseness.size(); ++level)
+    looseness[level] = level < levels ? s.looseness_at(c.subject, level, s.outside[0][level], s.outside[1][level])
+                                      : looseness[levels - 1];
+  return true;
 }
 
 std::size_t LoosenessEstimator::sample_count() const {

@@ -107,12 +107,12 @@ TEST(Build, makes_the_golden_trees) {
     return tree_hash(build(mesh, {.method = method, .depth = 2, .quality = quality}).tree);
   };
   EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
-  EXPECT_EQ(hash(Method::grid), 0xe3e6671c85a2fc35u);
-  EXPECT_EQ(hash(Method::hubbard), 0x93e30995e33760adu);
-  EXPECT_EQ(hash(Method::spawn), 0x69855f6630db779cu);
-  EXPECT_EQ(hash(Method::medial), 0xa00f07a7c6b99dbcu);
-  EXPECT_EQ(hash(Method::morula, Quality::fast), 0xc51b35ea8db5b43au);
-  EXPECT_EQ(hash(Method::morula), 0x7871153179214dc0u);
+  EXPECT_EQ(hash(Method::grid), 0x5a0f21c3c72ab197u);
+  EXPECT_EQ(hash(Method::hubbard), 0x6cd26e9459f8a0dcu);
+  EXPECT_EQ(hash(Method::spawn), 0xc74f28f9f9808600u);
+  EXPECT_EQ(hash(Method::medial), 0x133dff365a11f0fbu);
+  EXPECT_EQ(hash(Method::morula, Quality::fast), 0x2be1ba1db68aef95u);
+  EXPECT_EQ(hash(Method::morula), 0x33038ca19ac69015u);
 }
 
 TEST_P(BuildBy, moves_and_scales_with_its_input) {
@@ -143,10 +143,11 @@ TEST_P(BuildBy, gets_tighter_with_depth) {
   const auto loose = [&](std::size_t level) {
     return looseness(mesh, level_set_spheres(tree, level), {.resolution = 64}).looseness.value();
   };
-  // The first division may be looser than the root: eight spheres around the octants of a flat body stick out of it.
+  // The first division may be no tighter than the root: eight spheres around the octants of a flat body stick out of
+  // it.
+  EXPECT_LE(loose(1), loose(0));
   for (std::size_t level = 2; level < tree.level_count(); ++level)
     EXPECT_LT(loose(level), loose(level - 1)) << "level " << level;
-  EXPECT_LT(loose(2), loose(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, BuildBy, testing::ValuesIn(test::quick_methods), test::method_name);

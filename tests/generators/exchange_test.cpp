@@ -30,7 +30,7 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
       .changes = {0, 0, 0},
       .move_every = 5};
   Made made;
-  made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, &shape,
+  made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, &shape, nullptr,
                         [&](std::vector<BuildNode>& nodes) {
                           if (nodes[0].level != 2) return;
                           made.before = nodes;

@@ -228,6 +228,28 @@ TEST(HostileTrees, native) {
   EXPECT_TRUE(same_bits(read_tree(folder.file("copy.morula", good)).tree, built.tree));
 }
 
+TEST(HostileTrees, native_poses) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  CoveredTree built = small_built(mesh);
+  built.poses.push_back({"as at rest", mesh.positions, std::make_shared<const CoveredTree>(small_built(mesh))});
+  write_tree(folder.path() / "good.morula", built);
+  const std::string good = bytes_of(folder.path() / "good.morula");
+  const NativeForge forge(good);
+  const std::uint32_t no_such = 0xffffffffu;
+  expect_trees_refused(
+      {{"list.morula", forge.with_header("\"poses\": [", "\"poses\": 7, \"was\": ["), 0, "\"poses\" is not a list"},
+       {"name.morula", forge.with_header("\"as at rest\"", "7"), 0, "the name of a pose is not a string"},
+       {"no_name.morula", forge.with_header("\"name\": \"as at rest\"", "\"nome\": \"as at rest\""), 0,
+        "a pose has no \"name\""},
+       {"no_positions.morula", forge.with_header("\"pose 0 positions\"", "\"pose 0 position\""), 0,
+        "array pose 0 positions is missing"},
+       {"spheres.morula", forge.with("pose 0 spheres", 3, -1.0), 0, "node 0 has a negative radius"},
+       {"child_count.morula", forge.with("pose 0 child_count", 0, no_such), 0, "do not add up"},
+       {"patch_facet.morula", forge.with("pose 0 patch_facet", 2, no_such), 0, "pose 0: patch 2 lies on facet"},
+       {"corners.morula", forge.with("pose 0 corners", 7, no_such), 0, "pose 0: a patch has corner"}});
+}
+
 TEST(HostileTrees, native_file_of_another_mesh) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();

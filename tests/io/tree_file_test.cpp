@@ -124,6 +124,66 @@ TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
                     [&] { read_tree(native); });
 }
 
+CoveredTree built_with_poses(const Mesh& mesh) {
+  CoveredTree built = small_built(mesh);
+  for (const double factor : {1.5, -0.25}) {
+    KnownPose pose{"x by " + std::to_string(factor), mesh.positions, nullptr};
+    for (Vec3& p : pose.positions) p.x *= factor;
+    pose.built = std::make_shared<const CoveredTree>(small_built({pose.positions, mesh.facets}));
+    built.poses.push_back(std::move(pose));
+  }
+  return built;
+}
+
+TEST(TreeFile, trees_for_known_poses_read_back_bit_for_bit_and_leave_the_others_where_they_were) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  const CoveredTree built = built_with_poses(mesh);
+  const fs::path path = folder.path() / "tree.morula";
+  write_tree(path, built);
+  const CoveredTree read = read_covered_tree(path, mesh);
+  EXPECT_TRUE(same_bits(read.tree, built.tree));
+  ASSERT_EQ(read.poses.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(read.poses[k].name, built.poses[k].name);
+    EXPECT_EQ(read.poses[k].positions, built.poses[k].positions);
+    EXPECT_TRUE(same_bits(read.poses[k].built->tree, built.poses[k].built->tree));
+    EXPECT_TRUE(same_bits(read.poses[k].built->cover, built.poses[k].built->cover));
+    EXPECT_TRUE(same_bits(read.poses[k].built->report, built.poses[k].built->report));
+  }
+  // What a library that knows no poses reads is the file without them: the same arrays under the same names.
+  CoveredTree alone = built;
+  alone.poses.clear();
+  write_tree(folder.path() / "alone.morula", alone);
+  EXPECT_TRUE(read_tree(folder.path() / "alone.morula").poses.empty());
+  const std::string bytes = bytes_of(path), bytes_alone = bytes_of(folder.path() / "alone.morula");
+  EXPECT_EQ(bytes.substr(8, 4), bytes_alone.substr(8, 4)) << "one version";
+  const auto data_of = [](const std::string& file) {
+    std::uint32_t header_size = 0;
+    std::memcpy(&header_size, file.data() + 12, 4);
+    return file.substr(24 + header_size);
+  };
+  const std::string arrays_alone = data_of(bytes_alone);
+  EXPECT_EQ(data_of(bytes).substr(0, arrays_alone.size() - 8), arrays_alone.substr(0, arrays_alone.size() - 8));
+}
+
+TEST(TreeFile, poses_that_are_not_of_the_mesh_are_neither_written_nor_read) {
+  const ScratchFolder folder;
+  const Mesh mesh = small_mesh();
+  CoveredTree built = built_with_poses(mesh);
+  const fs::path path = folder.path() / "tree.morula";
+  built.poses[1].positions.pop_back();
+  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
+  built = built_with_poses(mesh);
+  built.poses[0].built = nullptr;
+  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(path));
+  built = built_with_poses(mesh);
+  for (Vec3& p : built.poses[1].positions) p.x *= 1.01;  // outside the spheres that were made for it
+  write_tree(path, built);
+  EXPECT_THROW(read_covered_tree(path, mesh), FileError);
+}
+
 TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {
   const ScratchFolder folder;
   const CoveredTree built = small_built(small_mesh());

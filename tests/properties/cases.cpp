@@ -3,6 +3,7 @@
 #include "cases.hpp"
 
 #include <morula/collide/contact_query.hpp>
+#include <morula/update/known_poses.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <set>
 #include <tuple>
@@ -51,6 +52,22 @@ void modal_body(const Source& source, Dice& dice, Record& record) {
   for (int frame = dice.between(3, 6); frame > 0; --frame) body.move_by_modes(dice, record);
 }
 
+// Trees for poses that the body may or may not come to, however little they are worth; degenerate ones too.
+CoveredTree with_known_poses(const Mesh& mesh, const CoveredTree& home, Dice& dice, Record& record) {
+  CoveredTree built = home;
+  for (int left = dice.between(1, 3); left > 0; --left) {
+    Pose pose = random_pose(mesh, dice);
+    try {
+      const CoveredTree tree = build({pose.positions, mesh.facets}, {.method = Method::octree, .depth = 2});
+      if (!(surface_area(MeshView{pose.positions, mesh.facets}) > 0)) continue;
+      built.poses.push_back({pose.name, std::move(pose.positions), std::make_shared<const CoveredTree>(tree)});
+    } catch (const std::invalid_argument&) {  // a pose beyond what can be built
+    }
+  }
+  record.place.description += " | trees for " + std::to_string(built.poses.size()) + " poses";
+  return built;
+}
+
 // A body that is built anew again and again, judged in each frame; beside it, now and then, another one.
 void rebuilt_body(const Source& source, Dice& dice, Record& record) {
   Specimen specimen = source(40, dice, record);
@@ -71,11 +88,11 @@ void rebuilt_body(const Source& source, Dice& dice, Record& record) {
                          .rebuild_every = dice.pick({0, 1, 1, 2}),
                          .gain = dice.pick({-1e9, -1e9, 0.05}),
                          .look_ahead_frames = dice.pick({0, 1}),
-                         .thread = RebuildThread::caller,
+                         .thread = dice.chance(0.2) ? RebuildThread::none : RebuildThread::caller,
                          .sample_count = 64};
   record.place.description += std::string(" | rebuilt by ") + std::string(name(options.method)) + " every " +
                               std::to_string(options.rebuild_every);
-  RebuiltBody body(mesh, home, options);
+  RebuiltBody body(mesh, dice.chance(0.5) ? with_known_poses(mesh, home, dice, record) : home, options);
   const std::uint64_t rest_hash = body.body().hash();
   const Body other(mesh, home);
   const bool beside = dice.chance(0.5);

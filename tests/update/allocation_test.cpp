@@ -107,6 +107,26 @@ TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   EXPECT_GT(body.report().checks, 4u);
 }
 
+// Nor a change to the tree of a known pose and back.
+TEST(Allocation, known_poses_allocate_nothing) {
+  const test::Specimen& b = test::specimens()[2];
+  CoveredTree built = b.built;
+  const std::vector<Vec3> away = test::scaled(b.mesh.positions, 2);
+  built.poses.push_back(
+      {"twice as large", away,
+       std::make_shared<const CoveredTree>(build({away, b.mesh.facets}, {.method = Method::octree, .depth = 2}))});
+  RebuiltBody body(b.mesh, built, {.thread = RebuildThread::none});
+  const std::vector<Vec3> near = test::noisy(away, 0.01, 1);
+  const std::size_t before = allocations;
+  bool ok = true;
+  for (int frame = 0; frame < 20; ++frame) ok = body.update(frame % 7 == 6 ? b.mesh.positions : near) && ok;
+  const std::size_t after = allocations;
+  EXPECT_TRUE(ok);
+  EXPECT_EQ(after - before, 0u);
+  EXPECT_GT(body.report().recalled, 1u);
+  EXPECT_GT(body.report().checks, 3u);
+}
+
 TEST(Allocation, updates_are_noexcept) {
   EXPECT_TRUE(noexcept(std::declval<Body&>().update_modal({}, std::declval<Workers&>())));
   EXPECT_TRUE(noexcept(std::declval<const Body&>().modal_sphere(0, {})));

@@ -103,6 +103,38 @@ TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_betwee
   EXPECT_EQ(longer[4], first[2]);
 }
 
+// One with a volume and one without: all tasks of an estimate, in every share of them.
+TEST(LoosenessEstimate, in_steps_gives_the_bits_that_it_gives_at_once) {
+  for (const std::size_t which : {1u, 2u}) {
+    const test::Specimen& b = test::specimens()[which];
+    Body body(b.mesh, b.built);
+    const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.1, 3);
+    ASSERT_TRUE(body.update(away));
+    LoosenessEstimator at_once(b.mesh), in_steps(b.mesh);
+    std::vector<double> expected(b.built.tree.level_count() + 1), figures(expected.size());
+    at_once.pose(away);
+    at_once.estimate(body, expected);
+    EXPECT_FALSE(in_steps.step(figures)) << "nothing is under way";
+    for (const std::size_t steps : {0u, 1u, 2u, 3u, 8u, 100u}) {
+      Body moving(body);
+      std::vector<Vec3> positions = away;
+      ASSERT_TRUE(moving.update(positions));
+      in_steps.begin(positions, moving, steps);
+      // What it needs it has copied: the body goes on.
+      for (Vec3& p : positions) p = {};
+      ASSERT_TRUE(moving.update(b.mesh.positions));
+      std::fill(figures.begin(), figures.end(), -1);
+      for (std::size_t step = 1; step < steps; ++step) EXPECT_FALSE(in_steps.step(figures)) << step << " of " << steps;
+      EXPECT_TRUE(in_steps.step(figures)) << steps;
+      EXPECT_EQ(figures, expected) << b.name << " in " << steps;
+      EXPECT_FALSE(in_steps.step(figures));
+    }
+    in_steps.begin(away, body, 3);
+    in_steps.give_up();
+    EXPECT_FALSE(in_steps.step(figures));
+  }
+}
+
 TEST(LoosenessEstimate, refuses_what_it_cannot_sample) {
   const Mesh mesh = test::icosphere(1);
   EXPECT_THROW(LoosenessEstimator(mesh, 63), std::invalid_argument);

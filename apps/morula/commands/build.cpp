@@ -9,7 +9,9 @@
 #include <memory>
 #include <morula/generators/build.hpp>
 #include <morula/io/ball_file.hpp>
+#include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/update/known_poses.hpp>
 #include <optional>
 
 #include "commands/build_report.hpp"
@@ -41,6 +43,9 @@ struct Options {
   std::string optimiser{name(BuildOptions{}.optimiser)};
   double balance_excess = BuildOptions{}.balance_excess;
   std::optional<double> time_limit;
+  std::string poses;  // a motion, or strains; empty: none
+  double pose_looser_by = KnownPoseOptions{}.looser_by;
+  std::size_t most_poses = KnownPoseOptions{}.most;
   unsigned threads = 0;
   bool json = false;
   bool report = false;
@@ -61,6 +66,16 @@ void require_sense(const Options& o) {
   }
   if (o.time_limit && !(*o.time_limit > 0)) {
     throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
+  }
+  if (!o.poses.empty() && o.flat()) {
+    throw UsageError("--poses adds trees with levels, and --spheres and --max-protrusion ask for none: leave out one");
+  }
+  if (!o.poses.empty() && extension(o.output) != ".morula") {
+    throw UsageError(
+        fmt::format("{}: only .morula files hold trees for known poses; name one, or leave out --poses", o.output));
+  }
+  if (!o.poses.empty() && !(o.pose_looser_by > 1)) {
+    throw UsageError(fmt::format("--pose-looser-by {}: give a number above 1", o.pose_looser_by));
   }
   if (extension(o.output) != ".ply") return require_tree_output(o.output);
   if (!o.flat()) {
@@ -93,7 +108,8 @@ struct Seconds {
 };
 
 Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, const Certificate& certificate,
-                 const std::vector<LevelFigures>& figures, const Seconds& seconds, const Workers& workers) {
+                 const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& seconds,
+                 const Workers& workers) {
   Json json{{"mesh", o.mesh},
             {"vertices", mesh.vertex_count()},
             {"facets", mesh.facet_count()},
@@ -120,18 +136,30 @@ Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, c
        {"threads", workers.thread_count()},
        {"seconds",
         {{"read", seconds.read}, {"build", seconds.build}, {"check", seconds.check}, {"write", seconds.write}}}});
+  if (!o.poses.empty()) {
+    std::vector<std::string> names;
+    for (const KnownPose& pose : built.poses) names.push_back(pose.name);
+    json["poses"] = {{"source", o.poses}, {"trees", names}, {"looser_by_at_most", poses.worst}};
+  }
   if (o.report) json["seconds"]["report"] = seconds.report;
   return json;
 }
 
 void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
-                  const std::vector<LevelFigures>& figures, const Seconds& s, const Workers& workers) {
+                  const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& s,
+                  const Workers& workers) {
   fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
   if (o.flat()) {
     fmt::print("flat set      {}, sticking out by at most {}\n", counted(built.tree.leaf_count(), "sphere"),
                figure(built.report.protrusion_bound.value_or(0)));
   } else {
     fmt::print("early leaves  {}\n", built.report.early_leaves);
+  }
+  if (!o.poses.empty()) {
+    std::vector<std::string> names;
+    for (const KnownPose& pose : built.poses) names.push_back(pose.name);
+    fmt::print("poses         {}{}{}; at worst {} times as loose as at its own\n", counted(names.size(), "more tree"),
+               names.empty() ? "" : ": ", fmt::join(names, ", "), figure(poses.worst));
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
              counted(built.cover.patch_count(), "patch", "patches"));
@@ -141,6 +169,32 @@ void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
              counted(workers.thread_count(), "thread"));
   for (const std::string& note : built.report.notes) fmt::print("note          {}\n", note);
   fmt::print("written       {}\n", o.output);
+}
+
+std::vector<NamedPose> candidate_poses(const Options& o, const Mesh& mesh) {
+  if (o.poses == "strains") return principal_strains(mesh);
+  const Motion motion(o.poses, mesh);
+  std::vector<NamedPose> poses;
+  for (std::size_t i = 0; i < motion.frame_count(); ++i) poses.push_back({motion.frame_name(i), motion.frame(i)});
+  return poses;
+}
+
+KnownPosesReport add_poses(const Options& o, const Mesh& mesh, CoveredTree& built, const Interrupt& interrupt,
+                           Workers& workers) {
+  if (o.poses.empty()) return {};
+  Progress progress("trees for known poses");
+  KnownPoseOptions options{.method = parse_method(o.method),
+                           .quality = parse_quality(o.quality),
+                           .seed = o.seed,
+                           .looser_by = o.pose_looser_by,
+                           .most = o.most_poses,
+                           .stop = interrupt.token(),
+                           .progress = {}};
+  options.progress = [&](std::size_t count, double worst) {
+    const auto share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, o.most_poses));
+    progress.update(share, fmt::format("{}: at worst {} times as loose", counted(count, "tree"), figure(worst)));
+  };
+  return add_known_poses(mesh, built, candidate_poses(o, mesh), options, workers);
 }
 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
@@ -153,7 +207,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   const Mesh mesh = read_mesh(o.mesh);
   seconds.read = watch.lap();
   options.stop = interrupt.token();
-  const CoveredTree built = [&] {
+  CoveredTree built = [&] {
     Progress progress(fmt::format("building {}", o.method));
     const int depth = o.depth.value_or(automatic_depth(mesh.facet_count(), o.branching));
     options.progress = [&, depth](const BuildProgress& now) {
@@ -163,6 +217,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
     };
     return build(mesh, options, workers);
   }();
+  const KnownPosesReport poses = add_poses(o, mesh, built, interrupt, workers);
   seconds.build = watch.lap();
   const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
   const std::vector<std::string> faults = validate(mesh, built);
@@ -184,16 +239,16 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   seconds.write = watch.lap();
 
   if (o.json) {
-    print_json(json_report(o, mesh, built, certificate, figures, seconds, workers));
+    print_json(json_report(o, mesh, built, certificate, figures, poses, seconds, workers));
   } else {
-    print_report(o, mesh, built, figures, seconds, workers);
+    print_report(o, mesh, built, figures, poses, seconds, workers);
   }
   return built.report.complete ? exit_done : exit_check_failed;
 }
 
 int build_command(const Options& o) {
   require_sense(o);
-  require_not_input(o.output, {o.mesh});
+  require_not_input(o.output, {o.mesh, o.poses});
   const Interrupt interrupt;
   try {
     return build_unless_stopped(o, interrupt);
@@ -265,6 +320,20 @@ void add_build(CLI::App& app, Run& run) {
              "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
       ->type_name("S")
       ->transform(real_number());
+  add_option(
+      *command, "--poses", o->poses,
+      "Add trees for poses of a motion (as `morula update` takes them), or of \"strains\": stretched to twice its "
+      "size along each axis")
+      ->type_name("MOTION");
+  add_option(*command, "--pose-looser-by", o->pose_looser_by,
+             "As many of --poses as it takes for no pose to be this many times as loose as its tree was made")
+      ->type_name("X")
+      ->transform(real_number())
+      ->capture_default_str();
+  add_option(*command, "--most-poses", o->most_poses, "Trees that --poses adds at most")
+      ->type_name("N")
+      ->transform(whole_number(1, 64))
+      ->capture_default_str();
   add_flag(*command, "--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

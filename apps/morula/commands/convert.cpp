@@ -91,7 +91,8 @@ int convert_tree(const Options& o) {
                   nullptr);
   }
   if (file.cover && !mesh) {
-    write_tree(o.output, CoveredTree{std::move(file.tree), std::move(*file.cover), std::move(file.report)});
+    write_tree(o.output, CoveredTree{std::move(file.tree), std::move(*file.cover), std::move(file.report),
+                                     std::move(file.poses)});
     return report(o, fmt::format("{}: copied with its cover", o.output), nullptr);
   }
   if (!mesh) {

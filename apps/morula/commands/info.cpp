@@ -117,7 +117,7 @@ std::vector<std::string> check_tree(const Options& o, const TreeFile& file, cons
   std::vector<std::string> faults = validate(file.tree);
   if (!faults.empty() || !file.cover || !mesh) return faults;
   if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // says so
-  return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report});
+  return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report, file.poses});
 }
 
 std::string nesting_line(const SphereTree& tree) {
@@ -145,6 +145,9 @@ void print_tree(const Options& o, const TreeFile& file) {
              counted(file.cover->facet_count, "facet"), hash_text(file.report.mesh_hash));
   fmt::print("cover      {}, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
              counted(file.cover->cut_points.size(), "cut point"));
+  for (const KnownPose& pose : file.poses) {
+    fmt::print("pose       {}: {}\n", pose.name, counted(pose.built->tree.node_count(), "sphere"));
+  }
   if (!file.report.growth.empty()) fmt::print("\n{}", growth_text(file.report));
   for (const std::string& note : file.report.notes) fmt::print("note       {}\n", note);
 }
@@ -171,6 +174,10 @@ Json tree_json(const Options& o, const TreeFile& file) {
     json["mesh_hash"] = hash_text(file.report.mesh_hash);
     json["growth"] = growth_json(file.report);
     json["notes"] = file.report.notes;
+    json["poses"] = Json::array();
+    for (const KnownPose& pose : file.poses) {
+      json["poses"].push_back({{"name", pose.name}, {"nodes", pose.built->tree.node_count()}});
+    }
   }
   return json;
 }

@@ -9,6 +9,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/rebuilt_body.hpp>
 #include <morula/update/rule_levels.hpp>
 #include <optional>
 
@@ -37,11 +38,34 @@ struct Options {
   std::string sph_origin = "none";
   std::string format;
   bool conservative = false;
+  bool poses = true;
   bool check = true;
   bool measure = false;
   std::string plot;
   unsigned threads = 0;
   bool json = false;
+};
+
+/// The body that moves: with the one tree, or with the tightest of those for known poses.
+class Mover {
+ public:
+  Mover(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, bool with_poses, Workers& workers) {
+    if (with_poses) {
+      posed_.emplace(mesh, built, RebuildOptions{.thread = RebuildThread::none}, workers);
+    } else {
+      body_.emplace(mesh, built, std::move(options), workers);
+    }
+  }
+  const Body& body() const { return posed_ ? posed_->body() : *body_; }
+  UpdateStatus update(const Frames& frames, const std::vector<Vec3>& positions, Workers& workers) {
+    return posed_ ? posed_->update(positions, workers).update : frames.update(*body_, workers);
+  }
+  /// Changes from one tree to another; nothing where there is one.
+  std::optional<std::uint64_t> changes() const { return posed_ ? std::optional(posed_->epoch()) : std::nullopt; }
+
+ private:
+  std::optional<Body> body_;
+  std::optional<RebuiltBody> posed_;
 };
 
 /// What the frames showed.
@@ -54,21 +78,21 @@ struct Outcome {
   std::string worst_frame;
   bool nesting_checked = false;
   std::size_t frames_not_nested = 0;
-  std::vector<MeasuredFrame> measured;  // with --measure
+  std::vector<MeasuredFrame> measured;   // with --measure
+  std::optional<std::uint64_t> changes;  // of trees, where there are some for known poses
   /// [level][frame]: the sum of radii over that at rest.
   std::vector<std::vector<std::optional<double>>> growth;
 };
 
-void add_growth(Outcome& outcome, const Body& body) {
-  const SphereTree& rest = body.rest_tree();
+void add_growth(Outcome& outcome, const SphereTree& rest, const Body& body) {
+  const SphereTree& tree = body.rest_tree();
   const auto spheres = body.pose().spheres;
   outcome.growth.resize(rest.level_count());
   for (std::size_t level = 0; level < rest.level_count(); ++level) {
     double now = 0, before = 0;
-    for (const std::uint32_t node : level_set(rest, level)) {
+    for (const std::uint32_t node : level_set(tree, std::min(level, tree.level_count() - 1)))
       now += static_cast<double>(spheres[node].radius);
-      before += rest.spheres[node].radius;
-    }
+    for (const std::uint32_t node : level_set(rest, level)) before += rest.spheres[node].radius;
     outcome.growth[level].push_back(before > 0 ? std::optional(now / before) : std::nullopt);
   }
 }
@@ -105,21 +129,22 @@ void check_frame(Outcome& outcome, const Body& body, const std::vector<Vec3>& po
   }
 }
 
-Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& body, SphereOutput& output,
-                      Workers& workers) {
+Outcome update_frames(const Options& o, const Mesh& rest, const SphereTree& rest_tree, Frames& frames, Mover& mover,
+                      SphereOutput& output, Workers& workers) {
   Outcome outcome;
-  outcome.checked = o.check && any_promises_cover(body);
-  outcome.nesting_checked = o.check && any_promises_nesting(body);
+  outcome.checked = o.check && any_promises_cover(mover.body());
+  outcome.nesting_checked = o.check && any_promises_nesting(mover.body());
   Progress progress(o.measure ? "updating and measuring" : "updating");
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
-    const std::vector<Vec3>& positions = frames.load(i, body, workers);
+    const std::vector<Vec3>& positions = frames.load(i, mover.body(), workers);
     Stopwatch watch;
-    outcome.last = frames.update(body, workers);
+    outcome.last = mover.update(frames, positions, workers);
     outcome.microseconds.push_back(1e6 * watch.lap());
     if (!outcome.last) {
       throw UsageError(fmt::format("{}: {}; mend it, nothing was written", frames.name(i), message(outcome.last)));
     }
+    const Body& body = mover.body();
     if (outcome.checked) check_frame(outcome, body, positions, frames.name(i), workers);
     if (outcome.nesting_checked && !certify_promised_nesting(body).nested) ++outcome.frames_not_nested;
     if (o.measure) {
@@ -127,9 +152,10 @@ Outcome update_frames(const Options& o, const Mesh& rest, Frames& frames, Body& 
           {frames.name(i), o.tree,
            measure({positions, rest.facets}, body.current_tree(), measure_options(rest), workers)});
     }
-    add_growth(outcome, body);
+    add_growth(outcome, rest_tree, body);
     output.write(body);
   }
+  outcome.changes = mover.changes();
   return outcome;
 }
 
@@ -168,6 +194,7 @@ Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, 
   if (o.files.are_skinned()) {
     json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
   }
+  if (outcome.changes) json["poses"] = {{"trees", built.poses.size()}, {"changes", *outcome.changes}};
   if (o.measure) json["measured"] = frames_json(outcome.measured);
   if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
   return json;
@@ -212,6 +239,10 @@ void print_text(const Options& o, const CoveredTree& built, const Body& body, co
   fmt::print("time         {} µs per frame (median; worst {}), {} ns per vertex, {}\n", figure(typical),
              figure(*std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())),
              figure(1e3 * typical / static_cast<double>(body.vertex_count())), counted(threads, "thread"));
+  if (outcome.changes) {
+    fmt::print("poses        {} for known poses beside that at rest, changed {}\n", counted(built.poses.size(), "tree"),
+               counted(*outcome.changes, "time"));
+  }
   const BindReport& bind = body.bind_report();
   if (bind.void_spheres > 0) {
     fmt::print("note         {} enclose no vertex and follow a facet instead\n", counted(bind.void_spheres, "sphere"));
@@ -249,6 +280,12 @@ UpdateOptions update_options(const Options& o) {
   return options;
 }
 
+/// Trees for known poses follow positions, by the rule that keeps what it promises whatever tree serves.
+bool follows_poses(const Options& o, const CoveredTree& built, const UpdateOptions& options) {
+  const bool exact = std::all_of(options.rules.begin(), options.rules.end(), [](Rule r) { return r == Rule::exact; });
+  return !built.poses.empty() && exact && o.files.follow() == RuleTraits::Follows::positions;
+}
+
 int update_command(const Options& given) {
   Options o = given;
   require_frames(o.files);
@@ -270,17 +307,24 @@ int update_command(const Options& given) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
                                  options.rules.size() - 1, o.tree, built.tree.level_count() - 1));
   }
-  Body body(mesh, built, std::move(options), workers);
+  const bool with_poses = o.poses && follows_poses(o, built, options);
+  if (with_poses && format == "npz") {
+    throw UsageError(
+        fmt::format("{}: an archive has one tree, but {} has {} for known poses: write a folder, or add "
+                    "--no-poses",
+                    o.output, o.tree, built.poses.size()));
+  }
+  Mover mover(mesh, built, std::move(options), with_poses, workers);
 
-  SphereOutput output(o.output, format, body.current_tree(), frames.count());
-  const Outcome outcome = update_frames(o, mesh, frames, body, output, workers);
+  SphereOutput output(o.output, format, mover.body().current_tree(), frames.count());
+  const Outcome outcome = update_frames(o, mesh, built.tree, frames, mover, output, workers);
   output.commit();
   note_written(o.output);
   write_plot(o.plot, update_plot(o, outcome));
   if (o.json) {
-    print_json(outcome_json(o, built, body, outcome, workers.thread_count()));
+    print_json(outcome_json(o, built, mover.body(), outcome, workers.thread_count()));
   } else {
-    print_text(o, built, body, outcome, output, workers.thread_count());
+    print_text(o, built, mover.body(), outcome, output, workers.thread_count());
   }
   if (outcome.frames_not_nested > 0) {
     return complain(exit_check_failed, "spheres stick out of their parents in {}: please report it",
@@ -335,6 +379,8 @@ void add_update(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
       ->type_name("NAME");
+  add_flag(*command, "--poses,!--no-poses", o->poses,
+           "Use the trees for known poses that TREE holds (default: on, with positions and the rule exact)");
   add_flag(*command, "--check,!--no-check", o->check,
            "Check the certificate of levels that promise cover in every frame (default: on)");
   add_flag(*command, "--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");

@@ -15,8 +15,9 @@ namespace morula {
 /// What a tree file held.
 struct TreeFile {
   SphereTree tree;
-  std::optional<Cover> cover;  ///< native files only
-  BuildReport report;          ///< native files only
+  std::optional<Cover> cover;      ///< native files only
+  BuildReport report;              ///< native files only
+  std::vector<KnownPose> poses{};  ///< native files only
 };
 
 struct ReadTreeOptions {
@@ -37,9 +38,8 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
 CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options = {},
                               Workers& workers = serial_workers());
 
-/// Writes .morula (bits round-trip), .sph (spheres in mesh coordinates; refused above ten million slots), .json or
-/// .npz.
-/// Written whole or not at all.
+/// Writes .morula (bits round-trip, known poses included), .sph (spheres in mesh coordinates; refused above ten million
+/// slots), .json or .npz. Written whole or not at all.
 void write_tree(const std::filesystem::path& path, const CoveredTree& built);
 /// Spheres alone: .sph, .json or .npz.
 void write_tree(const std::filesystem::path& path, const SphereTree& tree);

@@ -3,6 +3,7 @@
 // The cover: which part of the surface each node answers for, and the proof that its sphere contains that part.
 #pragma once
 
+#include <memory>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/positions.hpp>
 #include <morula/parallel/workers.hpp>
@@ -74,11 +75,23 @@ struct BuildReport {
   std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves; when spheres or max_protrusion asked
 };
 
+struct CoveredTree;
+
+/// Another tree of the same mesh, made for a pose that the mesh is known to come to: what it covers there, it covers in
+/// every pose, only more tightly the nearer that is.
+struct KnownPose {
+  std::string name;
+  std::vector<Vec3> positions;               ///< one per mesh vertex
+  std::shared_ptr<const CoveredTree> built;  ///< of the mesh with these positions; carries no poses of its own
+};
+
 /// A tree with its proof.
 struct CoveredTree {
   SphereTree tree;
   Cover cover;
   BuildReport report;
+  /// Made by add_known_poses (update/known_poses.hpp), written into native files, used by RebuiltBody.
+  std::vector<KnownPose> poses{};
 };
 
 /// Proves that a tree made elsewhere covers the mesh, or repairs it.
@@ -128,7 +141,8 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
 std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
-/// that are not the disjoint union of their children's, spheres that do not wrap their region. Empty: all hold.
+/// that are not the disjoint union of their children's, spheres that do not wrap their region. The same of the trees
+/// for known poses, at these. Empty: all hold.
 std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built);
 
 }  // namespace morula

@@ -42,6 +42,16 @@ class LoosenessEstimator {
   /// object. No allocation; the same bits on every run.
   void estimate(const Body& body, std::span<double> looseness) noexcept;
 
+  /// The same in `steps` calls of step() that cost about the same, in as many frames: begin() copies positions and
+  /// spheres, and the last step() has the figures that pose() and estimate() would have given then, bit for bit. One at
+  /// a time; pose() and begin() give up what is under way. body: keeps its tree until the last step. No allocation for
+  /// bodies of at most `nodes` nodes, once reserve(nodes) was called.
+  void begin(const PositionView& positions, const Body& body, std::size_t steps) noexcept;
+  /// True with the last step, when `looseness` is set; nothing is done, and false, when none is under way.
+  bool step(std::span<double> looseness) noexcept;
+  void give_up() noexcept;
+  void reserve(std::size_t nodes);
+
   std::size_t sample_count() const;
   /// V at the last pose, mesh units cubed.
   double volume() const;

@@ -19,6 +19,7 @@ enum class RebuildThread : std::uint8_t {
   background,  ///< a thread that the body owns
   caller,      ///< inside update(), which then takes as long as a build: the same bits on every run
   host,        ///< RebuildOptions::executor
+  none,        ///< nothing is rebuilt: there are the home tree and those for known poses
 };
 
 struct RebuildOptions {
@@ -35,8 +36,8 @@ struct RebuildOptions {
   int check_every = 4;
   /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.
   int rebuild_every = 0;
-  /// Another ownership is taken over when it is better by at least this share, by the sum over levels of looseness over
-  /// looseness at home; below 1. Very negative: always, for tests.
+  /// A new ownership is taken over when it is expected to be better by at least this share, by the sum over levels of
+  /// looseness over looseness at home; below 1. Very negative: always, for tests.
   double gain = 0.05;
   /// Rebuild for where the motion will be when the result is in use, rather than for where it was. From three poses
   /// `look_ahead_frames` apart, straight on or turning as it did; 0: never.
@@ -63,6 +64,7 @@ struct RebuildReport {
   std::size_t swapped = 0;         ///< taken over
   std::size_t refused = 0;         ///< not better than what there was
   std::size_t returned_home = 0;   ///< changes back to the home ownership, at rest or because it was tighter
+  std::size_t recalled = 0;        ///< changes to an ownership made for a known pose
   double rebuild_seconds = 0;      ///< wall time of the last one finished
   std::size_t rebuild_frames = 0;  ///< frames from the pose it was built for to its end
   std::string failure;
@@ -76,12 +78,12 @@ struct RebuildStatus {
   explicit operator bool() const { return static_cast<bool>(update); }
 };
 
-/// A Body by the rule `exact`, and up to two more while it is away from rest: each an ownership ("epoch") of the same
-/// surface, each updated from the caller's positions before anyone sees it. So every level covers in every frame,
-/// whatever happens in the background; swaps change only how tightly.
+/// A Body by the rule `exact`, one for each known pose of the tree, and up to two more while it is away from rest: each
+/// an ownership ("epoch") of the same surface, each updated from the caller's positions before anyone sees it. So every
+/// level covers in every frame, whatever happens in the background; swaps change only how tightly.
 ///
 /// At rest exactly, the home ownership serves: the spheres are then those of rest bit for bit, whatever came before.
-/// Memory: mesh, and up to three bodies.
+/// Memory: mesh, and up to three bodies, and one for each known pose.
 class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
@@ -95,9 +97,9 @@ class RebuiltBody {
 
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
-  /// No allocation, except in frames where a rebuild starts or its result comes in. Cost beyond Body::update: an
-  /// estimate every `check_every` frames, a copy of the positions when a rebuild starts, up to two updates and three
-  /// estimates when it ends.
+  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, whether the
+  /// ownership changes or not. Cost beyond that: a share of an estimate, which is over in `check_every` frames, and a
+  /// copy of the positions when a rebuild starts.
   RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.

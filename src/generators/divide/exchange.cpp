@@ -3,6 +3,7 @@
 #include "generators/divide/exchange.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
 
@@ -136,9 +137,9 @@ class Exchange {
       if (distance(other.center, node.sphere.center) < other.radius + room)
         grid.add({grid.to_grid(other.center), static_cast<float>(other.radius / grid.cell())});
     }
-    const Vec3f start = grid.to_grid(node.sphere.center);
+    const std::array<Vec3f, 2> starts{grid.to_grid(node.sphere.center), grid.to_grid(enclosing_sphere(corners).center)};
     constexpr float taken = 0.15F;
-    const GroupBall fitted = fit_ball(grid, extremes(corners, grid), {&start, 1}, taken, 0.06F);
+    const GroupBall fitted = fit_ball(grid, extremes(corners, grid), starts, taken, 0.06F);
     const Vec3 center = grid.from_grid(fitted.center);
     return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, max_norm(center)))};
   }

@@ -171,9 +171,12 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       if (divided.regions[i].empty()) continue;
       corner_positions(input_.mesh, divided.regions[i], corners);
-      const std::array<Vec3f, 2> starts{grid_->to_grid(spheres[i].center), grid_->to_grid(node_.sphere.center)};
+      // The smallest ball is the best one about a thin slab of a tube, and the search finds its centre only roughly.
+      const std::array<Vec3f, 3> starts{grid_->to_grid(spheres[i].center),
+                                        grid_->to_grid(enclosing_sphere(corners).center),
+                                        grid_->to_grid(node_.sphere.center)};
       const GroupBall fitted =
-          group_->refit_to(extremes(corners, *grid_), std::span(starts).first(from_node_center ? 2 : 1));
+          group_->refit_to(extremes(corners, *grid_), std::span(starts).first(from_node_center ? 3 : 2));
       const Vec3 center = grid_->from_grid(fitted.center);
       const double radius = farthest_distance(center, corners);
       balls.push_back({grid_->to_grid(center), static_cast<float>(radius / grid_->cell()), 0});

@@ -41,6 +41,14 @@ BuildRun BuildRun::pass(double from, double to) const {
   return part;
 }
 
+BuildRun BuildRun::one_level(std::size_t children) const {
+  BuildRun level = *this;
+  level.spheres = 0;
+  level.branching = static_cast<int>(children);
+  level.depth = 1;
+  return level;
+}
+
 void BuildRun::tell(double share, int level, std::optional<double> seconds_left) const {
   if (!progress) return;
   const double of_all = from_ + share * (to_ - from_);

@@ -30,6 +30,8 @@ class BuildRun : public BuildOptions {
 
   /// For a generator that makes several trees: a run whose progress 0…1 is told as from…to of this one's.
   BuildRun pass(double from, double to) const;
+  /// For one level of so many children instead of what was asked for.
+  BuildRun one_level(std::size_t children) const;
   /// On the calling thread only. seconds_left: of this pass.
   void tell(double share, int level, std::optional<double> seconds_left = {}) const;
 

@@ -6,6 +6,7 @@
 
 #include "generators/driver/driver.hpp"
 #include "generators/driver/join.hpp"
+#include "generators/driver/monotone.hpp"
 
 namespace morula::detail {
 namespace {
@@ -71,7 +72,8 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
 }  // namespace
 
 CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
-                     Workers& workers, const SignedDistance* shape, const LevelHook& new_level) {
+                     Workers& workers, const SignedDistance* shape, const ObjectLines* lines,
+                     const LevelHook& new_level) {
   run.throw_if_stopped();
   if (run.spheres > 0 || run.max_protrusion > 0) {
     if (shape) return best_first(mesh, run, root_cell, divide, *shape, workers);
@@ -83,6 +85,7 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
   built.tree.branching = report.branching;
 
   Winners winners;
+  std::vector<Sphere> settled;   // of leaves above the level in work
   std::vector<Region> finished;  // one per node of the tree; only leaves keep theirs
   std::vector<BuildNode> level{root_node(mesh, run, root_cell)};
   built.tree.append_level({}, std::span(&level[0].sphere, 1));
@@ -98,18 +101,25 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
       Division& division = divided.divisions[i];
       report.leftover_patches += division.leftover_patches;
       winners.add(division);
-      finished.push_back(division.children.empty() ? std::move(level[i].region) : Region{});
       for (BuildNode& child : division.children) {
         child.parent = static_cast<std::uint32_t>(i);
         next.push_back(std::move(child));
       }
     }
     if (new_level && !next.empty()) new_level(next);
+    if (lines) {
+      const bool last = depth + 1 == run.depth;
+      keep_monotone(mesh, *lines, run.largest_coordinate(), settled, level, next, last);
+    }
     std::vector<std::uint32_t> child_counts(level.size(), 0);
     std::vector<Sphere> spheres;
     for (const BuildNode& node : next) {
       ++child_counts[node.parent];
       spheres.push_back(node.sphere);
+    }
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (child_counts[i] == 0) settled.push_back(level[i].sphere);
+      finished.push_back(child_counts[i] == 0 ? std::move(level[i].region) : Region{});
     }
     if (!next.empty()) built.tree.append_level(child_counts, spheres);
     report.level_seconds.push_back(run.seconds() - told);

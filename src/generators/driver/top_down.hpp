@@ -13,6 +13,8 @@
 
 namespace morula::detail {
 
+class ObjectLines;
+
 /// A node while the tree is being built.
 struct BuildNode {
   Region region;
@@ -39,9 +41,11 @@ using Divider = std::function<Division(const BuildNode&)>;
 using LevelHook = std::function<void(std::vector<BuildNode>&)>;
 
 /// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
-/// shape: of the mesh, borrowed, where the generator has it anyway.
+/// shape, lines: of the mesh, borrowed, where the generator has them anyway. With lines no level is looser than the
+/// level above it.
 CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
-                     Workers& workers, const SignedDistance* shape = nullptr, const LevelHook& new_level = {});
+                     Workers& workers, const SignedDistance* shape = nullptr, const ObjectLines* lines = nullptr,
+                     const LevelHook& new_level = {});
 
 /// The generators: what divides a node, with whatever they need to know about the mesh.
 CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);

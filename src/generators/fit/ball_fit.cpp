@@ -63,11 +63,11 @@ Vec3f near_smallest_center(const GroupPoints& points) {
   return center;
 }
 
+}  // namespace
+
 float farthest_from(const GroupPoints& points, const Vec3f& center) {
   return std::sqrt(farthest_squared(points, center));
 }
-
-}  // namespace
 
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
                    float first_step, float last_step) {

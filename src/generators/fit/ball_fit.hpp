@@ -30,6 +30,9 @@ struct GroupPoints {
   }
 };
 
+/// Distance of the farthest point.
+float farthest_from(const GroupPoints& points, const Vec3f& center);
+
 /// A ball of a group; cost is its outside volume, what siblings have taken in counting little.
 struct GroupBall {
   Vec3f center;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "generators/fit/lattice.hpp"
 
@@ -47,7 +49,32 @@ Group::Group(OutsideGrid& grid, const GroupPoints& points, const SignedDistance&
       demand_(most, 0),
       points_hash_(most, 0),
       fits_(most),
-      refused_(most, 0) {}
+      refused_(most, 0),
+      powered_(most),
+      powers_(points.size(), infinity),
+      power_owner_(points.size(), 0) {
+  for (std::size_t i = 0; i < points.size(); ++i) mixed_.push_back(mixed(i));
+}
+
+// Points of a ball in ascending order. A ball of many has few of the points: eight others are passed at a time.
+template <class Visit>
+void Group::each_owned(std::size_t ball, const Visit& visit) const {
+  const std::uint8_t* const owner = owner_.data();
+  const std::size_t n = owner_.size();
+  const auto wanted = static_cast<std::uint8_t>(ball);
+  std::size_t i = 0;
+  for (; i + 8 <= n; i += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, owner + i, sizeof eight);
+    constexpr std::uint64_t ones = 0x0101010101010101u;
+    const std::uint64_t different = eight ^ (ones * wanted);
+    if (((different - ones) & ~different & (ones << 7)) == 0) continue;  // no byte of it is zero
+    for (std::size_t k = i; k < i + 8; ++k)
+      if (owner[k] == wanted) visit(k);
+  }
+  for (; i < n; ++i)
+    if (owner[i] == wanted) visit(i);
+}
 
 void Group::recount() {
   std::fill(count_.begin(), count_.end(), 0u);
@@ -55,7 +82,7 @@ void Group::recount() {
   std::fill(points_hash_.begin(), points_hash_.end(), 0u);
   for (std::size_t i = 0; i < owner_.size(); ++i) {
     ++count_[owner_[i]];
-    points_hash_[owner_[i]] += mixed(i);
+    points_hash_[owner_[i]] += mixed_[i];
     if (!points_.demand.empty()) demand_[owner_[i]] += points_.demand[i];
   }
 }
@@ -66,23 +93,25 @@ void Group::clear_grid() {
 }
 
 void Group::restore(const State& state) {
-  clear_grid();
+  for (std::size_t b = 0; b < most_; ++b) {
+    const GroupBall &now = balls_[b], &then = state.balls[b];
+    if (now.center == then.center && now.radius == then.radius) continue;
+    if (now.radius > 0) grid_.remove(sphere_of(now));
+    if (then.radius > 0) grid_.add(sphere_of(then));
+  }
   balls_ = state.balls;
   owner_ = state.owner;
   fits_ = state.fits;
-  for (const GroupBall& b : balls_)
-    if (b.radius > 0) grid_.add(sphere_of(b));
   recount();
 }
 
 void Group::gather(std::size_t ball) {
   own_.clear();
   own_index_.clear();
-  for (std::size_t i = 0; i < owner_.size(); ++i)
-    if (owner_[i] == ball) {
-      own_.push_back(points_[i]);
-      own_index_.push_back(static_cast<std::uint32_t>(i));
-    }
+  each_owned(ball, [&](std::size_t i) {
+    own_.push_back(points_[i]);
+    own_index_.push_back(static_cast<std::uint32_t>(i));
+  });
 }
 
 bool Group::fits_already(std::size_t ball, float taken) const {
@@ -131,13 +160,10 @@ double Group::imbalance() const {
 }
 
 double Group::objective() {
-  clear_grid();
-  double sum = 0;
-  for (const GroupBall& b : balls_) {
-    if (!(b.radius > 0)) continue;
-    sum += grid_.new_outside(sphere_of(b));
-    grid_.add(sphere_of(b));
-  }
+  std::vector<Spheref> spheres;
+  for (const GroupBall& b : balls_)
+    if (b.radius > 0) spheres.push_back(sphere_of(b));
+  const double sum = grid_.outside_together(spheres);
   if (scale_ < 0) scale_ = sum;
   return sum + settings_.balance * scale_ * imbalance();
 }
@@ -177,22 +203,103 @@ void Group::take(std::span<const Sphere> balls, bool fill_places) {
   take_in_grid(in_grid);
 }
 
-// squared_radii: negative for balls that get nothing.
+// squared_radii: negative for balls that get nothing. Of balls with equal power the first owns the point.
 void Group::assign_by_power(std::span<const float> squared_radii) {
-  std::vector<float> least(points_.size(), infinity);
+  std::vector<std::size_t> changed, members;
+  std::vector<std::uint8_t> is_changed(most_, 0);
   for (std::size_t b = 0; b < most_; ++b) {
-    if (squared_radii[b] < 0) continue;
+    if (!(squared_radii[b] < 0)) members.push_back(b);
+    Powered& last = powered_[b];
+    if (last.square < 0 && squared_radii[b] < 0) continue;
+    if (last.center == balls_[b].center && last.square == squared_radii[b]) continue;
+    last = {balls_[b].center, squared_radii[b]};
+    changed.push_back(b);
+    is_changed[b] = 1;
+  }
+  if (members.empty()) {
+    std::fill(powered_.begin(), powered_.end(), Powered{});
+    return recount();
+  }
+  // Most changes move a few balls only: points of the others just have to be told of those.
+  const bool all = 2 * changed.size() > most_;
+  constexpr std::size_t block = 256;
+  std::array<float, block> x, y, z, least;
+  std::array<std::uint32_t, block> owner, index;
+  const auto offer = [&](std::size_t b, std::size_t count) {
     const Vec3f c = balls_[b].center;
-    for (std::size_t i = 0; i < least.size(); ++i) {
-      const float dx = points_.x[i] - c.x, dy = points_.y[i] - c.y, dz = points_.z[i] - c.z;
-      const float p = dx * dx + dy * dy + dz * dz - squared_radii[b];
-      if (p < least[i]) {
-        least[i] = p;
-        owner_[i] = static_cast<std::uint8_t>(b);
+    const float square = squared_radii[b];
+    const auto number = static_cast<std::uint32_t>(b);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float dx = x[i] - c.x, dy = y[i] - c.y, dz = z[i] - c.z;
+      const float p = dx * dx + dy * dy + dz * dz - square;
+      const bool less = p < least[i];
+      least[i] = less ? p : least[i];
+      owner[i] = less ? number : owner[i];
+    }
+  };
+  const auto decide = [&](std::size_t count) {
+    std::fill_n(least.begin(), count, infinity);
+    std::fill_n(owner.begin(), count, 0u);
+    for (const std::size_t b : members) offer(b, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      powers_[index[i]] = least[i];
+      power_owner_[index[i]] = static_cast<std::uint8_t>(owner[i]);
+    }
+  };
+  std::size_t open = 0;
+  const auto decide_anew = [&](std::size_t i) {
+    x[open] = points_.x[i], y[open] = points_.y[i], z[open] = points_.z[i];
+    index[open] = static_cast<std::uint32_t>(i);
+    if (++open == block) decide(std::exchange(open, 0));
+  };
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (all || is_changed[power_owner_[i]] != 0) decide_anew(i);
+  decide(open);
+  if (!all)
+    for (const std::size_t b : changed) {
+      if (squared_radii[b] < 0) continue;
+      const Vec3f c = balls_[b].center;
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        const float dx = points_.x[i] - c.x, dy = points_.y[i] - c.y, dz = points_.z[i] - c.z;
+        const float p = dx * dx + dy * dy + dz * dz - squared_radii[b];
+        if (p < powers_[i] || (p == powers_[i] && b < power_owner_[i])) {
+          powers_[i] = p;
+          power_owner_[i] = static_cast<std::uint8_t>(b);
+        }
       }
     }
-  }
+  owner_ = power_owner_;
   recount();
+}
+
+// What siblings contain anyway is theirs: the ball keeps what only it contains.
+void Group::give_what_others_contain(std::size_t ball) {
+  gather(ball);
+  const float reach = farthest_from(own_, balls_[ball].center) * (1 + 1e-5F);
+  std::vector<std::size_t> near;
+  for (std::size_t j = 0; j < most_; ++j) {
+    if (j == ball || !(balls_[j].radius > 0)) continue;
+    if (distance_between(balls_[j].center, balls_[ball].center) * (1 - 1e-5F) <= reach + balls_[j].radius)
+      near.push_back(j);
+  }
+  if (near.empty()) return;
+  for (std::size_t k = 0; k < own_.size(); ++k) {
+    float least = 0;
+    std::size_t to = ball;
+    for (const std::size_t j : near) {
+      const float dx = own_.x[k] - balls_[j].center.x, dy = own_.y[k] - balls_[j].center.y,
+                  dz = own_.z[k] - balls_[j].center.z;
+      const float p = dx * dx + dy * dy + dz * dz - balls_[j].radius * balls_[j].radius * (1 - 1e-5F);
+      if (p < least) least = p, to = j;
+    }
+    if (to == ball) continue;
+    const std::uint32_t i = own_index_[k];
+    owner_[i] = static_cast<std::uint8_t>(to);
+    --count_[ball];
+    ++count_[to];
+    points_hash_[ball] -= mixed_[i];
+    points_hash_[to] += mixed_[i];
+  }
 }
 
 void Group::sweep(float taken, bool exclusive) {
@@ -210,28 +317,7 @@ void Group::sweep(float taken, bool exclusive) {
       refit(b, taken, 0);
       continue;
     }
-    if (exclusive) {
-      // What siblings contain anyway is theirs: this ball keeps what only it contains.
-      for (std::size_t i = 0; i < owner_.size(); ++i) {
-        if (owner_[i] != b) continue;
-        float least = 0;
-        std::size_t to = b;
-        for (std::size_t j = 0; j < most_; ++j) {
-          if (j == b || !(balls_[j].radius > 0)) continue;
-          const float dx = points_.x[i] - balls_[j].center.x, dy = points_.y[i] - balls_[j].center.y,
-                      dz = points_.z[i] - balls_[j].center.z;
-          const float p = dx * dx + dy * dy + dz * dz - balls_[j].radius * balls_[j].radius * (1 - 1e-5F);
-          if (p < least) least = p, to = j;
-        }
-        if (to != b) {
-          owner_[i] = static_cast<std::uint8_t>(to);
-          --count_[b];
-          ++count_[to];
-          points_hash_[b] -= mixed(i);
-          points_hash_[to] += mixed(i);
-        }
-      }
-    }
+    if (exclusive) give_what_others_contain(b);
     refit(b, taken, 0.12F);
   }
   recount();
@@ -340,19 +426,33 @@ template <class Give>
 std::vector<float> Group::reach_without(std::size_t ball, const Give& give) const {
   std::vector<float> reach(most_);
   for (std::size_t j = 0; j < most_; ++j) reach[j] = balls_[j].radius;
-  for (std::size_t i = 0; i < owner_.size(); ++i) {
-    if (owner_[i] != ball) continue;
+  // Only balls near by can be the one that grows least: the others would have to grow by more than the best of them
+  // even for the point that is nearest to them.
+  float around = 0;
+  each_owned(ball,
+             [&](std::size_t i) { around = std::max(around, distance_between(points_[i], balls_[ball].center)); });
+  float enough = infinity;
+  std::vector<float> away(most_, infinity);
+  for (std::size_t j = 0; j < most_; ++j) {
+    if (j == ball || !used(j)) continue;
+    away[j] = distance_between(balls_[j].center, balls_[ball].center);
+    enough = std::min(enough, away[j] + around - balls_[j].radius);
+  }
+  std::vector<std::size_t> near;
+  for (std::size_t j = 0; j < most_; ++j)
+    if (away[j] < infinity && away[j] - around - balls_[j].radius <= enough + 1e-4F * (away[j] + around))
+      near.push_back(j);
+  each_owned(ball, [&](std::size_t i) {
     float growth = infinity, needed = 0;
     std::size_t to = ball;
-    for (std::size_t j = 0; j < most_; ++j) {
-      if (j == ball || !used(j)) continue;
+    for (const std::size_t j : near) {
       const float d = distance_between(points_[i], balls_[j].center);
       if (d - reach[j] < growth) growth = d - reach[j], to = j, needed = d;
     }
-    if (to == ball) continue;
+    if (to == ball) return;
     reach[to] = std::max(reach[to], needed);
     give(i, to);
-  }
+  });
   return reach;
 }
 

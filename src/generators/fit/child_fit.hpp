@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <morula/geometry/random.hpp>
 #include <span>
 #include <vector>
@@ -40,6 +41,7 @@ class Group {
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
 
+  /// Empty space that the balls take in together, and what balance adds.
   double objective();
   /// Fits a ball to other points, with all balls of this group but the nearest to the first start in place.
   GroupBall refit_to(GroupPoints points, std::span<const Vec3f> starts);
@@ -65,7 +67,10 @@ class Group {
   void clear_grid();
   bool used(std::size_t i) const { return count_[i] > 0; }
   void recount();
+  template <class Visit>
+  void each_owned(std::size_t ball, const Visit& visit) const;
   void gather(std::size_t ball);
+  void give_what_others_contain(std::size_t ball);
   void refit(std::size_t ball, float taken, float first_step);
   void assign_by_power(std::span<const float> squared_radii);
   void fill(float taken);
@@ -94,7 +99,16 @@ class Group {
   std::uint64_t clock_ = 0;
   bool fill_places_ = true;
   std::vector<std::uint8_t> refused_;  // splitting it did not pay
-  GroupPoints own_;                    // scratch: points of the ball being fitted
+  // What the last assignment by power went by, and what came of it.
+  struct Powered {
+    Vec3f center;
+    float square = std::numeric_limits<float>::quiet_NaN();
+  };
+  std::vector<Powered> powered_;
+  std::vector<float> powers_;  // of each point's owner
+  std::vector<std::uint8_t> power_owner_;
+  std::vector<std::uint64_t> mixed_;  // of each point, for points_hash_
+  GroupPoints own_;                   // scratch: points of the ball being fitted
   std::vector<std::uint32_t> own_index_;
 };
 

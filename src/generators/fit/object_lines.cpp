@@ -24,8 +24,7 @@ int first_middle_at_or_above(double position, int count) {
 
 }  // namespace
 
-ObjectLines::ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers) {
-  const Box& box = shape.bvh().bounding_box();
+ObjectLines::ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers) {
   // A body that is one point, or so small beside its coordinates that spheres about it are little but padding against
   // their rounding, gets cells that the padding fits in.
   constexpr double least_share = 0x1p-44;
@@ -44,9 +43,9 @@ ObjectLines::ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cell
   parallel_for(workers, vertices.size(), 16384, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) vertices[v] = to_lattice(mesh.positions[v]);
   });
-  const bool reliable = shape.has_volume();
-  workers.run(3, [&](std::size_t axis) { axes_[axis] = trace(mesh, vertices, static_cast<int>(axis), reliable); });
-  if (!reliable) vote();
+  workers.run(
+      3, [&](std::size_t axis) { axes_[axis] = trace(mesh, vertices, static_cast<int>(axis), closed_and_oriented); });
+  if (!closed_and_oriented) vote();
   weigh(mesh, vertices);
 }
 

@@ -21,7 +21,10 @@ class ObjectLines {
   /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
   /// when two of the three lines through its centre say so, and lines enter and leave at cell walls.
   /// Cost: O(F + lines crossed).
-  ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers);
+  ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers)
+      : ObjectLines(mesh, shape.bvh().bounding_box(), shape.has_volume(), cells, workers) {}
+  /// closed_and_oriented: as inspect() has it. box: of the mesh.
+  ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers);
 
   struct Crossing {
     float at;
@@ -47,6 +50,29 @@ class ObjectLines {
       i = i * static_cast<std::size_t>(block_count_[n]) + static_cast<std::size_t>(at);
     }
     return weights_[i][static_cast<std::size_t>(axis)];
+  }
+
+  /// The weights along one line, for walking it: cells of the lattice from 0 on share them by `block`.
+  struct WeightsAlong {
+    const std::array<float, 3>* first = nullptr;
+    std::size_t step = 0;
+    std::size_t axis = 0;
+    int block = 1, blocks = 0;  // none of a line beside the lattice
+    float operator[](int i) const {
+      return i < 0 || i >= blocks ? 1.0F / 3 : first[static_cast<std::size_t>(i) * step][axis];
+    }
+  };
+  WeightsAlong weights_along(int axis, int u, int v) const {
+    const auto a = static_cast<std::size_t>(axis), ua = (a + 1) % 3, va = (a + 2) % 3;
+    const std::array<std::size_t, 3> step{
+        1, static_cast<std::size_t>(block_count_[0]),
+        static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
+    WeightsAlong result{nullptr, step[a], a, block_, 0};
+    if (u < 0 || v < 0 || u / block_ >= block_count_[ua] || v / block_ >= block_count_[va]) return result;
+    result.first =
+        &weights_[static_cast<std::size_t>(u / block_) * step[ua] + static_cast<std::size_t>(v / block_) * step[va]];
+    result.blocks = block_count_[a];
+    return result;
   }
 
   Vec3 to_lattice(const Vec3& p) const { return (p - origin_) * per_cell_; }

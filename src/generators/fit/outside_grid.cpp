@@ -85,7 +85,9 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
   });
 }
 
-void OutsideGrid::change(const Spheref& ball, int by) {
+// Cells whose middles a ball contains, row by row: [begin, end) of balls_over_.
+template <class Visit>
+void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
   const Range zs = middles_within(ball.center.z, ball.radius, count_[2]);
   for (int z = zs.begin; z < zs.end; ++z) {
     const float dz = static_cast<float>(z) + 0.5F - ball.center.z;
@@ -97,10 +99,17 @@ void OutsideGrid::change(const Spheref& ball, int by) {
       const float in_line = in_plane - dy * dy;
       if (!(in_line > 0)) continue;
       const Range xs = middles_within(ball.center.x, std::sqrt(in_line), count_[0]);
-      std::uint8_t* cell = &balls_over_[at(z) * step_[2] + at(y) * step_[1]];
-      for (int x = xs.begin; x < xs.end; ++x) cell[x] = static_cast<std::uint8_t>(cell[x] + by);
+      const std::size_t row = at(z) * step_[2] + at(y) * step_[1];
+      if (xs.begin < xs.end) visit(row + at(xs.begin), row + at(xs.end));
     }
   }
+}
+
+void OutsideGrid::change(const Spheref& ball, int by) {
+  each_run(ball, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t cell = begin; cell < end; ++cell)
+      balls_over_[cell] = static_cast<std::uint8_t>(balls_over_[cell] + by);
+  });
   for (std::size_t a = 0; a < 3; ++a)
     each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
 }
@@ -274,6 +283,67 @@ float OutsideGrid::new_outside(const Spheref& ball) {
     });
   }
   return static_cast<float>(total);
+}
+
+double OutsideGrid::outside_together(std::span<const Spheref> balls) {
+  double total = 0;
+  std::vector<std::array<float, 2>> on_line;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
+    const std::size_t row_length = at(count_[ua]);
+    const int n = count_[a];
+    first_chord_.resize(std::max(first_chord_.size(), row_length * at(count_[va])), -1);
+    chords_.clear();
+    lines_met_.clear();
+    for (const Spheref& ball : balls) {
+      const float cu = ball.center[static_cast<int>(ua)], middle = ball.center[static_cast<int>(a)];
+      each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float in_row) {
+        for (int u = begin; u < end; ++u) {
+          const float du = static_cast<float>(u) + 0.5F - cu, square = in_row - du * du;
+          if (!(square > 0)) continue;
+          const float half = std::sqrt(square);
+          std::int32_t& first = first_chord_[at(v) * row_length + at(u)];
+          if (first < 0) lines_met_.push_back({u, v});
+          chords_.push_back({std::clamp(middle - half, 0.0F, static_cast<float>(n)),
+                             std::clamp(middle + half, 0.0F, static_cast<float>(n)), first});
+          first = static_cast<std::int32_t>(chords_.size() - 1);
+        }
+      });
+    }
+    for (const auto& [u, v] : lines_met_) {
+      const std::size_t line = at(v) * row_length + at(u);
+      on_line.clear();
+      for (std::int32_t c = first_chord_[line]; c >= 0; c = chords_[at(c)].next)
+        on_line.push_back({chords_[at(c)].from, chords_[at(c)].to});
+      first_chord_[line] = -1;
+      std::sort(on_line.begin(), on_line.end());
+      if (axes_[a].traced[line] == 0) trace(a, u, v, line);
+      const Outside* const cells = &axes_[a].outside[line * at(n)];
+      float sum = 0;
+      const auto add = [&](float from, float to) {
+        const int last = std::min(n - 1, static_cast<int>(to));
+        for (int w = static_cast<int>(from); w <= last; ++w) {
+          const Outside& cell = cells[w];
+          if (!(cell.total > 0)) continue;
+          const auto up_to = [&](float position) {
+            return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);
+          };
+          sum += up_to(std::min(to, static_cast<float>(w + 1))) - up_to(std::max(from, static_cast<float>(w)));
+        }
+      };
+      std::array<float, 2> merged = on_line[0];
+      for (const std::array<float, 2>& chord : on_line)
+        if (chord[0] <= merged[1]) {
+          merged[1] = std::max(merged[1], chord[1]);
+        } else {
+          add(merged[0], merged[1]);
+          merged = chord;
+        }
+      add(merged[0], merged[1]);
+      total += static_cast<double>(sum);
+    }
+  }
+  return total;
 }
 
 }  // namespace morula::detail

@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 #include <morula/geometry/sphere.hpp>
+#include <span>
 #include <vector>
 
 #include "generators/fit/object_lines.hpp"
@@ -46,8 +47,15 @@ class OutsideGrid {
   float cost(const Vec3f& center, float radius, float enough = std::numeric_limits<float>::infinity()) const;
   /// The same for one ball without preparation, with taken = 0: slower than cost(), cheaper than prepare().
   float new_outside(const Spheref& ball);
+  /// Outside volume of the union of balls, which need not be counted in the grid: their chords are merged on each line,
+  /// so a layer thinner than a cell that one of them takes in counts although others have the cell's middle.
+  double outside_together(std::span<const Spheref> balls);
 
  private:
+  struct Chord {
+    float from, to;
+    std::int32_t next;  // on the same line
+  };
   struct Step {
     float before, start, slope, after;  // min(before + slope · max(0, w − start), after) at w into the cell
   };
@@ -64,6 +72,8 @@ class OutsideGrid {
     std::vector<Extent> current;       // per line: where steps are up to date
   };
   void change(const Spheref& ball, int by);
+  template <class Visit>
+  void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
   void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
   template <class Visit>
@@ -80,6 +90,9 @@ class OutsideGrid {
   std::array<std::size_t, 3> step_{};     // of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
   std::array<Axis, 3> axes_;
+  std::vector<Chord> chords_;              // scratch of outside_together
+  std::vector<std::int32_t> first_chord_;  // per line; −1 but while it looks
+  std::vector<std::array<int, 2>> lines_met_;
   float taken_ = -1;
   Vec3f prepared_center_{};
   float prepared_reach_ = -1;

@@ -6,16 +6,17 @@
 
 namespace morula::detail {
 
-void ArrayWriter::add(const char* name, std::size_t width, std::span<const std::uint32_t> values) {
+void ArrayWriter::add(const std::string& name, std::size_t width, std::span<const std::uint32_t> values) {
   add_values(name, "uint32", width, values);
 }
 
-void ArrayWriter::add(const char* name, std::size_t width, std::span<const double> values) {
+void ArrayWriter::add(const std::string& name, std::size_t width, std::span<const double> values) {
   add_values(name, "float64", width, values);
 }
 
 template <class Value>
-void ArrayWriter::add_values(const char* name, const char* type, std::size_t width, std::span<const Value> values) {
+void ArrayWriter::add_values(const std::string& name, const char* type, std::size_t width,
+                             std::span<const Value> values) {
   // Multiples of 8, so that a program that maps the file can use the arrays where they are.
   bytes_.resize((bytes_.size() + 7) / 8 * 8);
   nlohmann::ordered_json entry;
@@ -28,17 +29,17 @@ void ArrayWriter::add_values(const char* name, const char* type, std::size_t wid
   for (const Value value : values) store(bytes_, value);
 }
 
-std::vector<std::uint32_t> ArrayReader::indices(const char* name, std::size_t width) const {
+std::vector<std::uint32_t> ArrayReader::indices(const std::string& name, std::size_t width) const {
   return values<std::uint32_t>(name, "uint32", width);
 }
 
-std::vector<double> ArrayReader::numbers(const char* name, std::size_t width) const {
+std::vector<double> ArrayReader::numbers(const std::string& name, std::size_t width) const {
   return values<double>(name, "float64", width);
 }
 
 template <class Value>
-std::vector<Value> ArrayReader::values(const char* name, const char* type, std::size_t width) const {
-  const std::string label = "array " + std::string(name);
+std::vector<Value> ArrayReader::values(const std::string& name, const char* type, std::size_t width) const {
+  const std::string label = "array " + name;
   if (!table_.is_array()) file_.fail("the table of arrays is not a list");
   for (const nlohmann::json& entry : table_) {
     if (file_.member(entry, "name", "an array") != name) continue;

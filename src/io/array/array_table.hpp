@@ -16,15 +16,15 @@ namespace morula::detail {
 class ArrayWriter {
  public:
   /// values.size() must be a multiple of width, the numbers of a row.
-  void add(const char* name, std::size_t width, std::span<const std::uint32_t> values);
-  void add(const char* name, std::size_t width, std::span<const double> values);
+  void add(const std::string& name, std::size_t width, std::span<const std::uint32_t> values);
+  void add(const std::string& name, std::size_t width, std::span<const double> values);
 
   const nlohmann::ordered_json& table() const { return table_; }
   const std::string& bytes() const { return bytes_; }
 
  private:
   template <class Value>
-  void add_values(const char* name, const char* type, std::size_t width, std::span<const Value> values);
+  void add_values(const std::string& name, const char* type, std::size_t width, std::span<const Value> values);
 
   nlohmann::ordered_json table_ = nlohmann::ordered_json::array();
   std::string bytes_;
@@ -35,12 +35,12 @@ class ArrayReader {
  public:
   ArrayReader(const JsonFile& file, const nlohmann::json& table, std::string_view bytes)
       : file_(file), table_(table), bytes_(bytes) {}
-  std::vector<std::uint32_t> indices(const char* name, std::size_t width) const;
-  std::vector<double> numbers(const char* name, std::size_t width) const;
+  std::vector<std::uint32_t> indices(const std::string& name, std::size_t width) const;
+  std::vector<double> numbers(const std::string& name, std::size_t width) const;
 
  private:
   template <class Value>
-  std::vector<Value> values(const char* name, const char* type, std::size_t width) const;
+  std::vector<Value> values(const std::string& name, const char* type, std::size_t width) const;
 
   const JsonFile& file_;
   const nlohmann::json& table_;

@@ -111,12 +111,18 @@ BuildReport read_report(const JsonFile& file, const nlohmann::json& json) {
   return report;
 }
 
+// Arrays of the tree for known pose k, and its positions; those of the tree at rest have bare names. A library that
+// knows nothing of poses passes over arrays and members of names that it does not know, and reads the tree at rest.
+std::string pose_prefix(std::size_t k) {
+  return "pose " + std::to_string(k) + " ";
+}
+
 // Child counts and levels say all that the tree's other arrays repeat; these are made again, so they cannot disagree.
 SphereTree read_nodes(const std::filesystem::path& path, const JsonFile& file, const ArrayReader& arrays,
-                      std::uint32_t branching) {
-  const std::vector<double> numbers = arrays.numbers("spheres", 4);
-  const std::vector<std::uint32_t> child_count = arrays.indices("child_count", 1);
-  const std::vector<std::uint32_t> level_begin = arrays.indices("level_begin", 1);
+                      const std::string& prefix, std::uint32_t branching) {
+  const std::vector<double> numbers = arrays.numbers(prefix + "spheres", 4);
+  const std::vector<std::uint32_t> child_count = arrays.indices(prefix + "child_count", 1);
+  const std::vector<std::uint32_t> level_begin = arrays.indices(prefix + "level_begin", 1);
   const std::size_t nodes = numbers.size() / 4;
   if (child_count.size() != nodes) file.fail("spheres and child_count differ in length");
   std::vector<Sphere> spheres(nodes);
@@ -125,24 +131,95 @@ SphereTree read_nodes(const std::filesystem::path& path, const JsonFile& file, c
   return tree_of_counts(path, spheres, child_count, level_begin, branching);
 }
 
-Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const nlohmann::json& mesh) {
+Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const std::string& prefix,
+                 const nlohmann::json& mesh) {
   Cover cover;
   cover.vertex_count = index_member(file, mesh, "vertices", "the mesh");
   cover.facet_count = index_member(file, mesh, "facets", "the mesh");
-  const std::vector<std::uint32_t> vertices = arrays.indices("cut_point_vertices", 3);
-  const std::vector<double> weights = arrays.numbers("cut_point_weights", 3);
+  const std::vector<std::uint32_t> vertices = arrays.indices(prefix + "cut_point_vertices", 3);
+  const std::vector<double> weights = arrays.numbers(prefix + "cut_point_weights", 3);
   if (vertices.size() != weights.size()) file.fail("cut_point_vertices and cut_point_weights differ in length");
   cover.cut_points.resize(vertices.size() / 3);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     cover.cut_points[i / 3].vertex[i % 3] = vertices[i];
     cover.cut_points[i / 3].weight[i % 3] = weights[i];
   }
-  cover.patch_facet = arrays.indices("patch_facet", 1);
-  cover.corner_begin = arrays.indices("corner_begin", 1);
-  cover.corners = arrays.indices("corners", 1);
-  cover.region_begin = arrays.indices("region_begin", 1);
-  cover.region_end = arrays.indices("region_end", 1);
+  cover.patch_facet = arrays.indices(prefix + "patch_facet", 1);
+  cover.corner_begin = arrays.indices(prefix + "corner_begin", 1);
+  cover.corners = arrays.indices(prefix + "corners", 1);
+  cover.region_begin = arrays.indices(prefix + "region_begin", 1);
+  cover.region_end = arrays.indices(prefix + "region_end", 1);
   return cover;
+}
+
+// Nothing in files of older libraries, and of trees without poses.
+std::vector<KnownPose> read_poses(const std::filesystem::path& path, const JsonFile& file, const ArrayReader& arrays,
+                                  const nlohmann::json& mesh) {
+  std::vector<KnownPose> poses;
+  if (!file.root().contains("poses")) return poses;
+  const nlohmann::json& list = file.root()["poses"];
+  if (!list.is_array()) file.fail("\"poses\" is not a list");
+  for (const nlohmann::json& entry : list) {
+    const std::string owner = "a pose", prefix = pose_prefix(poses.size());
+    KnownPose pose;
+    pose.name = text_member(file, file.member(entry, "name", owner), "the name of a pose");
+    auto built = std::make_shared<CoveredTree>();
+    built->tree = read_nodes(path, file, arrays, prefix, index_member(file, entry, "branching", owner));
+    built->cover = read_cover(file, arrays, prefix, mesh);
+    if (const auto faults = validate(built->tree, built->cover); !faults.empty())
+      file.fail("pose " + std::to_string(poses.size()) + ": " + faults.front());
+    built->report = read_report(file, file.member(entry, "report", owner));
+    built->report.mesh_hash = from_hex(file, file.member(entry, "hash", owner));
+    const std::vector<double> numbers = arrays.numbers(prefix + "positions", 3);
+    for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3)
+      pose.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+    if (pose.positions.size() != built->cover.vertex_count)
+      file.fail("pose " + std::to_string(poses.size()) + " has " + std::to_string(pose.positions.size()) +
+                " positions for " + std::to_string(built->cover.vertex_count) + " vertices");
+    pose.built = std::move(built);
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+void add_tree(ArrayWriter& arrays, const std::string& prefix, const CoveredTree& built) {
+  const Cover& cover = built.cover;
+  std::vector<double> numbers;
+  for (const Sphere& s : built.tree.spheres)
+    numbers.insert(numbers.end(), {s.center.x, s.center.y, s.center.z, s.radius});
+  arrays.add(prefix + "spheres", 4, numbers);
+  arrays.add(prefix + "child_count", 1, built.tree.child_count);
+  arrays.add(prefix + "level_begin", 1, built.tree.level_begin);
+  std::vector<std::uint32_t> vertices;
+  numbers.clear();
+  for (const CutPoint& point : cover.cut_points) {
+    vertices.insert(vertices.end(), point.vertex.begin(), point.vertex.end());
+    numbers.insert(numbers.end(), point.weight.begin(), point.weight.end());
+  }
+  arrays.add(prefix + "cut_point_vertices", 3, vertices);
+  arrays.add(prefix + "cut_point_weights", 3, numbers);
+  arrays.add(prefix + "patch_facet", 1, cover.patch_facet);
+  arrays.add(prefix + "corner_begin", 1, cover.corner_begin);
+  arrays.add(prefix + "corners", 1, cover.corners);
+  arrays.add(prefix + "region_begin", 1, cover.region_begin);
+  arrays.add(prefix + "region_end", 1, cover.region_end);
+}
+
+void add_poses(ArrayWriter& arrays, nlohmann::ordered_json& json, std::span<const KnownPose> poses) {
+  if (poses.empty()) return;
+  json["poses"] = nlohmann::ordered_json::array();
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    nlohmann::ordered_json entry;
+    entry["name"] = poses[k].name;
+    entry["hash"] = hex(poses[k].built->report.mesh_hash);
+    entry["branching"] = poses[k].built->tree.branching;
+    entry["report"] = report_json(poses[k].built->report);
+    json["poses"].push_back(std::move(entry));
+    add_tree(arrays, pose_prefix(k), *poses[k].built);
+    std::vector<double> numbers;
+    for (const Vec3& p : poses[k].positions) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+    arrays.add(pose_prefix(k) + "positions", 3, numbers);
+  }
 }
 
 }  // namespace
@@ -150,25 +227,7 @@ Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const nlohmann
 std::string native_bytes(const CoveredTree& built) {
   const Cover& cover = built.cover;
   ArrayWriter arrays;
-  std::vector<double> numbers;
-  for (const Sphere& s : built.tree.spheres)
-    numbers.insert(numbers.end(), {s.center.x, s.center.y, s.center.z, s.radius});
-  arrays.add("spheres", 4, numbers);
-  arrays.add("child_count", 1, built.tree.child_count);
-  arrays.add("level_begin", 1, built.tree.level_begin);
-  std::vector<std::uint32_t> vertices;
-  numbers.clear();
-  for (const CutPoint& point : cover.cut_points) {
-    vertices.insert(vertices.end(), point.vertex.begin(), point.vertex.end());
-    numbers.insert(numbers.end(), point.weight.begin(), point.weight.end());
-  }
-  arrays.add("cut_point_vertices", 3, vertices);
-  arrays.add("cut_point_weights", 3, numbers);
-  arrays.add("patch_facet", 1, cover.patch_facet);
-  arrays.add("corner_begin", 1, cover.corner_begin);
-  arrays.add("corners", 1, cover.corners);
-  arrays.add("region_begin", 1, cover.region_begin);
-  arrays.add("region_end", 1, cover.region_end);
+  add_tree(arrays, "", built);
 
   nlohmann::ordered_json json;
   json["mesh"]["hash"] = hex(built.report.mesh_hash);
@@ -177,6 +236,7 @@ std::string native_bytes(const CoveredTree& built) {
   json["tree"]["branching"] = built.tree.branching;
   if (built.tree.nested) json["tree"]["nested"] = true;
   json["report"] = report_json(built.report);
+  add_poses(arrays, json, built.poses);
   json["arrays"] = arrays.table();
   // Notes are free text; a byte that is not UTF-8 is no reason to lose the tree.
   std::string header = json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
@@ -217,13 +277,14 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   TreeFile result;
   const nlohmann::json& mesh = file.member(file.root(), "mesh", "the header");
   const nlohmann::json& tree = file.member(file.root(), "tree", "the header");
-  result.tree = read_nodes(path, file, arrays, index_member(file, tree, "branching", "the tree"));
+  result.tree = read_nodes(path, file, arrays, "", index_member(file, tree, "branching", "the tree"));
   result.tree.nested = file.flag(tree, "nested", "the tree");
   require_valid(path, result.tree);
-  result.cover = read_cover(file, arrays, mesh);
+  result.cover = read_cover(file, arrays, "", mesh);
   if (const auto faults = validate(result.tree, *result.cover); !faults.empty()) file.fail(faults.front());
   result.report = read_report(file, file.member(file.root(), "report", "the header"));
   result.report.mesh_hash = from_hex(file, file.member(mesh, "hash", "the mesh"));
+  result.poses = read_poses(path, file, arrays, mesh);
   return result;
 }
 

@@ -66,7 +66,7 @@ SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(re
   }
   sort_into_blocks(std::move(points));
   const PositionView positions = rest.positions;
-  place(ReaderOf<double>{positions});
+  place(ReaderOf<double>{positions}, 0, sites_.size());
   bound_blocks();
   choose_rings(std::sqrt(each) * per_mesh_unit_);
   move(positions);
@@ -126,25 +126,32 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
   return ring;
 }
 
-void SurfaceSamples::move(const PositionView& positions) noexcept {
-  const auto read = [this](const auto& reader) {
-    place(reader);
-    measure_volume(reader);
-  };
-  if (positions.is_double())
-    read(ReaderOf<double>{positions});
-  else
-    read(ReaderOf<float>{positions});
-  average_directions();
-  measure_curvature();
+void SurfaceSamples::move(const PositionView& positions, std::size_t begin, std::size_t end) noexcept {
+  for (std::size_t step = begin; step < end; ++step) {
+    if (positions.is_double())
+      move_step(ReaderOf<double>{positions}, step);
+    else
+      move_step(ReaderOf<float>{positions}, step);
+  }
+}
+
+// Samples' places in three steps, directions in two, curvature in two, bounds; then the volume.
+template <class Reader>
+void SurfaceSamples::move_step(const Reader& positions, std::size_t step) noexcept {
+  static_assert(move_steps == 16);
+  const auto from = [this](std::size_t part, std::size_t parts) { return sites_.size() * part / parts; };
+  if (step < 3) return place(positions, from(step, 3), from(step + 1, 3));
+  if (step < 5) return average_directions(from(step - 3, 2), from(step - 2, 2));
+  if (step < 7) return measure_curvature(from(step - 5, 2), from(step - 4, 2));
+  if (step > 7) return measure_volume(positions, step - 8, move_steps - 8);
   bound_blocks();
   bound_groups();
 }
 
 template <class Reader>
-void SurfaceSamples::place(const Reader& positions) noexcept {
-  origin_ = positions[facets_[0][0]];
-  for (std::size_t i = 0; i < sites_.size(); ++i) {
+void SurfaceSamples::place(const Reader& positions, std::size_t begin, std::size_t end) noexcept {
+  if (begin == 0) origin_ = positions[facets_[0][0]];
+  for (std::size_t i = begin; i < end; ++i) {
     const Site& s = sites_[i];
     const Vec3 a = (positions[s.facet[0]] - origin_) * per_mesh_unit_,
                b = (positions[s.facet[1]] - origin_) * per_mesh_unit_,
@@ -191,8 +198,8 @@ void SurfaceSamples::bound_groups() noexcept {
 }
 
 // Along the facets' own normals, rays would leave gaps outside sharp edges and cross in a rough surface.
-void SurfaceSamples::average_directions() noexcept {
-  for (std::size_t i = 0; i < sites_.size(); ++i) {
+void SurfaceSamples::average_directions(std::size_t begin, std::size_t end) noexcept {
+  for (std::size_t i = begin; i < end; ++i) {
     Vec3f sum = normal_[i];
     for (const std::uint32_t neighbor : sites_[i].ring) sum += normal_[neighbor];
     direction_[i] = normalized(sum, normal_[i]);
@@ -205,9 +212,9 @@ void SurfaceSamples::average_directions() noexcept {
 }
 
 // The ring moved out along the directions, p + t d, encloses the area a0 + a1 t + a2 t².
-void SurfaceSamples::measure_curvature() noexcept {
+void SurfaceSamples::measure_curvature(std::size_t begin, std::size_t end) noexcept {
   constexpr float flat = 0.02f;  // of the squared distances: rings of less area say nothing
-  for (std::size_t i = 0; i < sites_.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     const auto& ring = sites_[i].ring;
     Vec3f a0, a1, a2;
     float squared_distances = 0;
@@ -229,16 +236,21 @@ void SurfaceSamples::measure_curvature() noexcept {
 }
 
 template <class Reader>
-void SurfaceSamples::measure_volume(const Reader& positions) noexcept {
+void SurfaceSamples::measure_volume(const Reader& positions, std::size_t part, std::size_t parts) noexcept {
   if (!has_volume_) {
+    if (part > 0) return;
     const double area = std::accumulate(area_.begin(), area_.end(), 0.0) / (per_mesh_unit_ * per_mesh_unit_);
     volume_ = area * std::sqrt(area / pi) / 6;
     return;
   }
-  double six_times = 0;
-  for (const Facet& f : facets_)
-    six_times += dot(positions[f[0]] - origin_, cross(positions[f[1]] - origin_, positions[f[2]] - origin_));
-  volume_ = std::abs(six_times) / 6;
+  if (part == 0) six_volumes_ = 0;
+  double sum = six_volumes_;
+  for (std::size_t i = facets_.size() * part / parts; i < facets_.size() * (part + 1) / parts; ++i) {
+    const Facet& f = facets_[i];
+    sum += dot(positions[f[0]] - origin_, cross(positions[f[1]] - origin_, positions[f[2]] - origin_));
+  }
+  six_volumes_ = sum;
+  if (part + 1 == parts) volume_ = std::abs(sum) / 6;
 }
 
 }  // namespace morula::detail

@@ -38,7 +38,11 @@ class SurfaceSamples {
  public:
   SurfaceSamples(const Mesh& rest, std::size_t count);
 
-  void move(const PositionView& positions) noexcept;
+  void move(const PositionView& positions) noexcept { move(positions, 0, move_steps); }
+  /// The same in steps, one after the other, all for the same positions: [begin, end) of 0 … move_steps. The first
+  /// half moves samples; the second adds up the volume, which takes longer where facets are many.
+  void move(const PositionView& positions, std::size_t begin, std::size_t end) noexcept;
+  static constexpr std::size_t move_steps = 16;
 
   const std::vector<SampleBlock>& blocks() const { return blocks_; }
   const std::vector<BlockBound>& bounds() const { return bounds_; }
@@ -46,6 +50,7 @@ class SurfaceSamples {
   const std::vector<Spheref>& group_bounds() const { return group_bounds_; }
   const Vec3& origin() const { return origin_; }
   std::size_t count() const { return sites_.size(); }
+  std::size_t facet_count() const { return facets_.size(); }
   /// The mesh tells inside from outside; otherwise directions are arbitrary as to side.
   bool has_volume() const { return has_volume_; }
   /// Of the object, in mesh units; for an open mesh, of the ball with its area.
@@ -66,13 +71,15 @@ class SurfaceSamples {
   void choose_rings(double spacing);
   std::array<std::uint32_t, ring_size> ring_of(std::uint32_t sample, double spacing) const;
   template <class Reader>
-  void place(const Reader& positions) noexcept;
+  void move_step(const Reader& positions, std::size_t step) noexcept;
+  template <class Reader>
+  void place(const Reader& positions, std::size_t begin, std::size_t end) noexcept;
   void bound_blocks() noexcept;
   void bound_groups() noexcept;
-  void average_directions() noexcept;
-  void measure_curvature() noexcept;
+  void average_directions(std::size_t begin, std::size_t end) noexcept;
+  void measure_curvature(std::size_t begin, std::size_t end) noexcept;
   template <class Reader>
-  void measure_volume(const Reader& positions) noexcept;
+  void measure_volume(const Reader& positions, std::size_t part, std::size_t parts) noexcept;
 
   std::vector<Site> sites_;  // block by block
   std::vector<Facet> facets_;
@@ -83,7 +90,7 @@ class SurfaceSamples {
   std::vector<float> area_;
   Vec3 origin_;
   double per_mesh_unit_ = 1;
-  double volume_ = 0;
+  double volume_ = 0, six_volumes_ = 0;  // the second: signed, of the facets added up so far
   bool has_volume_ = false;
   bool inside_out_ = false;
 };

@@ -14,12 +14,19 @@
 #include <string>
 #include <vector>
 
+#include "update/rebuild/strain_gauge.hpp"
+
 namespace morula::detail {
 
-/// A body, and how loose it was at the pose it was made for, per level set.
+/// A body, and what is known of it at the pose it was made for: how loose it was, per level set, and the lengths that
+/// tell how far another pose is from that one. And how loose it was at another pose, at a strain from that one, where
+/// it was ever measured; else that strain is 0.
 struct Epoch {
   Body body;
   std::vector<double> looseness_at_build;
+  std::vector<float> lengths;
+  std::vector<double> looseness_elsewhere;
+  double strain_elsewhere = 0;
 };
 
 /// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
@@ -27,7 +34,8 @@ struct Epoch {
 class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
-  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels);
+  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
+             std::shared_ptr<const StrainGauge> gauge);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -42,6 +50,8 @@ class RebuildJob {
   /// that has to be set.
   void queue(int steps, Quality quality);
   void request_stop() { stop_.request_stop(); }
+  /// When done: what there is to take; nothing when stopped or failed.
+  Epoch* finished() { return result_.epoch.get(); }
   struct Result {
     std::unique_ptr<Epoch> epoch;  ///< nothing: stopped or failed
     std::string failure{};         ///< empty: stopped
@@ -55,12 +65,14 @@ class RebuildJob {
  private:
   std::unique_ptr<Epoch> rebuilt();
 
-  Mesh snapshot_;  // the last pose, then the one to build for
+  Mesh snapshot_;                // the last pose, then the one to build for
+  std::vector<Vec3> last_pose_;  // where that is another
   std::array<std::vector<Vec3>, pose_count - 1> earlier_;
   int steps_ = 0;
   BuildOptions build_;
   LoosenessEstimator estimator_;
   std::size_t levels_;
+  std::shared_ptr<const StrainGauge> gauge_;
   std::stop_source stop_;
   std::unique_ptr<Epoch> retired_{};
   Result result_{};

@@ -10,15 +10,13 @@
 
 #include "parallel/float_environment.hpp"
 #include "update/rebuild/rebuild_job.hpp"
+#include "update/rebuild/relative_looseness.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Looseness below this is tight enough: ratios of smaller figures say nothing.
-constexpr double negligible = 1e-3;
 
 // Before the first rebuild ends, nobody knows how long one takes; and motions do not go on straight for ever. Frames.
 constexpr std::size_t first_guess = 20;
@@ -55,19 +53,24 @@ std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   return used;
 }
 
-// The root is one ball whatever the ownership: it counts only where there is nothing else.
-std::size_t first_counted(std::size_t levels) {
-  return levels > 1 ? 1 : 0;
-}
-
 // Shares by which figures of one ownership may differ for the pose to count as the same.
 constexpr double still = 1e-3, as_built = 0.05;
 
 bool all_within(double share, std::span<const double> a, std::span<const double> b) {
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (std::abs(a[i] - b[i]) > share * std::max(negligible, b[i])) return false;
+    if (std::abs(a[i] - b[i]) > share * std::max(negligible_looseness, b[i])) return false;
   return true;
 }
+
+// An ownership costs a switch, which makes queries start anew: it has to be expected to be better by this much.
+constexpr double least_gain = 0.02;
+// Per level that counts: by how much a unit of strain raises an ownership's score, before anything was measured, and at
+// least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
+constexpr double usual_cost = 10, least_cost = 2;
+// Below this the strain since an ownership was built says nothing about what strain costs.
+constexpr double least_strain = 0.05;
+// Frames over which one estimate is spread at most.
+constexpr std::size_t most_steps = 8;
 
 }  // namespace
 
@@ -77,12 +80,23 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
-  bool at_rest(const PositionView& positions) const noexcept;
-  void return_to_rest(const PositionView& positions, Workers& workers) noexcept;
-  void check(const PositionView& positions, Workers& workers);
+  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
+  void calibrate(const CoveredTree& built, Workers& workers);
 
-  double score(std::span<const double> looseness) const noexcept;
-  void estimate_present(const PositionView& positions) noexcept;
+  double cost_of(double per_level) const noexcept {
+    return per_level * static_cast<double>(threshold.size() - first_counted_level(threshold.size()));
+  }
+  bool at_rest(const PositionView& positions) const noexcept;
+  Epoch* choose(const PositionView& positions) noexcept;
+  double cost_of_strain(const Epoch& ownership) const noexcept;
+  double expected_score(const Epoch& ownership) const noexcept;
+  bool takes_over(const Epoch& candidate) const noexcept;
+  void stay_at_rest() noexcept;
+  void check(const PositionView& positions, Workers& workers);
+  void decide(const PositionView& positions, Workers& workers);
+
+  std::size_t estimate_steps() const noexcept;
+  void finish_estimate() noexcept;
   bool has_grown() const noexcept;
   bool is_off_build() const noexcept;
   bool may_start() const noexcept;
@@ -91,26 +105,30 @@ struct RebuiltBody::State {
   void take_pose(const PositionView& positions, Workers& workers);
   int steps_ahead() const noexcept;
   void start(int steps, const PositionView& positions, Workers& workers);
-  void collect(const PositionView& positions, Workers& workers);
-  void judge(std::unique_ptr<Epoch> candidate, const PositionView& positions, Workers& workers) noexcept;
-  bool try_home(const PositionView& positions, Workers& workers) noexcept;
+  void collect(bool taken);
   void change_to(Epoch& next) noexcept;
-  bool still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept;
+  bool still_fits(const Epoch& candidate) const noexcept;
   void raise_threshold() noexcept;
 
   RebuildOptions options;
   std::vector<Vec3> rest;
   std::vector<std::uint32_t> used;
-  LoosenessEstimator estimator;
   Epoch home;
-  std::unique_ptr<Epoch> away;  // none: home serves
+  std::shared_ptr<const StrainGauge> gauge;
+  LoosenessEstimator estimator;
+  std::vector<Epoch> known;     // for known poses
+  std::unique_ptr<Epoch> away;  // rebuilt; kept as long as no other comes
   Epoch* present;
+  std::vector<float> lengths;     // at this frame's positions
+  double strain_cost = 0;         // expected: by how much a unit of strain raises the score of an ownership
+  double strain_at_estimate = 0;  // of the present ownership
+  double score_at_estimate = 0;
+  double strain_now = 0;          // when the estimate under way was begun
   std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
-  std::vector<double> other;      // looseness of an ownership that is compared
+  std::vector<double> estimated, earlier;
   RebuildReport report;
   std::uint64_t epoch = 0, frame = 0;
-  bool estimated = false;                // report.looseness is of this frame
-  bool is_still = false;                 // and no other than at the last estimate
+  bool is_still = false;                 // no other than at the estimate before
   bool settled = false;                  // a rebuild was asked for since the body became still
   std::uint64_t start_frame = 0;         // of the rebuild in hand
   std::optional<std::size_t> next_pose;  // that a rebuild waits for
@@ -120,21 +138,43 @@ struct RebuiltBody::State {
   std::optional<OwnThread> thread;  // last: it goes first
 };
 
+namespace {
+
+CoveredTree without_poses(const CoveredTree& built) {
+  return {built.tree, built.cover, built.report};
+}
+
+void require_poses(const Mesh& mesh, const CoveredTree& built) {
+  for (const KnownPose& pose : built.poses)
+    if (!pose.built || pose.positions.size() != mesh.vertex_count())
+      throw std::invalid_argument("rebuild: the known pose \"" + pose.name + "\" is not one of this mesh");
+}
+
+}  // namespace
+
 RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOptions rebuild_options, Workers& workers)
-    : options((require_in_range(rebuild_options), std::move(rebuild_options))),
+    : options((require_in_range(rebuild_options), require_poses(mesh, built), std::move(rebuild_options))),
       rest(mesh.positions),
       used(used_vertices(mesh)),
+      // Whether they belong together is what Body asks, so it comes first.
+      home{Body(mesh, without_poses(built), {}, workers), {}, {}, {}},
+      gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
-      home{Body(mesh, built, {}, workers), std::vector<double>(built.tree.level_count())},
       present(&home),
-      other(built.tree.level_count()),
+      lengths(gauge->length_count()),
+      threshold(built.tree.level_count()),
+      estimated(built.tree.level_count()),
+      earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count())) {
-  estimator.estimate(home.body, home.looseness_at_build);
+                                       built.tree.level_count(), gauge)) {
+  home = epoch_of(mesh, std::move(home.body), threshold.size());
+  for (const KnownPose& pose : built.poses) {
+    const Mesh posed{pose.positions, mesh.facets};
+    known.push_back(epoch_of(posed, Body(posed, pose.built, {}, workers), threshold.size()));
+  }
+  calibrate(built, workers);
   report.looseness = home.looseness_at_build;
-  report.looseness_at_build = home.looseness_at_build;
   report.rebuild_frames = first_guess;
-  threshold.resize(other.size());
   change_to(home);
   epoch = 0;
   if (options.thread == RebuildThread::background) thread.emplace();
@@ -144,21 +184,69 @@ RebuiltBody::State::~State() {
   job->request_stop();
 }
 
+// The body is at the pose that it was made for.
+Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
+  Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
+             std::vector<double>(levels)};
+  estimator.reserve(made.body.rest_tree().node_count());
+  estimator.pose(posed.positions);
+  estimator.estimate(made.body, made.looseness_at_build);
+  gauge->measure(posed.positions, made.lengths);
+  return made;
+}
+
+// What strain costs, from how loose the home ownership is at the known poses.
+void RebuiltBody::State::calibrate(const CoveredTree& built, Workers& workers) {
+  std::vector<double> costs;
+  strain_cost = cost_of(usual_cost);
+  if (known.empty()) return;
+  Body probe(home.body);
+  const double at_home = relative_looseness(home.looseness_at_build, home.looseness_at_build);
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    const PositionView positions(built.poses[k].positions);
+    const double strain = StrainGauge::strain(known[k].lengths, home.lengths);
+    if (!(strain > least_strain) || !probe.update(positions, workers)) continue;
+    estimator.pose(positions);
+    estimator.estimate(probe, estimated);
+    costs.push_back((relative_looseness(estimated, home.looseness_at_build) - at_home) / strain);
+  }
+  if (costs.empty()) return;
+  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+  std::nth_element(costs.begin(), middle, costs.end());
+  strain_cost = std::max(cost_of(least_cost), *middle);
+}
+
+// One ownership is updated, and that is the one that serves: which one, the positions alone tell.
 RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers& workers) noexcept {
-  RebuildStatus status{.update = present->body.update(positions, workers)};
+  Epoch* chosen = present;
+  const bool whole = positions.size() == rest.size(), resting = whole && at_rest(positions);
+  const bool arrived = whole && !resting && job->stage() == RebuildJob::Stage::done;
+  if (resting) {
+    chosen = &home;
+  } else if (whole) {
+    chosen = choose(positions);
+    if (arrived && job->finished() != nullptr && takes_over(*job->finished())) chosen = job->finished();
+  }
+  RebuildStatus status{.update = chosen->body.update(positions, workers)};
+  if (!status && chosen != present) status.update = (chosen = present)->body.update(positions, workers);
   if (!status) return status;
+
   const std::uint64_t before = epoch;
   ++frame;
-  estimated = false;
-  if (at_rest(positions)) {
-    return_to_rest(positions, workers);
-  } else {
-    // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
-    try {
-      check(positions, workers);
-    } catch (...) {
-      ++report.failed;
+  // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
+  try {
+    if (chosen != present) {
+      report.returned_home += chosen == &home;
+      report.recalled += std::any_of(known.begin(), known.end(), [&](const Epoch& k) { return chosen == &k; });
+      change_to(*chosen);
     }
+    if (arrived) collect(chosen == job->finished());
+    if (resting)
+      stay_at_rest();
+    else
+      check(positions, workers);
+  } catch (...) {
+    ++report.failed;
   }
   status.swapped = epoch != before;
   return status;
@@ -170,15 +258,45 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == Vec3(Vec3f(rest[v])); });
 }
 
-double RebuiltBody::State::score(std::span<const double> looseness) const noexcept {
-  double sum = 0;
-  for (std::size_t level = first_counted(looseness.size()); level < looseness.size(); ++level)
-    sum += looseness[level] / std::max(negligible, home.looseness_at_build[level]);
-  return sum;
+// By what was measured of it elsewhere, else by what strain costs in general.
+double RebuiltBody::State::cost_of_strain(const Epoch& ownership) const noexcept {
+  if (!(ownership.strain_elsewhere > least_strain)) return strain_cost;
+  const double more = relative_looseness(ownership.looseness_elsewhere, home.looseness_at_build) -
+                      relative_looseness(ownership.looseness_at_build, home.looseness_at_build);
+  return std::max(cost_of(least_cost), more / ownership.strain_elsewhere);
+}
+
+// Of the present one: what was measured last, and what strain has been added since.
+double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
+  const double strain = StrainGauge::strain(lengths, ownership.lengths), cost = cost_of_strain(ownership);
+  if (&ownership == present) return score_at_estimate + cost * (strain - strain_at_estimate);
+  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + cost * strain;
+}
+
+// The ownership that is expected to be the tightest. Where positions are not finite, nor are lengths, and the present
+// one stays.
+Epoch* RebuiltBody::State::choose(const PositionView& positions) noexcept {
+  gauge->measure(positions, lengths);
+  Epoch* best = present;
+  double least = (1 - std::max(least_gain, options.gain)) * expected_score(*present);
+  const auto consider = [&](Epoch& ownership) {
+    if (&ownership == present) return;
+    if (const double score = expected_score(ownership); score < least) least = score, best = &ownership;
+  };
+  consider(home);
+  for (Epoch& ownership : known) consider(ownership);
+  if (away) consider(*away);
+  return best;
+}
+
+bool RebuiltBody::State::takes_over(const Epoch& candidate) const noexcept {
+  double least = expected_score(*present);
+  for (const Epoch& ownership : known) least = std::min(least, expected_score(ownership));
+  return expected_score(candidate) < (1 - options.gain) * std::min(least, expected_score(home));
 }
 
 bool RebuiltBody::State::has_grown() const noexcept {
-  for (std::size_t level = first_counted(threshold.size()); level < threshold.size(); ++level)
+  for (std::size_t level = first_counted_level(threshold.size()); level < threshold.size(); ++level)
     if (report.looseness[level] > threshold[level]) return true;
   return false;
 }
@@ -186,45 +304,61 @@ bool RebuiltBody::State::has_grown() const noexcept {
 void RebuiltBody::State::change_to(Epoch& next) noexcept {
   present = &next;
   ++epoch;
-  report.looseness_at_build = next.looseness_at_build;
+  estimator.give_up();
+  report.looseness = report.looseness_at_build = next.looseness_at_build;
+  score_at_estimate = relative_looseness(next.looseness_at_build, home.looseness_at_build);
+  strain_at_estimate = 0;
   for (std::size_t level = 0; level < threshold.size(); ++level)
-    threshold[level] = options.looser_by * std::max(negligible, next.looseness_at_build[level]);
+    threshold[level] = options.looser_by * std::max(negligible_looseness, next.looseness_at_build[level]);
 }
 
-void RebuiltBody::State::return_to_rest(const PositionView& positions, Workers& workers) noexcept {
+void RebuiltBody::State::stay_at_rest() noexcept {
   next_pose.reset();
   job->request_stop();
-  if (present == &home) return;
-  home.body.update(positions, workers);
-  change_to(home);
+  estimator.give_up();
   report.looseness = home.looseness_at_build;
-  ++report.returned_home;
 }
 
-// Results first: they may make the next rebuild unnecessary.
 void RebuiltBody::State::check(const PositionView& positions, Workers& workers) {
-  if (job->stage() == RebuildJob::Stage::done) collect(positions, workers);
   if (next_pose && next_pose_frame == frame) take_pose(positions, workers);
   const bool fixed = options.rebuild_every > 0;
-  if (frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) != 0) return;
-  estimate_present(positions);
-  ++report.checks;
-  const bool settling = is_still && !settled && (present != &home || is_off_build());
-  if (settling) job->request_stop();  // of a pose that the body did not stop at
-  if (!may_start() || !(fixed || settling || has_grown())) return;
-  if (!fixed && try_home(positions, workers) && !has_grown()) return;
-  settled = is_still;
-  request_rebuild(positions, workers);
+  const bool due = frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) == 0;
+  if (due) {
+    ++report.checks;
+    estimator.begin(positions, present->body, estimate_steps());
+    strain_now = StrainGauge::strain(lengths, present->lengths);
+  }
+  const bool is_known = estimator.step(estimated);
+  if (is_known) finish_estimate();
+  if (!fixed && is_known) decide(positions, workers);
+  if (fixed && due && may_start()) request_rebuild(positions, workers);
 }
 
-void RebuiltBody::State::estimate_present(const PositionView& positions) noexcept {
-  if (estimated) return;
-  std::copy(report.looseness.begin(), report.looseness.end(), other.begin());
-  estimator.pose(positions);
-  estimator.estimate(present->body, report.looseness);
-  estimated = true;
-  is_still = all_within(still, report.looseness, other);
+// On the caller's thread, frames take as long as a build anyway.
+std::size_t RebuiltBody::State::estimate_steps() const noexcept {
+  if (options.thread == RebuildThread::caller) return 1;
+  const int period = options.rebuild_every > 0 ? options.rebuild_every : options.check_every;
+  return std::min(most_steps, static_cast<std::size_t>(period));
+}
+
+void RebuiltBody::State::finish_estimate() noexcept {
+  is_still = all_within(still, estimated, report.looseness);
   settled = settled && is_still;
+  report.looseness = estimated;
+  score_at_estimate = relative_looseness(estimated, home.looseness_at_build);
+  strain_at_estimate = strain_now;
+  if (!(strain_at_estimate > least_strain)) return;
+  present->looseness_elsewhere = estimated;
+  present->strain_elsewhere = strain_at_estimate;
+  strain_cost = cost_of_strain(*present);
+}
+
+void RebuiltBody::State::decide(const PositionView& positions, Workers& workers) {
+  const bool settling = is_still && !settled && (present != &home || is_off_build());
+  if (settling) job->request_stop();  // of a pose that the body did not stop at
+  if (!may_start() || !(settling || has_grown())) return;
+  settled = is_still;
+  request_rebuild(positions, workers);
 }
 
 bool RebuiltBody::State::is_off_build() const noexcept {
@@ -232,19 +366,9 @@ bool RebuiltBody::State::is_off_build() const noexcept {
 }
 
 bool RebuiltBody::State::may_start() const noexcept {
+  if (options.thread == RebuildThread::none) return false;
   if (job->stage() != RebuildJob::Stage::idle || next_pose) return false;
   return options.thread == RebuildThread::caller || Clock::now() >= next_start;
-}
-
-// Home is ready and may fit again before the body is quite at rest.
-bool RebuiltBody::State::try_home(const PositionView& positions, Workers& workers) noexcept {
-  if (present == &home || !home.body.update(positions, workers)) return false;
-  estimator.estimate(home.body, other);
-  if (!(score(other) < (1 - options.gain) * score(report.looseness))) return false;
-  change_to(home);
-  report.looseness = other;
-  ++report.returned_home;
-  return true;
 }
 
 // Not on the caller's thread: there the pose is still the same when the rebuild is done.
@@ -277,9 +401,15 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
   job->queue(steps, settled ? options.still_quality : options.quality);
   ++report.started;
   switch (options.thread) {
-    case RebuildThread::caller:
+    case RebuildThread::caller: {
       job->run();
-      collect(positions, workers);
+      Epoch* const made = job->finished();
+      const bool taken = made != nullptr && takes_over(*made) && made->body.update(positions, workers);
+      if (taken) change_to(*made);
+      collect(taken);
+      break;
+    }
+    case RebuildThread::none:
       break;
     case RebuildThread::background:
       thread->run(job);
@@ -290,7 +420,8 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
   }
 }
 
-void RebuiltBody::State::collect(const PositionView& positions, Workers& workers) {
+// taken: it serves already, and was updated.
+void RebuiltBody::State::collect(bool taken) {
   RebuildJob::Result result = job->take();
   const std::chrono::duration<double> pause(
       std::min(longest_pause, result.seconds * (1 / options.processor_share - 1)));
@@ -303,31 +434,20 @@ void RebuiltBody::State::collect(const PositionView& positions, Workers& workers
   ++report.finished;
   report.rebuild_seconds = result.seconds;
   report.rebuild_frames = frame - start_frame;
-  judge(std::move(result.epoch), positions, workers);
-}
-
-void RebuiltBody::State::judge(std::unique_ptr<Epoch> candidate, const PositionView& positions,
-                               Workers& workers) noexcept {
-  estimate_present(positions);
-  try_home(positions, workers);
-  const bool usable = static_cast<bool>(candidate->body.update(positions, workers));
-  if (usable) estimator.estimate(candidate->body, other);
-  if (usable && score(other) < (1 - options.gain) * score(report.looseness)) {
+  if (taken) {
     ++report.swapped;
-    change_to(*candidate);
-    std::swap(report.looseness, other);
-    std::swap(away, candidate);
+    std::swap(away, result.epoch);
+    estimator.reserve(away->body.rest_tree().node_count());
   } else {
     ++report.refused;
-    if (usable && still_fits(*candidate, other)) raise_threshold();
+    if (still_fits(*result.epoch)) raise_threshold();
   }
-  job->retire(std::move(candidate));
+  job->retire(std::move(result.epoch));
 }
 
-bool RebuiltBody::State::still_fits(const Epoch& candidate, std::span<const double> looseness) const noexcept {
-  for (std::size_t level = first_counted(looseness.size()); level < looseness.size(); ++level)
-    if (looseness[level] > options.looser_by * std::max(negligible, candidate.looseness_at_build[level])) return false;
-  return true;
+bool RebuiltBody::State::still_fits(const Epoch& candidate) const noexcept {
+  const double at_build = relative_looseness(candidate.looseness_at_build, home.looseness_at_build);
+  return expected_score(candidate) <= options.looser_by * at_build;
 }
 
 // What was built for this very pose is no better, so the pose is what is loose: it has to change before another try.

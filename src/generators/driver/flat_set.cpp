@@ -1,0 +1,305 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/driver/flat_set.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <limits>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/query/sphere_volume.hpp>
+#include <numeric>
+
+#include "generators/driver/driver.hpp"
+#include "generators/driver/join.hpp"
+#include "generators/driver/union_volume.hpp"
+#include "generators/fit/lattice.hpp"
+
+namespace morula::detail {
+namespace {
+
+// The next smaller number that a set is compared with.
+std::size_t next_smaller(std::size_t spheres, bool quick) {
+  constexpr std::size_t few = 16;
+  constexpr std::array<std::size_t, 9> steps{24, 16, 12, 8, 6, 4, 3, 2, 1};
+  if (quick && spheres <= 2 * few)
+    for (const std::size_t step : steps)
+      if (step < spheres) return step;
+  return spheres < few ? spheres / 2 : spheres / 4;
+}
+
+struct Set {
+  std::vector<BuildNode> leaves;
+  double outside = 0;
+  std::size_t leftover_patches = 0;
+  std::string_view reducer{};
+};
+
+class FlatSet {
+ public:
+  FlatSet(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by, Workers& workers)
+      : input_(input),
+        lines_(lines),
+        run_(run),
+        by_(by),
+        workers_(workers),
+        halve_(by.one_level(2)),
+        too_small_(smallest_radius(run)),
+        root_(root_node(input.mesh, run, {})) {}
+
+  CoveredTree operator()() {
+    run_.tell(0, 0);
+    report_ = new_report(input_.mesh, run_);
+    Set best = only_root();
+    const double prepared = run_.seconds();
+    bool in_time = !run_.out_of_time();
+    double gone = 0, all = 0;
+    for (std::size_t n = run_.spheres; n > 1; n = next_smaller(n, by_.quick)) all += static_cast<double>(n);
+    for (std::size_t n = run_.spheres; n > 1 && in_time; n = next_smaller(n, by_.quick)) {
+      run_.throw_if_stopped();
+      Set now = one_level(n);
+      if (by_.quick || is_slender(now))
+        if (Set other = last_level(n); other.outside < now.outside) now = std::move(other);
+      if (n == run_.spheres || now.outside < best.outside) best = std::move(now);
+      gone += static_cast<double>(n);
+      const double share = 0.95 * gone / all;
+      run_.tell(share, 1, (run_.seconds() - prepared) * (1 - share) / share);
+      in_time = !run_.out_of_time();
+    }
+    run_.throw_if_stopped();
+    if (Set one = only_root(); one.outside < best.outside) best = std::move(one);
+    if (in_time) spend_rest(best);
+    return tree_of(std::move(best), !in_time);
+  }
+
+ private:
+  double outside(const std::vector<BuildNode>& leaves) const {
+    std::vector<Sphere> spheres;
+    for (const BuildNode& leaf : leaves) spheres.push_back(leaf.sphere);
+    return union_outside(lines_, spheres);
+  }
+
+  Set only_root() const {
+    Set set;
+    set.leaves.push_back(root_);
+    set.outside = outside(set.leaves);
+    return set;
+  }
+
+  Set one_level(std::size_t most) const {
+    Division division = children_of(root_, by_.one_level(most), too_small_);
+    if (division.children.empty()) return only_root();
+    Set set{std::move(division.children), 0, division.leftover_patches, division.reducer};
+    for (BuildNode& leaf : set.leaves) leaf.parent = 0;
+    set.outside = outside(set.leaves);
+    std::vector<BuildNode> improved = set.leaves;
+    by_.improve(improved);
+    if (const double now = outside(improved); now < set.outside) {
+      set.leaves = std::move(improved);
+      set.outside = now;
+    }
+    return set;
+  }
+
+  // Spheres that sit side by side like slabs: their centres are much nearer than their surfaces are.
+  static bool is_slender(const Set& set) {
+    constexpr double much_nearer = 0.5;
+    if (set.leaves.size() < 2) return false;
+    std::vector<double> nearest;
+    for (const BuildNode& a : set.leaves) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const BuildNode& b : set.leaves)
+        if (&a != &b) least = std::min(least, distance(a.sphere.center, b.sphere.center) / a.sphere.radius);
+      nearest.push_back(least);
+    }
+    const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+    std::nth_element(nearest.begin(), middle, nearest.end());
+    return *middle < much_nearer;
+  }
+
+  // The leaves of a tree of as many levels as the number of spheres allows; none when that is one.
+  Set last_level(std::size_t most) const {
+    Set set = only_root();
+    int depth = 0;
+    for (std::size_t leaves = 1; leaves <= most / static_cast<std::size_t>(run_.branching); ++depth)
+      leaves *= static_cast<std::size_t>(run_.branching);
+    if (depth < 2) return set;
+    const Divider divide = by_.levels(depth);
+    std::vector<BuildNode> finished;  // cannot be divided further
+    for (int level = 0; level < depth; ++level) {
+      std::vector<Division> divisions(set.leaves.size());
+      const auto divide_one = [&](std::size_t i) {
+        if (!run_.stop.stop_requested()) divisions[i] = children_of(set.leaves[i], divide, too_small_);
+      };
+      if (set.leaves.size() == 1)
+        divide_one(0);  // it has the workers to itself
+      else
+        workers_.run(set.leaves.size(), divide_one);
+      run_.throw_if_stopped();
+      std::vector<BuildNode> next;
+      for (std::size_t i = 0; i < divisions.size(); ++i) {
+        set.leftover_patches += divisions[i].leftover_patches;
+        if (divisions[i].children.empty()) finished.push_back(std::move(set.leaves[i]));
+        for (BuildNode& child : divisions[i].children) {
+          child.parent = static_cast<std::uint32_t>(i);
+          next.push_back(std::move(child));
+        }
+      }
+      if (level > 0 && !next.empty()) by_.improve(next);
+      set.leaves = std::move(next);
+    }
+    std::move(finished.begin(), finished.end(), std::back_inserter(set.leaves));
+    set.outside = outside(set.leaves);
+    return set;
+  }
+
+  // Places that are left go to the spheres that take in most, as long as that helps.
+  void spend_rest(Set& set) const {
+    std::vector<double> worth;
+    const auto judged = [&](const BuildNode& leaf) {
+      return input_.shape.has_volume() ? outside_volume(input_.shape, leaf.sphere)
+                                       : input_.shape.protrusion_bound(leaf.sphere);
+    };
+    for (const BuildNode& leaf : set.leaves) worth.push_back(judged(leaf));
+    constexpr int most_failures = 3;
+    for (int failures = 0; set.leaves.size() < run_.spheres && failures < most_failures && !run_.out_of_time();) {
+      run_.throw_if_stopped();
+      const auto worst = std::max_element(worth.begin(), worth.end());
+      if (!(*worst > 0)) return;
+      const auto at = worst - worth.begin();
+      *worst = 0;
+      Division halves = children_of(set.leaves[static_cast<std::size_t>(at)], halve_, too_small_);
+      ++failures;
+      if (halves.children.size() != 2) continue;
+      std::vector<BuildNode> leaves = set.leaves;
+      leaves[static_cast<std::size_t>(at)] = std::move(halves.children[0]);
+      leaves.push_back(std::move(halves.children[1]));
+      const double now = outside(leaves);
+      if (!(now < set.outside)) continue;
+      set.leaves = std::move(leaves);
+      set.outside = now;
+      set.leftover_patches += halves.leftover_patches;
+      worth[static_cast<std::size_t>(at)] = judged(set.leaves[static_cast<std::size_t>(at)]);
+      worth.push_back(judged(set.leaves.back()));
+      failures = 0;
+    }
+  }
+
+  // Leaves [begin, end) of `order` in groups of equal size, as many as a node may have children, cut across where they
+  // reach farthest.
+  std::vector<std::size_t> cut(const std::vector<BuildNode>& leaves, std::vector<std::uint32_t>& order,
+                               std::size_t begin, std::size_t end) const {
+    const auto parts = static_cast<std::size_t>(run_.branching);
+    std::vector<std::size_t> ends;
+    const auto halve = [&](const auto& self, std::size_t from, std::size_t to, std::size_t into) -> void {
+      if (into < 2 || to - from < 2) {
+        ends.push_back(to);
+        return;
+      }
+      const std::size_t left = into / 2, middle = from + (to - from) * left / into;
+      std::vector<Vec3> centers;
+      for (std::size_t i = from; i < to; ++i) centers.push_back(leaves[order[i]].sphere.center);
+      const Vec3 axis = principal_axes(centers)[0];
+      const auto along = [&](std::uint32_t leaf) { return dot(leaves[leaf].sphere.center, axis); };
+      const auto first = order.begin() + static_cast<std::ptrdiff_t>(from);
+      std::stable_sort(first, order.begin() + static_cast<std::ptrdiff_t>(to),
+                       [&](std::uint32_t a, std::uint32_t b) { return along(a) < along(b); });
+      self(self, from, middle, left);
+      self(self, middle, to, into - left);
+    };
+    halve(halve, begin, end, parts);
+    return ends;
+  }
+
+  Sphere around(const std::vector<BuildNode>& leaves, std::span<const std::uint32_t> of) const {
+    std::vector<Vec3> points, more;
+    for (const std::uint32_t leaf : of) {
+      corner_positions(input_.mesh, leaves[leaf].region, more);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    const Sphere smallest = enclosing_sphere(points);
+    return {smallest.center, rounded_up_radius(smallest.radius, std::max(input_.pad, max_norm(smallest.center)))};
+  }
+
+  CoveredTree tree_of(Set set, bool out_of_time) {
+    struct Span {
+      std::size_t begin, end;
+    };
+    std::vector<BuildNode>& leaves = set.leaves;
+    std::vector<std::uint32_t> order(leaves.size());
+    std::iota(order.begin(), order.end(), 0u);
+    CoveredTree built;
+    built.tree.branching = report_.branching;
+    built.tree.append_level({}, std::span(leaves.size() > 1 ? &root_.sphere : &leaves[0].sphere, 1));
+    std::vector<Region> regions;
+    std::vector<Span> level{{0, leaves.size()}};
+    while (!level.empty()) {
+      std::vector<std::uint32_t> counts;
+      std::vector<Span> next;
+      for (const Span& node : level) {
+        regions.push_back(node.end - node.begin == 1 ? std::move(leaves[order[node.begin]].region) : Region{});
+        counts.push_back(0);
+        if (node.end - node.begin == 1) continue;
+        for (std::size_t begin = node.begin; const std::size_t end : cut(leaves, order, node.begin, node.end)) {
+          next.push_back({begin, end});
+          begin = end;
+          ++counts.back();
+        }
+      }
+      std::vector<Sphere> spheres(next.size());
+      workers_.run(next.size(), [&](std::size_t i) {
+        const auto of = std::span(order).subspan(next[i].begin, next[i].end - next[i].begin);
+        spheres[i] = of.size() == 1 ? leaves[of[0]].sphere : around(leaves, of);
+      });
+      if (!next.empty()) built.tree.append_level(counts, spheres);
+      level = std::move(next);
+    }
+    built.cover = assemble_cover(input_.mesh, built.tree, regions);
+    report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
+    report_.level_seconds.assign(built.tree.level_count(), 0.0);
+    report_.level_seconds[std::min<std::size_t>(1, report_.depth)] = run_.seconds();
+    report_.leftover_patches = set.leftover_patches;
+    for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
+      report_.early_leaves += built.tree.is_leaf(i);
+    double worst = 0;
+    for (const BuildNode& leaf : leaves) worst = std::max(worst, input_.shape.protrusion_bound(leaf.sphere));
+    report_.protrusion_bound = worst;
+    if (out_of_time) {
+      report_.complete = false;
+      report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +
+                              std::to_string(leaves.size()) + " spheres, which are left undivided");
+    } else if (leaves.size() < run_.spheres) {
+      report_.notes.push_back(std::to_string(leaves.size()) + " spheres, not " + std::to_string(run_.spheres) +
+                              ": more would be no tighter, or the surface cannot be divided further");
+    }
+    Winners winners;
+    Division winner;
+    winner.reducer = set.reducer;
+    winner.children.resize(1);
+    winners.add(winner);
+    if (std::string note = winners.note(); !note.empty()) report_.notes.push_back(std::move(note));
+    run_.tell(1, static_cast<int>(report_.depth), 0.0);
+    run_.throw_if_stopped();
+    built.report = std::move(report_);
+    return built;
+  }
+
+  const FitInput& input_;
+  const ObjectLines& lines_;
+  const BuildRun& run_;
+  const FlatSetBy& by_;
+  Workers& workers_;
+  Divider halve_;
+  double too_small_;
+  BuildNode root_;
+  BuildReport report_;
+};
+
+}  // namespace
+
+CoveredTree flat_set(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by,
+                     Workers& workers) {
+  return FlatSet(input, lines, run, by, workers)();
+}
+
+}  // namespace morula::detail

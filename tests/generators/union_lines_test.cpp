@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Empty space in unions of spheres, by lines, against exact volumes of single spheres.
+#include <gtest/gtest.h>
+
+#include <generators/fit/union_lines.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/query/sphere_volume.hpp>
+
+namespace morula {
+using namespace detail;
+namespace {
+
+struct OnCapsule {
+  Mesh mesh = sample_body("capsule", 24);
+  SignedDistance shape{mesh};
+  ObjectLines lines{mesh, shape, 400, serial_workers()};
+};
+
+TEST(UnionLines, of_one_sphere_are_its_outside_volume) {
+  const OnCapsule on;
+  // On the axis, one that is little but the layer between it and the facets; beside it; across the end; far out.
+  for (const Sphere& s :
+       {Sphere{{0.1, 0, 0}, 0.51}, Sphere{{0.3, 0.4, 0.1}, 0.3}, Sphere{{1.4, 0.1, 0}, 0.4}, Sphere{{0, 3, 0}, 0.7}}) {
+    UnionLines lines(on.lines, {&s, 1}, on.lines.cell());
+    EXPECT_EQ(lines.outside(), 0);
+    lines.count(0, true);
+    const double exact = outside_volume(on.shape, s);
+    EXPECT_NEAR(lines.outside(), exact, 0.02 * exact) << "at " << s.center.x << ", " << s.center.y;
+  }
+}
+
+TEST(UnionLines, count_what_spheres_share_once) {
+  const OnCapsule on;
+  const std::vector<Sphere> spheres{
+      {{0, 0.6, 0}, 0.3}, {{0, 0.6, 0}, 0.3}, {{0, 0.6, 0.02}, 0.25}, {{0, 2, 0}, 0.2}, {{0.1, 0.55, 0}, 0.3}};
+  UnionLines lines(on.lines, spheres, 0.03);
+  lines.count(0, true);
+  const double one = lines.outside();
+  lines.count(1, true), lines.count(2, true);
+  EXPECT_EQ(lines.outside(), one);
+  lines.count(3, true);
+  const double apart = outside_volume(on.shape, spheres[3]);
+  EXPECT_NEAR(lines.outside(), one + apart, 0.03 * apart);
+  lines.count(4, true);
+  EXPECT_GT(lines.outside(), one + apart * 1.1);
+  EXPECT_LT(lines.outside(), 2 * one + apart);
+}
+
+TEST(UnionLines, changes_are_differences_of_unions) {
+  const OnCapsule on;
+  const std::vector<Sphere> spheres{
+      {{0, 0.4, 0}, 0.3}, {{0.2, 0.4, 0}, 0.3}, {{0.1, 0.3, 0.2}, 0.35}, {{1, 0, 0}, 0.6}};
+  UnionLines lines(on.lines, spheres, 0.04);
+  lines.count(0, true), lines.count(3, true);
+  const double before = lines.outside();
+  const std::vector<std::uint32_t> added{1, 2}, removed{0};
+  const double change = lines.change(added, removed);
+  const std::vector<std::uint8_t> others{0, 1, 1, 1};
+  const double difference = lines.difference(others);
+  EXPECT_EQ(lines.outside(), before);
+  lines.count(0, false), lines.count(1, true), lines.count(2, true);
+  EXPECT_NEAR(lines.outside() - before, change, 1e-9);
+  // What only one has is at least how far their volumes are apart.
+  EXPECT_GE(difference, std::abs(change));
+  EXPECT_NEAR(lines.difference(others), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace morula
