@@ -121,6 +121,18 @@ TEST(Encloses, agrees_with_integers_where_spheres_touch_from_inside_at_any_scale
   EXPECT_GT(inside, 20000u);
 }
 
+// Where squares are a few least doubles, and each is rounded by up to half of one.
+TEST(Encloses, agrees_with_integers_where_squares_vanish) {
+  Random random(2);
+  const auto number = [&](double most) { return std::floor(random.uniform(0, most)); };
+  for (int round = 0; round < 20000; ++round) {
+    const Sphere inner{{0, 0, 0}, number(9)};
+    const Sphere outer{{number(13), number(13), number(13)}, inner.radius + number(20)};
+    for (const double s : {0x1p-538, 0x1p-539, 0x1p-540, 0x1p-542})
+      ASSERT_EQ(detail::encloses(times(outer, s), times(inner, s)), integer_encloses(outer, inner)) << "scale " << s;
+  }
+}
+
 TEST(Encloses, sees_the_last_bit_beside_the_largest_number) {
   constexpr double huge = 0x1p1022, tiny = std::numeric_limits<double>::denorm_min();
   EXPECT_TRUE(detail::encloses({{0, 0, 0}, huge}, {{huge / 2, 0, 0}, huge / 2}));
@@ -223,6 +235,7 @@ TEST(Nesting, holds_for_numbers_of_any_size) {
   EXPECT_THROW(nest(large), std::invalid_argument);
   EXPECT_FALSE(certify_nesting(large, large.spheres).nested);
   large.spheres[0].radius = infinity;
+  large.spheres[1].radius = large.spheres[2].radius = 1;
   EXPECT_FALSE(certify_nesting(large, large.spheres).nested) << "what is not finite counts as outside";
 }
 
