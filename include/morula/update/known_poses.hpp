@@ -24,8 +24,8 @@ struct KnownPoseOptions {
   std::uint64_t seed = 1;
   /// A pose gets a tree of its own when the tightest of those there are is somewhere this many times as loose there as
   /// at the pose it was made for; above 1.
-  double looser_by = 2;
-  std::size_t most = 8;  ///< trees added at most
+  double looser_by = 1.5;
+  std::size_t most = 12;  ///< trees added at most
   std::stop_token stop{};
   /// After every tree: how many there are, and by how much the tightest one is looser at the worst pose. May be empty.
   std::function<void(std::size_t count, double worst)> progress{};
