@@ -6,7 +6,7 @@
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
-#include "generators/driver/flat_set.hpp"
+#include "generators/divide/flat_set.hpp"
 #include "generators/reduce/adaptive_medial.hpp"
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/optimise.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "generators/driver/flat_set.hpp"
+#include "generators/divide/flat_set.hpp"
 
 #include <algorithm>
 #include <array>
