@@ -74,9 +74,10 @@ void add_spread(const Input& input, BuildOptions options, const std::vector<Leve
 
 /// So many spheres as one flat set, beside one level of as many children and the level of a tree.
 Result flat_set_of(const Input& input, BuildOptions options, std::size_t spheres, const Settings& settings) {
-  Result result{.scenario = "build", .mesh = input.name};
-  result.item =
-      fmt::format("{}{}, {} spheres", name(options.method), options.quality == Quality::fast ? " fast" : "", spheres);
+  Result result{.scenario = "build",
+                .item = fmt::format("{}{}, {} spheres", name(options.method),
+                                    options.quality == Quality::fast ? " fast" : "", spheres),
+                .mesh = input.name};
   options.spheres = spheres;
   CoveredTree flat;
   double user = std::numeric_limits<double>::infinity();

@@ -159,9 +159,10 @@ TEST(Streams, names_that_are_no_text_are_no_error) {
 #ifdef MORULA_MEMORY_CAN_BE_LIMITED  // not under sanitizers, which reserve terabytes before main
 TEST(Threads, more_than_there_are_to_be_had_is_a_note) {
   const SmallBench bench;
-  // Room for the stacks of some threads.
+  // Room for the stacks of some threads, large ones, and for the work beside them.
   const CommandResult result = bench.shell(
-      "ulimit -v 300000; MALLOC_ARENA_MAX=1 \"$MORULA\" build bar.obj -o few.morula --method octree --depth 2 "
+      "ulimit -s 60000; ulimit -v 300000; MALLOC_ARENA_MAX=1 \"$MORULA\" build bar.obj -o few.morula --method octree "
+      "--depth 2 "
       "--threads 64");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err.rfind("morula: note: --threads 64: only ", 0), 0u) << result.err;

@@ -111,7 +111,8 @@ TEST(UpdateCommand, certifies_that_spheres_of_the_rule_wrapped_contain_their_chi
   const auto mixed = bench.require(command + "mixed.npz --rule 0:wrapped,1:exact").json();
   EXPECT_TRUE(mixed["nesting"]["nested"].get<bool>());
   EXPECT_FALSE(SphereFrames(bench / "mixed.npz").frame(1).nested) << "not on every level";
-  bench.expect_refused(command + "x.npz --rule wrapped --wrapped-center middle", "children, smallest");
+  bench.expect_refused("update limb.obj limb.morula motion.npy -o x.npz --rule wrapped --wrapped-center middle",
+                       "children, smallest");
 }
 
 TEST(UpdateCommand, refuses_rule_lists_that_do_not_fit) {

@@ -96,9 +96,9 @@ TEST_P(Monotone, no_level_is_looser_than_the_level_above) {
 INSTANTIATE_TEST_SUITE_P(Quick, Monotone, testing::ValuesIn(test::quick_methods), test::method_name);
 INSTANTIATE_TEST_SUITE_P(Long, Monotone, testing::ValuesIn(test::slow_methods), test::method_name);
 
-using LongMonotone = test::ByMethod;
+using AnyMonotone = test::ByMethod;
 
-TEST_P(LongMonotone, no_level_is_looser_whatever_the_body_and_the_seed) {
+TEST_P(AnyMonotone, no_level_is_looser_whatever_the_body_and_the_seed) {
   const std::vector<std::pair<std::string, Mesh>> bodies{{"octahedron", octahedron()},
                                                          {"box", test::box_mesh({0, 0, 0}, {1, 1, 1}, 1)},
                                                          {"ball", test::icosphere(2)},
@@ -112,7 +112,7 @@ TEST_P(LongMonotone, no_level_is_looser_whatever_the_body_and_the_seed) {
       expect_no_looser_level(mesh, {.method = GetParam(), .depth = 3, .seed = seed}, what);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LongMonotone, testing::ValuesIn(all_methods().begin(), all_methods().end()),
+INSTANTIATE_TEST_SUITE_P(Long, AnyMonotone, testing::ValuesIn(all_methods().begin(), all_methods().end()),
                          test::method_name);
 
 TEST(LongMonotoneForms, holds_for_other_branching_and_depths) {

@@ -107,8 +107,15 @@ TEST_P(RobustnessBy, covers_hard_meshes_with_few_finite_spheres) {
 
 TEST_P(RobustnessBy, size_and_place_hardly_change_the_tightness) {
   const Mesh mesh = sample_body("limb", 12);
+  // The mean of three seeds: one alone says as much about the seed, with facets turned round as with another.
   const auto loose = [&](const Mesh& m) {
-    return looseness(m, level_set_spheres(build(m, options()).tree, 2), {.resolution = 64}).looseness.value();
+    double sum = 0;
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      BuildOptions seeded = options();
+      seeded.seed = seed;
+      sum += looseness(m, level_set_spheres(build(m, seeded).tree, 2), {.resolution = 64}).looseness.value();
+    }
+    return sum / 3;
   };
   const double plain = loose(mesh);
   EXPECT_NEAR(loose(test::scaled(mesh, 1e-6)) / plain, 1, 0.2);

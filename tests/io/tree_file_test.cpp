@@ -179,7 +179,7 @@ TEST(TreeFile, poses_that_are_not_of_the_mesh_are_neither_written_nor_read) {
   EXPECT_THROW(write_tree(path, built), std::invalid_argument);
   EXPECT_FALSE(fs::exists(path));
   built = built_with_poses(mesh);
-  for (Vec3& p : built.poses[1].positions) p.x *= 1.01;  // outside the spheres that were made for it
+  for (Vec3& p : built.poses[1].positions) p.x *= 4;  // outside the spheres that were made for it
   write_tree(path, built);
   EXPECT_THROW(read_covered_tree(path, mesh), FileError);
 }

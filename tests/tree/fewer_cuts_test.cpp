@@ -177,6 +177,12 @@ TEST(FewerCuts, reach_no_farther_own_all_and_leave_nothing_that_could_be_whole) 
     fewer += expect_fewer_cuts(named.mesh, as_partitioned(named.mesh, octree.tree), named.name);
     EXPECT_EQ(expect_fewer_cuts(named.mesh, octree, named.name), 0u) << named.name << ": build has done that";
   }
+  // Bodies whose octrees stay divided: those of balls do not.
+  for (const char* const sample : {"limb", "torus", "bar", "plate"}) {
+    const Mesh mesh = sample_body(sample, 20);
+    const CoveredTree octree = build(mesh, {.method = Method::octree, .depth = 2});
+    fewer += expect_fewer_cuts(mesh, as_partitioned(mesh, octree.tree), sample);
+  }
   EXPECT_GT(fewer, 1000u);
 }
 

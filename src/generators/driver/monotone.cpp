@@ -40,13 +40,15 @@ double signed_area(std::span<const Barycentric> polygon) {
   return 0.5 * twice;
 }
 
-// Regions as one. Facets of which all pieces are there are whole again: a piece that exchange took elsewhere is
-// missing.
+// Regions as one. A facet is whole again when its pieces have all of its area, but for rounding, and its three corners:
+// then nothing is owned that was not before. A piece that exchange took elsewhere is missing, however small: with a
+// corner of the facet in it, that corner need not lie in the node's sphere.
 Region joined(std::span<const BuildNode> parts) {
   constexpr double whole = 0.5 * (1 - 1e-12);
   struct Pieces {
     double area = 0;
     std::size_t count = 0;
+    unsigned corners = 0;  // of the facet, a bit each
   };
   std::map<std::uint32_t, Pieces> pieces;
   for (const BuildNode& part : parts)
@@ -54,13 +56,16 @@ Region joined(std::span<const BuildNode> parts) {
       Pieces& of = pieces[part.region.facet[k]];
       of.area += std::abs(signed_area(part.region.polygon(k)));
       ++of.count;
+      for (const Barycentric& b : part.region.polygon(k))
+        for (std::size_t i = 0; i < 3; ++i)
+          if (b[i] == 1 && b[(i + 1) % 3] == 0 && b[(i + 2) % 3] == 0) of.corners |= 1u << i;
     }
   const std::array<Barycentric, 3> corners{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}};
   Region region;
   for (const BuildNode& part : parts)
     for (std::size_t k = 0; k < part.region.size(); ++k) {
       Pieces& of = pieces[part.region.facet[k]];
-      if (of.area < whole)
+      if (of.area < whole || of.corners != 7)
         region.add(part.region.facet[k], part.region.polygon(k));
       else if (of.count > 0)
         region.add(part.region.facet[k], corners), of.count = 0;
