@@ -196,7 +196,9 @@ class FlatSet {
         ends.push_back(to);
         return;
       }
-      const std::size_t left = into / 2, middle = from + (to - from) * left / into;
+      // Nobody goes without: where there are fewer leaves than parts, shares are rounded to none.
+      const std::size_t left = into / 2,
+                        middle = from + std::clamp<std::size_t>((to - from) * left / into, 1, to - from - 1);
       std::vector<Vec3> centers;
       for (std::size_t i = from; i < to; ++i) centers.push_back(leaves[order[i]].sphere.center);
       const Vec3 axis = principal_axes(centers)[0];
