@@ -64,8 +64,7 @@ FitSampler::FitSampler(const MeshView& mesh, const SampleCounts& counts, Workers
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);
-  for (const SurfacePoint& sample : sample_surface(mesh, counts.surface, counts.seed))
-    surface_.push_back(sample.point);
+  for (const SurfacePoint& sample : sample_surface(mesh, counts.surface, counts.seed)) surface_.push_back(sample.point);
   const MeshReport report = inspect(mesh);
   volume_ = std::abs(report.volume);
   if (!report.has_volume() || !(volume_ > 0)) return;

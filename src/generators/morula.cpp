@@ -19,8 +19,8 @@
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
-#include "generators/divide/node_fit.hpp"
 #include "generators/divide/flat_set.hpp"
+#include "generators/divide/node_fit.hpp"
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
 

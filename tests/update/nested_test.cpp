@@ -141,9 +141,9 @@ double smallest_reach(const Body& body, std::uint32_t parent) {
 TEST(Nested, centres_that_are_pulled_reach_their_children_with_little_more_than_the_least) {
   for (const test::Specimen& b : test::specimens()) {
     Body carried(b.mesh, b.built, {.rules = {Rule::wrapped, Rule::exact}});
-    Body pulled(b.mesh, b.built,
-                {.rules = {Rule::wrapped, Rule::exact},
-                 .details = {.wrapped_center = RuleOptions::WrappedCenter::smallest}});
+    Body pulled(
+        b.mesh, b.built,
+        {.rules = {Rule::wrapped, Rule::exact}, .details = {.wrapped_center = RuleOptions::WrappedCenter::smallest}});
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(carried.update(positions));
