@@ -18,14 +18,15 @@
 namespace morula::detail {
 namespace {
 
-// The next smaller number that a set is compared with.
-std::size_t next_smaller(std::size_t spheres, bool quick) {
-  constexpr std::size_t few = 16;
-  constexpr std::array<std::size_t, 9> steps{24, 16, 12, 8, 6, 4, 3, 2, 1};
-  if (quick && spheres <= 2 * few)
-    for (const std::size_t step : steps)
-      if (step < spheres) return step;
-  return spheres < few ? spheres / 2 : spheres / 4;
+// The sizes that a set of so many spheres is compared with, and that size. A set is never looser than one of a size
+// below it in this list, since it goes through the same sets on the way to its own.
+std::vector<std::size_t> sizes_up_to(std::size_t spheres) {
+  std::vector<std::size_t> sizes;
+  for (const std::size_t few : {2, 3, 4, 6})
+    if (few < spheres) sizes.push_back(few);
+  for (std::size_t power = 8; power < spheres; power *= 2) sizes.push_back(power);
+  if (spheres > 1) sizes.push_back(spheres);
+  return sizes;
 }
 
 struct Set {
@@ -53,22 +54,23 @@ class FlatSet {
     Set best = only_root();
     const double prepared = run_.seconds();
     bool in_time = !run_.out_of_time();
+    const std::vector<std::size_t> sizes = sizes_up_to(run_.spheres);
     double gone = 0, all = 0;
-    for (std::size_t n = run_.spheres; n > 1; n = next_smaller(n, by_.quick)) all += static_cast<double>(n);
-    for (std::size_t n = run_.spheres; n > 1 && in_time; n = next_smaller(n, by_.quick)) {
+    for (const std::size_t n : sizes) all += static_cast<double>(n);
+    // Each smaller set as it would be on its own, so that the next cannot be looser.
+    for (std::size_t k = 0; k < sizes.size() && in_time; ++k) {
       run_.throw_if_stopped();
-      Set now = one_level(n);
+      Set now = one_level(sizes[k]);
       if (by_.quick || is_slender(now))
-        if (Set other = last_level(n); other.outside < now.outside) now = std::move(other);
-      if (n == run_.spheres || now.outside < best.outside) best = std::move(now);
-      gone += static_cast<double>(n);
+        if (Set other = last_level(sizes[k]); other.outside < now.outside) now = std::move(other);
+      if (now.outside < best.outside) best = std::move(now);
+      spend_rest(best, sizes[k]);
+      gone += static_cast<double>(sizes[k]);
       const double share = 0.95 * gone / all;
       run_.tell(share, 1, (run_.seconds() - prepared) * (1 - share) / share);
       in_time = !run_.out_of_time();
     }
     run_.throw_if_stopped();
-    if (Set one = only_root(); one.outside < best.outside) best = std::move(one);
-    if (in_time) spend_rest(best);
     return tree_of(std::move(best), !in_time);
   }
 
@@ -120,8 +122,10 @@ class FlatSet {
   // The leaves of a tree of as many levels as the number of spheres allows; none when that is one.
   Set last_level(std::size_t most) const {
     Set set = only_root();
+    // Trees seldom use all their places: one that could have a few leaves too many may have few enough.
+    const std::size_t about = most + most / 4;
     int depth = 0;
-    for (std::size_t leaves = 1; leaves <= most / static_cast<std::size_t>(run_.branching); ++depth)
+    for (std::size_t leaves = 1; leaves <= about / static_cast<std::size_t>(run_.branching); ++depth)
       leaves *= static_cast<std::size_t>(run_.branching);
     if (depth < 2) return set;
     const Divider divide = by_.levels(depth);
@@ -149,12 +153,13 @@ class FlatSet {
       set.leaves = std::move(next);
     }
     std::move(finished.begin(), finished.end(), std::back_inserter(set.leaves));
+    if (set.leaves.size() > most) return only_root();
     set.outside = outside(set.leaves);
     return set;
   }
 
   // Places that are left go to the spheres that take in most, as long as that helps.
-  void spend_rest(Set& set) const {
+  void spend_rest(Set& set, std::size_t most) const {
     std::vector<double> worth;
     const auto judged = [&](const BuildNode& leaf) {
       return input_.shape.has_volume() ? outside_volume(input_.shape, leaf.sphere)
@@ -162,7 +167,7 @@ class FlatSet {
     };
     for (const BuildNode& leaf : set.leaves) worth.push_back(judged(leaf));
     constexpr int most_failures = 3;
-    for (int failures = 0; set.leaves.size() < run_.spheres && failures < most_failures && !run_.out_of_time();) {
+    for (int failures = 0; set.leaves.size() < most && failures < most_failures && !run_.out_of_time();) {
       run_.throw_if_stopped();
       const auto worst = std::max_element(worth.begin(), worth.end());
       if (!(*worst > 0)) return;
