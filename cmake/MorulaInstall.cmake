@@ -75,4 +75,24 @@ install(FILES "${PROJECT_BINARY_DIR}/cmake/morula-config.cmake" "${PROJECT_BINAR
 
 if(TARGET morula_app)
   install(TARGETS morula_app RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+  if(NOT CMAKE_CROSSCOMPILING)
+    # What shells complete by, and the manual page: the command prints them.
+    set(morula_printed "")
+    foreach(kind bash zsh fish man)
+      set(printed "${PROJECT_BINARY_DIR}/completion/${kind}")
+      add_custom_command(OUTPUT "${printed}" COMMAND morula_app completion ${kind} > "${printed}" DEPENDS morula_app VERBATIM)
+      list(APPEND morula_printed "${printed}")
+    endforeach()
+    file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/completion")
+    add_custom_target(morula_completion ALL DEPENDS ${morula_printed})
+    set(share "${CMAKE_INSTALL_DATAROOTDIR}")
+    install(FILES "${PROJECT_BINARY_DIR}/completion/bash" RENAME morula
+      DESTINATION "${share}/bash-completion/completions" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/zsh" RENAME _morula
+      DESTINATION "${share}/zsh/vendor-completions" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/fish" RENAME morula.fish
+      DESTINATION "${share}/fish/vendor_completions.d" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/man" RENAME morula.1
+      DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT runtime)
+  endif()
 endif()
