@@ -103,8 +103,8 @@ struct SceneTouch {
 /// waits for ever. Fronts are kept: a pair of bodies that rest goes on where it ended, one that moves is carried over
 /// where that saves tests.
 ///
-/// For one thread at a time; workers share its work. No allocation when as many bodies, pairs and contacts were there
-/// before.
+/// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
+/// every pair had as many contacts.
 class Scene {
  public:
   /// Throws std::invalid_argument, naming the option: a negative or infinite margin, a negative budget.
