@@ -29,7 +29,7 @@ struct SoftBody {
       for (std::size_t w = v + 1; w < at.size(); ++w) {
         const Vec3 d = next[w] - next[v];
         const double now = length(d), rest = distance(mesh.positions[w], mesh.positions[v]);
-        const Vec3 correction = now > 0 ? d * (0.5 / static_cast<double>(at.size()) * (1 - rest / now)) : Vec3{};
+        const Vec3 correction = now > 0 ? d * (2 / static_cast<double>(at.size()) * (1 - rest / now)) : Vec3{};
         next[v] += correction, next[w] -= correction;
       }
   }
@@ -70,7 +70,7 @@ int main() {
   for (int frame = 0; frame < steps; ++frame) {
     for (const auto& body : bodies) {
       for (std::size_t v = 0; v < body->at.size(); ++v)
-        body->next[v] = body->at[v] + (body->velocity[v] + Vec3{0, 0, -9.81 * step}) * step;
+        body->next[v] = body->at[v] + (body->velocity[v] + Vec3{0, 0, -2 * step}) * step;
       body->keep_shape();
       // What is farther apart than the reach cannot meet while both stay within half of it.
       std::fill(body->safe.begin(), body->safe.end(), 0.45 * reach);

@@ -77,7 +77,7 @@ Json parse(const std::filesystem::path& file) {
   try {
     return Json::parse(stream);
   } catch (const Json::exception& error) {
-    throw UsageError(fmt::format("{}: this is not JSON: {}", file.string(), error.what()));
+    throw UsageError(fmt::format("{}: this cannot be read as JSON: {}", file.string(), error.what()));
   }
 }
 
