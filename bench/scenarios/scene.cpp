@@ -62,7 +62,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   std::vector<std::unique_ptr<Member>> members;
   for (std::size_t i = 0; i < body_count; ++i) {
     const Vec3 at{static_cast<double>(i % 6), static_cast<double>(i / 6 % 6), static_cast<double>(i / 36)};
-    members.push_back(std::make_unique<Member>(input.mesh, built, random, at * (0.55 * size)));
+    members.push_back(std::make_unique<Member>(input.mesh, built, random, at * (0.5 * size)));
   }
   SceneOptions options;
   if (budget) options.budget = *budget;
@@ -85,7 +85,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
         const double t = 2 * 3.14159265358979 * static_cast<double>(f) / static_cast<double>(frames.size()) + m.phase;
         const Vec3 sway{std::sin(t), std::cos(t), std::sin(2 * t)};
         m.collider.place(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
-        if (frame == 0) m.id = scene.add(m.collider);
+        if (frame == 0) m.id = scene.add(m.collider, {.user_data = i});
       }
       // The first frame makes memory.
       if (frame == 0) result.expect(static_cast<bool>(scene.update(*settings.workers)), "the scene was refused");
@@ -97,6 +97,9 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
       const std::size_t i = random.next() % body_count;
       for (const std::size_t j : {i + 1, i + 6, i + 36})
         if (j < body_count) check(i, j);
+      if (scene.pairs().empty()) continue;
+      const ScenePair& pair = scene.pairs()[random.next() % scene.pairs().size()];
+      check(scene.user_data(pair.a), scene.user_data(pair.b));
     }
   });
   const auto count = static_cast<double>(result.seconds.size());

@@ -15,6 +15,7 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
   query_.add(a, b);
   a_ = &a, b_ = &b;
   has_front_ = is_current_ = roots_overlap_ = false;
+  tests_to_finish_.reset();
 }
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
@@ -34,7 +35,10 @@ void PairFront::look(const SceneOptions& options) {
   describe(trees.placed(), trees.sphere_a(0), trees.sphere_b(0), coarse_);
 }
 
-std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests) {
+std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool may_exceed) {
+  const bool is_extra = options.surfaces || options.exact;
+  if (most_tests && may_exceed && !is_extra && !is_current_ && tests_to_finish_ && *tests_to_finish_ <= *most_tests)
+    most_tests.reset();
   CollideOptions asked = options_for(options, most_tests ? Budget(*most_tests) : Budget());
   if (!most_tests) asked.surfaces = options.surfaces, asked.exact = options.exact;
   query_.set_options(std::move(asked));
@@ -55,6 +59,7 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
     }
     has_front_ = static_cast<bool>(status);
   }
+  if (status.finished) tests_to_finish_ = has_front_ ? tests_of_front_ : status.pair_tests;
   is_current_ = static_cast<bool>(status);
   extras_are_due = is_current_ && most_tests.has_value();
   return status.pair_tests;

@@ -19,11 +19,14 @@ class PairFront {
   BodyId id_b() const { return id_b_; }
   /// A look at both roots, of bodies that have moved: contacts are coarse then. Cost: some 0.2 us.
   void look(const SceneOptions& options);
+  /// Both roots are apart, as is known otherwise.
+  void part() { roots_overlap_ = is_current_ = false; }
   /// No front of before fits any more.
   void forget_front() { has_front_ = false; }
 
-  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done.
-  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests);
+  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done. may_exceed: a pair
+  /// that took no more when it was last finished is looked at without a front, which is quicker, whatever it takes now.
+  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool may_exceed = false);
   /// Surfaces and crossings of what is finished, as options say. of_time: for surfaces.
   void add_extras(const SceneOptions& options, const Budget& budget);
 
@@ -50,7 +53,8 @@ class PairFront {
   const Collider *a_ = nullptr, *b_ = nullptr;
   Contact coarse_{};
   double overlap_share_ = 0;
-  std::size_t tests_of_front_ = 0;  ///< what a fresh front has cost
+  std::size_t tests_of_front_ = 0;                ///< what a fresh front has cost
+  std::optional<std::size_t> tests_to_finish_{};  ///< when it last was
   bool roots_overlap_ = false;
   bool is_current_ = false;  ///< the query's contacts are of the present poses
   bool has_front_ = false;   ///< of these or earlier poses

@@ -68,7 +68,7 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
     throw std::invalid_argument("the weight of a body is " + std::to_string(options.weight) +
                                 ": it must be finite and not negative");
   require_good(s.usable(collider));
-  const std::uint32_t place = s.broad.add(box_around(collider, s.options.margin), options.is_static);
+  const std::uint32_t place = s.broad.add(box_around(ball_around(collider, s.options.margin)), options.is_static);
   if (place >= s.bodies.size()) s.bodies.resize(place + 1);
   SceneBody& body = s.bodies[place];
   body = {.collider = &collider,

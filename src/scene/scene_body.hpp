@@ -23,13 +23,15 @@ struct SceneBody {
   bool is_to_be_read = false;  ///< in the next update, though it is static or asleep
   bool has_moved = false;      ///< in this update
   BodyStamp stamp{};
+  Sphere around{};  ///< the ball that the box is around
 
   bool is_looked_at() const { return collider != nullptr && (is_to_be_read || !(is_asleep || options.is_static)); }
 };
 
 BodyStamp stamp_of(const Collider& collider);
-/// Two such boxes have a point in common wherever the pair test of both roots says that they overlap or are no farther
+/// Two such balls have a point in common wherever the pair test of both roots says that they overlap or are no farther
 /// apart than the margin.
-Box box_around(const Collider& collider, double margin);
+Sphere ball_around(const Collider& collider, double margin);
+Box box_around(const Sphere& ball);
 
 }  // namespace morula::detail
