@@ -26,7 +26,11 @@ set(height_collide 8)
 set(height_io 8)
 # experiments
 set(height_surface 9)
+<<<<<<< HEAD
 set(height_scene 9)
+=======
+set(height_c 9)
+>>>>>>> main
 set(height_page 9)
 set(height_study 10)
 
@@ -114,7 +118,7 @@ foreach(file IN LISTS library_files)
   foreach(include IN LISTS includes)
     if(include MATCHES "^(<morula/|\")([a-z_]+)/")
       set(target "${CMAKE_MATCH_2}")
-    elseif(include MATCHES "^<morula/version.hpp>$")
+    elseif(include MATCHES "^<morula/version.hpp>$" OR (folder STREQUAL "c" AND include STREQUAL "<morula/morula.h>"))
       continue()
     elseif(include MATCHES "^<morula/")
       fault("${file}" "${include}" "the library includes what it uses, not everything")
