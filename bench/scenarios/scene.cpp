@@ -57,7 +57,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   const CoveredTree built = build(input.mesh, {}, *settings.workers);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const double size = bounding_box(input.mesh).diagonal();
-  // As they would lie in a box: each near some six others.
+  // Closely packed: the balls around long bodies reach some twenty others.
   Random random(1);
   std::vector<std::unique_ptr<Member>> members;
   for (std::size_t i = 0; i < body_count; ++i) {
