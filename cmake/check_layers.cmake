@@ -26,11 +26,8 @@ set(height_collide 8)
 set(height_io 8)
 # experiments
 set(height_surface 9)
-<<<<<<< HEAD
 set(height_scene 9)
-=======
 set(height_c 9)
->>>>>>> main
 set(height_page 9)
 set(height_study 10)
 
