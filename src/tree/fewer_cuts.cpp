@@ -16,6 +16,7 @@
 #include <limits>
 #include <morula/tree/cover.hpp>
 #include <numeric>
+#include <utility>
 
 #include "parallel/float_environment.hpp"
 
@@ -167,7 +168,7 @@ Cover Sharing::assembled() const {
   const auto is_leafs_own = [&](std::uint32_t node, std::uint32_t p) {
     if (owner_[p] != none) return owner_[p] == node;
     const std::uint32_t f = cover_.patch_facet[p];
-    return whole_owner_[f] == node && placed[f]++ == 0;
+    return whole_owner_[f] == node && std::exchange(placed[f], std::uint8_t{1}) == 0;
   };
   for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
     if (!tree_.is_leaf(node)) continue;

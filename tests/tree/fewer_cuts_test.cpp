@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <morula/generators/build.hpp>
@@ -204,6 +205,37 @@ TEST(FewerCuts, leave_every_leaf_a_patch_on_coarse_bodies) {
       const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 4});
       expect_fewer_cuts(mesh, as_partitioned(mesh, built.tree), name);
     }
+}
+
+// A facet cut into hundreds of pieces becomes one: pieces were counted in a byte, and each 256th was the facet again.
+TEST(FewerCuts, make_one_of_a_facet_in_however_many_pieces) {
+  const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
+  for (const std::uint32_t pieces : {2u, 255u, 256u, 257u, 600u}) {
+    CoveredTree built;
+    built.tree.append_level({}, std::array{Sphere{{1, 1, 0}, 4}});
+    Cover& cover = built.cover;
+    cover.vertex_count = 3;
+    cover.facet_count = 1;
+    cover.corner_begin = {0};
+    // A fan about vertex 0, between points on the edge from 1 to 2.
+    const auto on_edge = [&](std::uint32_t k) -> std::uint32_t { return k == 0 ? 1 : k == pieces ? 2 : 2 + k; };
+    for (std::uint32_t k = 1; k < pieces; ++k) {
+      const double share = static_cast<double>(k) / pieces;
+      cover.cut_points.push_back({{1, 2, 2}, {1 - share, share, 0}});
+    }
+    for (std::uint32_t k = 0; k < pieces; ++k) {
+      cover.patch_facet.push_back(0);
+      cover.corners.insert(cover.corners.end(), {0, on_edge(k), on_edge(k + 1)});
+      cover.corner_begin.push_back(static_cast<std::uint32_t>(cover.corners.size()));
+    }
+    cover.region_begin = {0};
+    cover.region_end = {pieces};
+    built.report.mesh_hash = mesh_hash(mesh);
+    ASSERT_TRUE(validate(mesh, built).empty()) << pieces << ": " << validate(mesh, built).front();
+    const Cover freed = with_fewer_cuts(mesh, built);
+    EXPECT_EQ(freed.corners, (std::vector<std::uint32_t>{0, 1, 2})) << pieces;
+    EXPECT_TRUE(freed.cut_points.empty()) << pieces;
+  }
 }
 
 // Squares below all normal numbers compare as equal: such nodes take nothing.
