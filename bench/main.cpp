@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 14> scenarios{{
+constexpr std::array<NamedScenario, 15> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -39,6 +39,7 @@ constexpr std::array<NamedScenario, 14> scenarios{{
     {"self", run_self},
     {"proximity", run_proximity},
     {"swept", run_swept},
+    {"scene", run_scene},
 }};
 
 int run(int argc, char** argv) {
@@ -56,10 +57,11 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted,
-                 "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
-                 "distance, peers; may be repeated "
-                 "(default: all)")
+  app.add_option(
+         "--scenario", wanted,
+         "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, scene, "
+         "distance, peers; may be repeated "
+         "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"

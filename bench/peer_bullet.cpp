@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bullet: the quantised tree of btBvhTriangleMeshShape. Not GImpact's, whose refit keeps the quantisation of the pose
 // it was built in: boxes of what leaves that pose's box by more than one unit are cut off there.
+#include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionShapes/btOptimizedBvh.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
@@ -149,8 +153,56 @@ class BulletCrossings final : public CrossingPeer {
   std::unique_ptr<btGImpactMeshShape> shape_a_, shape_b_;
 };
 
+/// Static boxes and others are in groups, as btDiscreteDynamicsWorld has them.
+class BulletBoxes final : public BoxPeer {
+ public:
+  BulletBoxes(std::unique_ptr<btBroadphaseInterface> broad, std::span<const Box> boxes, std::size_t moving_count)
+      : broad_(std::move(broad)) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const bool moves = i < moving_count;
+      proxies_.push_back(broad_->createProxy(
+          vector(boxes[i].lower), vector(boxes[i].upper), BOX_SHAPE_PROXYTYPE, reinterpret_cast<void*>(i),
+          moves ? btBroadphaseProxy::DefaultFilter : btBroadphaseProxy::StaticFilter,
+          moves ? btBroadphaseProxy::AllFilter : btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter,
+          &dispatcher_));
+    }
+  }
+  ~BulletBoxes() override {
+    for (btBroadphaseProxy* proxy : proxies_) broad_->destroyProxy(proxy, &dispatcher_);
+  }
+  void move(std::size_t box, const Box& to) override {
+    broad_->setAabb(proxies_[box], vector(to.lower), vector(to.upper), &dispatcher_);
+  }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    broad_->calculateOverlappingPairs(&dispatcher_);
+    btOverlappingPairCache& cache = *broad_->getOverlappingPairCache();
+    const btBroadphasePair* const all = cache.getOverlappingPairArrayPtr();
+    for (int k = 0; k < cache.getNumOverlappingPairs(); ++k) {
+      const auto i = reinterpret_cast<std::uint64_t>(all[k].m_pProxy0->m_clientObject);
+      const auto j = reinterpret_cast<std::uint64_t>(all[k].m_pProxy1->m_clientObject);
+      pairs.push_back(std::min(i, j) << 32 | std::max(i, j));
+    }
+  }
+
+ private:
+  static btVector3 vector(const Vec3& v) {
+    return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
+  }
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  std::unique_ptr<btBroadphaseInterface> broad_;
+  std::vector<btBroadphaseProxy*> proxies_;
+};
+
 }  // namespace
 
+std::unique_ptr<BoxPeer> make_bullet_tree_boxes(std::span<const Box> boxes, std::size_t moving_count) {
+  return std::make_unique<BulletBoxes>(std::make_unique<btDbvtBroadphase>(), boxes, moving_count);
+}
+std::unique_ptr<BoxPeer> make_bullet_sweep_boxes(std::span<const Box> boxes, std::size_t moving_count) {
+  const btVector3 room(100, 100, 100);
+  return std::make_unique<BulletBoxes>(std::make_unique<bt32BitAxisSweep3>(-room, room, 20000u), boxes, moving_count);
+}
 std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b) {
   return std::make_unique<BulletCrossings>(a, b);
 }

@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // FCL: a binary tree of boxes in double, refitted from the leaves up.
+#include <fcl/broadphase/broadphase_SaP.h>
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
 #include <fcl/math/bv/utility.h>
 #include <fcl/narrowphase/collision.h>
 
@@ -77,8 +80,63 @@ class FclCrossings final : public CrossingPeer {
   Fcl a_, b_;
 };
 
+/// A manager of FCL's with boxes that are turned nowhere.
+template <class Manager>
+class FclBoxes final : public BoxPeer {
+ public:
+  FclBoxes(std::span<const Box> boxes, std::size_t moving_count) : moving_count_(moving_count) {
+    std::vector<fcl::CollisionObjectd*> all;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const Vec3 e = boxes[i].extent();
+      objects_.push_back(
+          std::make_unique<fcl::CollisionObjectd>(std::make_shared<fcl::Boxd>(e.x, e.y, e.z), placed(boxes[i])));
+      objects_.back()->setUserData(reinterpret_cast<void*>(i));
+      objects_.back()->computeAABB();
+      all.push_back(objects_.back().get());
+    }
+    manager_.registerObjects(all);
+    manager_.setup();
+  }
+  void move(std::size_t box, const Box& to) override {
+    objects_[box]->setTransform(placed(to));
+    objects_[box]->computeAABB();
+    moved_.push_back(objects_[box].get());
+  }
+  void find(std::vector<std::uint64_t>& pairs) override {
+    manager_.update(moved_);
+    moved_.clear();
+    found_ = &pairs;
+    manager_.collide(this, [](fcl::CollisionObjectd* x, fcl::CollisionObjectd* y, void* data) {
+      auto* self = static_cast<FclBoxes*>(data);
+      const auto i = reinterpret_cast<std::uint64_t>(x->getUserData());
+      const auto j = reinterpret_cast<std::uint64_t>(y->getUserData());
+      if (std::min(i, j) < self->moving_count_) self->found_->push_back(std::min(i, j) << 32 | std::max(i, j));
+      return false;
+    });
+  }
+
+ private:
+  static fcl::Transform3d placed(const Box& box) {
+    fcl::Transform3d t = fcl::Transform3d::Identity();
+    const Vec3 c = box.center();
+    t.translation() = fcl::Vector3d(c.x, c.y, c.z);
+    return t;
+  }
+  std::size_t moving_count_;
+  std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
+  std::vector<fcl::CollisionObjectd*> moved_;
+  std::vector<std::uint64_t>* found_ = nullptr;
+  Manager manager_;
+};
+
 }  // namespace
 
+std::unique_ptr<BoxPeer> make_fcl_tree_boxes(std::span<const Box> boxes, std::size_t moving_count) {
+  return std::make_unique<FclBoxes<fcl::DynamicAABBTreeCollisionManagerd>>(boxes, moving_count);
+}
+std::unique_ptr<BoxPeer> make_fcl_sweep_boxes(std::span<const Box> boxes, std::size_t moving_count) {
+  return std::make_unique<FclBoxes<fcl::SaPCollisionManagerd>>(boxes, moving_count);
+}
 std::unique_ptr<Peer> make_fcl(const Mesh& mesh) {
   return std::make_unique<Fcl>(mesh);
 }

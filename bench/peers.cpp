@@ -8,6 +8,12 @@ namespace morula::bench {
 
 // What was not found is not made.
 #ifndef MORULA_PEER_FCL
+std::unique_ptr<BoxPeer> make_fcl_tree_boxes(std::span<const Box>, std::size_t) {
+  return nullptr;
+}
+std::unique_ptr<BoxPeer> make_fcl_sweep_boxes(std::span<const Box>, std::size_t) {
+  return nullptr;
+}
 std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh&, const Mesh&) {
   return nullptr;
 }
@@ -16,6 +22,12 @@ std::unique_ptr<Peer> make_fcl(const Mesh&) {
 }
 #endif
 #ifndef MORULA_PEER_BULLET
+std::unique_ptr<BoxPeer> make_bullet_tree_boxes(std::span<const Box>, std::size_t) {
+  return nullptr;
+}
+std::unique_ptr<BoxPeer> make_bullet_sweep_boxes(std::span<const Box>, std::size_t) {
+  return nullptr;
+}
 std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh&, const Mesh&) {
   return nullptr;
 }
@@ -44,6 +56,16 @@ std::span<const PeerKind> peer_kinds() {
       PeerKind{"Bullet", "libbullet-dev", make_bullet},
       PeerKind{"Embree", "libembree-dev", make_embree},
       PeerKind{"Embree, robust", "libembree-dev", make_embree_robust},
+  };
+  return kinds;
+}
+
+std::span<const BoxPeerKind> box_peer_kinds() {
+  static constexpr std::array kinds{
+      BoxPeerKind{"Bullet, tree", "libbullet-dev", make_bullet_tree_boxes},
+      BoxPeerKind{"Bullet, sweep", "libbullet-dev", make_bullet_sweep_boxes},
+      BoxPeerKind{"FCL, tree", "libfcl-dev", make_fcl_tree_boxes},
+      BoxPeerKind{"FCL, sweep", "libfcl-dev", make_fcl_sweep_boxes},
   };
   return kinds;
 }

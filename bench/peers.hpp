@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <morula/geometry/box.hpp>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,27 @@ std::span<const CrossingPeerKind> crossing_peer_kinds();
 /// Facets of one mesh that cross and share no vertex, each pair once, the lower first; Embree with itself and our test.
 /// take() looks at the first frame alone. Nothing where Embree is not there.
 std::unique_ptr<CrossingPeer> make_self_crossing_peer(const Mesh& mesh);
+
+/// Boxes of which some move, and the pairs of them that overlap, but for those of two static ones.
+class BoxPeer {
+ public:
+  virtual ~BoxPeer() = default;
+  /// Timed, with what follows.
+  virtual void move(std::size_t box, const Box& to) = 0;
+  /// Appends the pairs a << 32 | b with a < b, in any order, each once. A library may add pairs that are merely near.
+  virtual void find(std::vector<std::uint64_t>& pairs) = 0;
+};
+struct BoxPeerKind {
+  const char* name;
+  const char* package;
+  std::unique_ptr<BoxPeer> (*make)(std::span<const Box> boxes, std::size_t moving_count);
+};
+std::span<const BoxPeerKind> box_peer_kinds();
+/// The first moving_count boxes move.
+std::unique_ptr<BoxPeer> make_fcl_tree_boxes(std::span<const Box> boxes, std::size_t moving_count);
+std::unique_ptr<BoxPeer> make_fcl_sweep_boxes(std::span<const Box> boxes, std::size_t moving_count);
+std::unique_ptr<BoxPeer> make_bullet_tree_boxes(std::span<const Box> boxes, std::size_t moving_count);
+std::unique_ptr<BoxPeer> make_bullet_sweep_boxes(std::span<const Box> boxes, std::size_t moving_count);
 
 std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh& a, const Mesh& b);
 std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b);

@@ -26,6 +26,7 @@ set(height_collide 8)
 set(height_io 8)
 # experiments
 set(height_surface 9)
+set(height_scene 9)
 set(height_c 9)
 set(height_page 9)
 set(height_study 10)

@@ -13,8 +13,10 @@
 #include <morula/io/whole_output.hpp>
 
 #include "commands/collide_bodies.hpp"
+#include "commands/collide_features.hpp"
 #include "commands/collide_page.hpp"
 #include "commands/collide_report.hpp"
+#include "commands/collide_scene.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/files.hpp"
@@ -35,6 +37,9 @@ struct Options {
   std::string priority = "overlap";
   std::optional<std::uint32_t> level;
   double margin = 0;
+  std::string scene;
+  bool with_self = false;
+  std::optional<double> within;
   std::string output;
   std::string page;
   std::string plot;
@@ -106,7 +111,72 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
   return result;
 }
 
+/// Two bodies' own options that were given, for refusals; nothing where there is none.
+std::string given_of_two(const Options& o) {
+  const std::vector<std::pair<const char*, bool>> all{{"--carry", o.carry},
+                                                      {"--priority", o.priority != "overlap"},
+                                                      {"--page", !o.page.empty()},
+                                                      {"--plot", !o.plot.empty()}};
+  for (const auto& [name, given] : all)
+    if (given) return name;
+  return {};
+}
+
+int run_scene(const Options& o) {
+  for (const SideFiles* side : {&o.a, &o.b})
+    if (!(side->mesh + side->tree + side->motion + side->place + side->turn).empty())
+      throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
+                                   side->mesh.empty() ? "their options" : side->mesh));
+  if (o.with_self || o.within)
+    throw UsageError(fmt::format("--scene {}: --self and --within are for one or two bodies", o.scene));
+  if (const std::string given = given_of_two(o); !given.empty())
+    throw UsageError(fmt::format("--scene {}: {} is for two bodies; leave it out", o.scene, given));
+  const std::vector<Rule> rules = parse_rules(o.rule);
+  require_position_rules(rules);
+  if (!(o.margin >= 0)) throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
+  return collide_scene({.file = o.scene,
+                        .options = {.level = o.level,
+                                    .margin = o.margin,
+                                    .budget = parse_budget(o.budget),
+                                    .surfaces = !o.exact,
+                                    .exact = o.exact},
+                        .rules = rules,
+                        .sph_origin = o.sph_origin,
+                        .budget = o.budget,
+                        .output = o.output,
+                        .threads = o.threads,
+                        .json = o.json});
+}
+
+int run_features(const Options& o) {
+  const char* const asked = o.within ? "--within" : "--self";
+  if (o.b.mesh.empty() && !o.with_self)
+    throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
+  if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.place + o.b.turn).empty())
+    throw UsageError("there is no body B: name it, or leave out its options");
+  std::string given = given_of_two(o);
+  if (!o.budget.empty()) given = "--budget";
+  if (o.level) given = "--level";
+  if (o.margin != 0) given = "--margin";
+  if (!(o.a.tree + o.b.tree).empty()) given = o.a.tree.empty() ? "--tree-b" : "--tree-a";
+  if (!given.empty())
+    throw UsageError(fmt::format("{} is for contacts of spheres: leave it out with {}", given, asked));
+  if (o.within && !(*o.within >= 0))
+    throw UsageError(fmt::format("--within {} is not a length of 0 or more", *o.within));
+  return collide_features({.a = o.a,
+                           .b = o.b,
+                           .with_self = o.with_self,
+                           .within = o.within,
+                           .output = o.output,
+                           .threads = o.threads,
+                           .json = o.json});
+}
+
 int collide_command(const Options& o) {
+  if (!o.scene.empty()) return run_scene(o);
+  if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
+  if (o.with_self || o.within) return run_features(o);
+  if (o.b.mesh.empty()) throw UsageError(fmt::format("{} is one body: name another one, or add --self", o.a.mesh));
   const std::vector<Rule> rules = parse_rules(o.rule);
   require_position_rules(rules);
   ContactQuery query = make_query(o);
@@ -198,10 +268,18 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
 void add_collide(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = add_command(app, "collide", "Contacts of two bodies, frame by frame, within a budget");
-  add_option(*command, "A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  add_option(*command, "B", o->b.mesh, "The other mesh at rest")->required()->type_name("");
+  add_option(*command, "A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->type_name("");
+  add_option(*command, "B", o->b.mesh, "The other mesh at rest")->type_name("");
   add_side(*command, o->a, "A");
   add_side(*command, o->b, "B");
+  add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/scene.md")
+      ->type_name("FILE");
+  add_flag(*command, "--self", o->with_self,
+           "Facets of a body that cross each other, and those of A and B; no spheres");
+  add_option(*command, "--within", o->within,
+             "Vertices and facets, edges and edges that are no farther apart; no spheres")
+      ->type_name("LENGTH")
+      ->transform(real_number());
   add_flag(*command, "--exact", o->exact, "Also the pairs of facets that really intersect");
   add_option(*command, "--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
       ->type_name("N|TIME");
@@ -228,7 +306,8 @@ void add_collide(CLI::App& app, Run& run) {
       "Example:\n"
       "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
       "200us\n"
-      "  morula collide liver.obj tool.obj --exact -o pairs.csv");
+      "  morula collide liver.obj tool.obj --exact -o pairs.csv\n"
+      "  morula collide --scene room.json --budget 1ms");
   on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });
 }
 

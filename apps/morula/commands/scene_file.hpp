@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Scene files: bodies with their meshes, trees, motions, places and groups, as JSON. docs/scene.md has the keys.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <morula/geometry/rigid_transform.hpp>
+#include <string>
+#include <vector>
+
+namespace morula::cli {
+
+struct SceneFileBody {
+  std::string name;
+  std::filesystem::path mesh, tree{}, motion{};  ///< as they are found from here; empty: none
+  RigidTransform placement{};
+  std::vector<Vec3> path{};  ///< where it goes from there, a point per frame
+  bool is_static = false;
+  std::uint32_t of = 1, with = ~std::uint32_t{0};
+  double weight = 1;
+
+  bool operator==(const SceneFileBody&) const = default;
+};
+
+/// Files are looked for beside the scene file. Throws UsageError, naming file and key and with the remedy.
+std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file);
+
+}  // namespace morula::cli

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Box tree: a binary tree over boxes that come, go and move.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <morula/geometry/box.hpp>
+#include <vector>
+
+namespace morula::detail {
+
+/// In float, rounded outwards: what lies beyond float is at infinity.
+struct FloatBox {
+  float lower[3], upper[3];
+  bool overlaps(const FloatBox& other) const {
+    return lower[0] <= other.upper[0] && other.lower[0] <= upper[0] && lower[1] <= other.upper[1] &&
+           other.lower[1] <= upper[1] && lower[2] <= other.upper[2] && other.lower[2] <= upper[2];
+  }
+  bool contains(const FloatBox& other) const {
+    return lower[0] <= other.lower[0] && other.upper[0] <= upper[0] && lower[1] <= other.lower[1] &&
+           other.upper[1] <= upper[1] && lower[2] <= other.lower[2] && other.upper[2] <= upper[2];
+  }
+};
+FloatBox float_box(const Box& box);
+FloatBox joined(const FloatBox& a, const FloatBox& b);
+
+/// A leaf is put where the boxes on its way grow least in surface; on the way back up, a node and the child of its
+/// sibling change places where that makes the sibling smaller [kopta2012].
+class BoxTree {
+ public:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// Returns the leaf.
+  std::uint32_t insert(const FloatBox& box, std::uint32_t item);
+  void remove(std::uint32_t leaf);
+  const FloatBox& box(std::uint32_t node) const { return nodes_[node].box; }
+
+  /// f(item) for the leaves that reaches(box) holds for, as it does for all boxes above. No order is promised.
+  template <class Reaches, class F>
+  void visit(const Reaches& reaches, const F& f) const {
+    if (root_ == none) return;
+    std::vector<std::uint32_t>& stack = stack_;
+    stack.clear();
+    stack.push_back(root_);
+    while (!stack.empty()) {
+      const Node& node = nodes_[stack.back()];
+      stack.pop_back();
+      if (!reaches(node.box)) continue;
+      if (node.right == none) {
+        f(node.left);
+      } else {
+        stack.push_back(node.left);
+        stack.push_back(node.right);
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    FloatBox box;
+    std::uint32_t left, right;  // of a leaf: the item, none
+  };
+
+  std::uint32_t take();
+  void replace_child(std::uint32_t parent, std::uint32_t before, std::uint32_t after);
+  void mend(std::uint32_t node);
+  void turn(std::uint32_t node);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> free_;
+  mutable std::vector<std::uint32_t> stack_;
+  std::uint32_t root_ = none;
+};
+
+}  // namespace morula::detail

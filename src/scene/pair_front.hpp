@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a scene keeps of two bodies that are near each other: a front, contacts, and how important they are.
+#pragma once
+
+#include <morula/collide/contact_query.hpp>
+#include <morula/scene/scene.hpp>
+
+namespace morula::detail {
+
+class PairFront {
+ public:
+  /// Borrowed while they are a pair. Forgets whatever was known of others.
+  void bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider& b);
+  bool is_of(BodyId id_a, BodyId id_b) const { return id_a == id_a_ && id_b == id_b_; }
+  /// A collider is another one: bind() comes next.
+  void unbind() { id_a_ = id_b_ = {}; }
+  BodyId id_a() const { return id_a_; }
+  BodyId id_b() const { return id_b_; }
+  /// A look at both roots, of bodies that have moved: contacts are coarse then. Cost: some 0.2 us.
+  void look(const SceneOptions& options);
+  /// Both roots are apart, as is known otherwise.
+  void part() { roots_overlap_ = is_current_ = false; }
+  /// No front of before fits any more.
+  void forget_front() { has_front_ = false; }
+
+  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done. may_exceed: a pair
+  /// that took no more when it was last finished is looked at without a front, which is quicker, whatever it takes now.
+  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool may_exceed = false);
+  /// Surfaces and crossings of what is finished, as options say. of_time: for surfaces.
+  void add_extras(const SceneOptions& options, const Budget& budget);
+
+  bool roots_overlap() const { return roots_overlap_; }
+  bool is_finished() const { return !roots_overlap_ || (is_current_ && query_.contacts().finished); }
+  bool is_current() const { return is_current_; }
+  double overlap_share() const { return overlap_share_; }
+  std::span<const Contact> contacts() const;
+  std::span<const ContactSurface> surfaces() const;
+  std::span<const Crossing> crossings() const;
+
+  // The scene's.
+  double importance = 0;  ///< weights included
+  std::uint32_t updates_left_out = 0;
+  std::size_t tests = 0;  ///< in this update
+  std::uint64_t touch_id = 0;
+  bool touches = false, extras_are_due = false;
+
+ private:
+  CollideOptions options_for(const SceneOptions& options, const Budget& budget) const;
+
+  ContactQuery query_;
+  BodyId id_a_{}, id_b_{};
+  const Collider *a_ = nullptr, *b_ = nullptr;
+  Contact coarse_{};
+  double overlap_share_ = 0;
+  std::size_t tests_of_front_ = 0;                ///< what a fresh front has cost
+  std::optional<std::size_t> tests_to_finish_{};  ///< when it last was
+  bool roots_overlap_ = false;
+  bool is_current_ = false;  ///< the query's contacts are of the present poses
+  bool has_front_ = false;   ///< of these or earlier poses
+};
+
+}  // namespace morula::detail

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A body of a scene: its collider, what was read of it, and the box that it lies in.
+#pragma once
+
+#include <morula/scene/scene.hpp>
+
+namespace morula::detail {
+
+/// What tells whether a body has moved.
+struct BodyStamp {
+  std::uint64_t ownership = 0, frame = 0;
+  Vec3 origin{};
+  RigidTransform placement{};
+  bool operator==(const BodyStamp&) const = default;
+};
+
+struct SceneBody {
+  const Collider* collider = nullptr;  ///< none: there is no such body
+  std::uint32_t generation = 0;
+  SceneBodyOptions options{};
+  bool is_asleep = false;
+  bool is_to_be_read = false;  ///< in the next update, though it is static or asleep
+  bool has_moved = false;      ///< in this update
+  BodyStamp stamp{};
+  Sphere around{};  ///< the ball that the box is around
+
+  bool is_looked_at() const { return collider != nullptr && (is_to_be_read || !(is_asleep || options.is_static)); }
+};
+
+BodyStamp stamp_of(const Collider& collider);
+/// Two such balls have a point in common wherever the pair test of both roots says that they overlap or are no farther
+/// apart than the margin.
+Sphere ball_around(const Collider& collider, double margin);
+Box box_around(const Sphere& ball);
+
+}  // namespace morula::detail

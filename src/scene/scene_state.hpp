@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What a scene knows between two updates.
+#pragma once
+
+#include <memory>
+#include <morula/scene/broad_phase.hpp>
+#include <morula/scene/scene.hpp>
+
+#include "scene/pair_front.hpp"
+#include "scene/scene_body.hpp"
+
+namespace morula::detail {
+
+struct SceneState {
+  /// Two bodies whose boxes overlap, by place. Without a front: unwanted, or the roots have not overlapped yet.
+  struct Near {
+    std::uint32_t a = 0, b = 0;
+    PairFront* front = nullptr;
+    bool is_wanted = false;
+    bool is_new = false;  ///< asks the filter, and looks at the roots
+  };
+
+  SceneOptions options;
+  BroadPhase broad;
+  std::vector<SceneBody> bodies;                   ///< by their numbers in the broad phase
+  std::vector<Near> near, next_near;               ///< ascending
+  std::vector<std::unique_ptr<PairFront>> fronts;  ///< all there are
+  std::vector<PairFront*> spare_fronts;
+  /// Of pairs that were near: they may be so again. In the order of their bodies.
+  std::vector<PairFront*> parted_fronts;
+  std::vector<ScenePair> published;
+  std::vector<EndedPair> ended;
+  std::uint64_t next_touch = 1;
+  bool everything_anew = false, filter_anew = false, extras_anew = false;
+
+  std::vector<SceneTouch> touches;
+  std::vector<std::unique_ptr<TouchQuery>> touch_queries;
+  mutable std::vector<std::uint32_t> found;
+
+  bool has(BodyId id) const {
+    return id.place < bodies.size() && bodies[id.place].generation == id.generation &&
+           bodies[id.place].collider != nullptr;
+  }
+  SceneBody& known(BodyId id);
+  BodyId id_of(std::uint32_t place) const { return {place, bodies[place].generation}; }
+  Status usable(const Collider& collider) const;
+  /// ok, or the first body that has moved since the last update.
+  SceneStatus current() const;
+
+  SceneStatus update(Workers& workers);
+  SceneRayHit first_hit(const Ray& ray) const;
+  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options);
+  SceneStatus touch(const Sphere& shape, const TouchOptions& options);
+  SceneStatus touch(const Capsule& shape, const TouchOptions& options);
+
+ private:
+  template <class Shape>
+  SceneStatus touch_found(const Shape& shape, const TouchOptions& options);
+  SceneStatus read_bodies();
+  void list_near();
+  void end(const Near& pair);
+  PairFront* front_of(BodyId a, BodyId b);
+  void look_at_roots(Workers& workers);
+  void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
+  void refine_all(Workers& workers);
+  void refine_by_tests(std::size_t tests, Workers& workers);
+  void refine_by_time(std::chrono::nanoseconds deadline, Workers& workers);
+  void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
+  void publish(SceneStatus& status);
+  std::chrono::nanoseconds now() const;
+
+  /// Pairs with work to do, and what a round gives them.
+  std::vector<PairFront*> work_, chosen_;
+  std::vector<std::size_t> used_, blocked_;
+  std::vector<std::size_t> looked_at_;
+  std::size_t next_to_forget_ = 0;
+  std::size_t tests_done_ = 0;
+  std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update took last time
+};
+
+}  // namespace morula::detail

@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// One update of a scene: who has moved, who is near, and where the budget goes.
+#include <algorithm>
+#include <atomic>
+#include <utility>
+
+#include "scene/scene_state.hpp"
+
+namespace morula::detail {
+namespace {
+
+// A pair gets no fewer tests than this at a time, so that a large budget is dealt out in a few rounds.
+constexpr std::size_t quantum = 512;
+// With fewer tests than one block of eight by eight nodes a round is not worth it.
+constexpr std::size_t least_budget = 64;
+constexpr std::size_t fewest_parted_fronts = 64;
+
+bool is_earlier(const PairFront* x, const PairFront* y) {
+  return std::pair(x->id_a(), x->id_b()) < std::pair(y->id_a(), y->id_b());
+}
+
+}  // namespace
+
+std::chrono::nanoseconds SceneState::now() const {
+  return options.clock ? options.clock() : std::chrono::steady_clock::now().time_since_epoch();
+}
+
+SceneStatus SceneState::read_bodies() {
+  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
+    const SceneBody& body = bodies[place];
+    if (!body.is_looked_at() && !(everything_anew || extras_anew)) continue;
+    if (body.collider == nullptr) continue;
+    if (const Status status = usable(*body.collider); !status) {
+      SceneStatus refused{status};
+      refused.offender = id_of(place);
+      return refused;
+    }
+  }
+  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
+    SceneBody& body = bodies[place];
+    body.has_moved = false;
+    if (body.collider == nullptr || !(body.is_looked_at() || everything_anew)) continue;
+    const BodyStamp stamp = stamp_of(*body.collider);
+    body.has_moved = body.is_to_be_read || everything_anew || stamp != body.stamp;
+    body.is_to_be_read = false;
+    if (!body.has_moved) continue;
+    body.stamp = stamp;
+    body.around = ball_around(*body.collider, options.margin);
+    broad.move(place, box_around(body.around));
+  }
+  return {};
+}
+
+void SceneState::end(const Near& pair) {
+  if (pair.front == nullptr) return;
+  PairFront* const front = pair.front;
+  if (front->touches) ended.push_back({id_of(pair.a), id_of(pair.b), front->touch_id});
+  front->touches = false;
+  if (bodies[pair.a].collider == nullptr || bodies[pair.b].collider == nullptr) {
+    spare_fronts.push_back(front);
+  } else {
+    parted_fronts.insert(std::upper_bound(parted_fronts.begin(), parted_fronts.end(), front, is_earlier), front);
+  }
+}
+
+// The one that they had when they were near, or a spare one. So many are kept for later as are in use.
+PairFront* SceneState::front_of(BodyId a, BodyId b) {
+  const auto known = std::lower_bound(parted_fronts.begin(), parted_fronts.end(), std::pair(a, b),
+                                      [](const PairFront* front, const std::pair<BodyId, BodyId>& ids) {
+                                        return std::pair(front->id_a(), front->id_b()) < ids;
+                                      });
+  auto taken = parted_fronts.end();
+  if (known != parted_fronts.end() && (*known)->is_of(a, b)) taken = known;
+  if (taken == parted_fronts.end() && spare_fronts.empty()) {
+    if (parted_fronts.size() <= std::max(fewest_parted_fronts, fronts.size() / 2)) {
+      fronts.push_back(std::make_unique<PairFront>());
+      spare_fronts.reserve(fronts.capacity());
+      parted_fronts.reserve(fronts.capacity());
+      return fronts.back().get();
+    }
+    next_to_forget_ = (next_to_forget_ + 1) % parted_fronts.size();
+    taken = parted_fronts.begin() + static_cast<std::ptrdiff_t>(next_to_forget_);
+  }
+  if (taken == parted_fronts.end()) {
+    PairFront* const front = spare_fronts.back();
+    spare_fronts.pop_back();
+    return front;
+  }
+  PairFront* const front = *taken;
+  parted_fronts.erase(taken);
+  return front;
+}
+
+// Old pairs go, new ones come; both lists are ascending.
+void SceneState::list_near() {
+  next_near.clear();
+  auto old = near.begin();
+  const auto comes_before = [](const Near& x, const BoxPair& y) { return BoxPair{x.a, x.b} < y; };
+  for (const BoxPair& pair : broad.pairs()) {
+    for (; old != near.end() && comes_before(*old, pair); ++old) end(*old);
+    if (old != near.end() && old->a == pair.a && old->b == pair.b) {
+      next_near.push_back(*old++);
+    } else {
+      next_near.push_back({.a = pair.a, .b = pair.b, .is_new = true});
+    }
+  }
+  for (; old != near.end(); ++old) end(*old);
+  near.swap(next_near);
+
+  for (Near& pair : near) {
+    const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
+    if (pair.is_new || filter_anew) {
+      const bool was_wanted = pair.is_wanted;
+      pair.is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
+                       (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
+      if (was_wanted && !pair.is_wanted) end(std::exchange(pair, {.a = pair.a, .b = pair.b}));
+      pair.is_new = pair.is_new || (!was_wanted && pair.is_wanted);
+    }
+    if (pair.is_wanted && pair.front == nullptr) {
+      pair.front = front_of(id_of(pair.a), id_of(pair.b));
+      pair.is_new = true;
+    }
+    if (pair.front != nullptr && !pair.front->is_of(id_of(pair.a), id_of(pair.b))) {
+      pair.front->bind(id_of(pair.a), *a.collider, id_of(pair.b), *b.collider);
+      pair.is_new = true;
+    }
+  }
+}
+
+void SceneState::look_at_roots(Workers& workers) {
+  looked_at_.clear();
+  for (std::size_t i = 0; i < near.size(); ++i)
+    if (near[i].front != nullptr && (near[i].is_new || bodies[near[i].a].has_moved || bodies[near[i].b].has_moved))
+      looked_at_.push_back(i);
+  parallel_for(workers, looked_at_.size(), 32, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Near& pair = near[looked_at_[k]];
+      if (everything_anew) pair.front->forget_front();
+      // Balls that are apart in double, by more than its rounding, are so in the test of roots, which has more to do.
+      const Sphere &a = bodies[pair.a].around, &b = bodies[pair.b].around;
+      if (distance(a.center, b.center) * (1 - 0x1p-40) > a.radius + b.radius) {
+        pair.front->part();
+      } else {
+        pair.front->look(options);
+      }
+      pair.is_new = false;
+    }
+  });
+  work_.clear();
+  for (const Near& pair : near) {
+    if (pair.front == nullptr) continue;
+    PairFront& front = *pair.front;
+    front.tests = 0;
+    if (extras_anew && front.is_current()) front.extras_are_due = true;
+    if (front.is_finished()) continue;
+    front.importance = bodies[pair.a].options.weight * bodies[pair.b].options.weight * front.overlap_share() *
+                       (1.0 + front.updates_left_out);
+    ++front.updates_left_out;
+    work_.push_back(&front);
+  }
+}
+
+void SceneState::refine_all(Workers& workers) {
+  used_.assign(work_.size(), 0);
+  parallel_for(workers, work_.size(), 2, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) used_[i] = work_[i]->refine(options, std::nullopt);
+  });
+  for (const std::size_t used : used_) tests_done_ += used;
+}
+
+// In rounds. Each deals what is left to the pairs with the greatest importance per work already done, the lowest first
+// among equals: as many as get a quantum. What one of them does not need is there for the next round. Everything
+// depends on counts alone, so the same pairs get the same tests for any number of workers.
+void SceneState::refine_by_tests(std::size_t tests, Workers& workers) {
+  std::size_t left = tests;
+  const auto value = [](const PairFront* front) {
+    return front->importance * static_cast<double>(quantum) / static_cast<double>(quantum + front->tests);
+  };
+  while (left >= std::min(least_budget, tests) && left > 0 && !work_.empty()) {
+    const std::size_t count = std::min(work_.size(), std::max<std::size_t>(1, left / quantum));
+    // work_ is in the order of places, and stays so: chosen ones are marked by their place in it.
+    blocked_.resize(work_.size());
+    for (std::size_t i = 0; i < work_.size(); ++i) blocked_[i] = i;
+    std::nth_element(blocked_.begin(), blocked_.begin() + static_cast<std::ptrdiff_t>(count - 1), blocked_.end(),
+                     [&](std::size_t x, std::size_t y) {
+                       const double value_x = value(work_[x]), value_y = value(work_[y]);
+                       return value_x != value_y ? value_x > value_y : x < y;
+                     });
+    blocked_.resize(count);
+    std::sort(blocked_.begin(), blocked_.end());
+    const std::size_t share = left / count;
+    used_.assign(count, 0);
+    parallel_for(workers, count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) used_[i] = work_[blocked_[i]]->refine(options, share);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      PairFront*& front = work_[blocked_[i]];
+      front->updates_left_out = 0;
+      front->tests += used_[i];
+      left -= used_[i];
+      tests_done_ += used_[i];
+      // What it got is too little to open anything, and there will not be more.
+      if (front->is_finished() || used_[i] == 0) front = nullptr;
+    }
+    std::erase(work_, nullptr);
+  }
+}
+
+// The most important first, each for a quantum, then all of them again for twice as much.
+void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& workers) {
+  std::stable_sort(work_.begin(), work_.end(),
+                   [](const PairFront* x, const PairFront* y) { return x->importance > y->importance; });
+  // A clock of the caller's is read from this thread alone.
+  Workers& used_workers = options.clock ? serial_workers() : workers;
+  std::atomic<bool> is_late = false;
+  for (std::size_t share = quantum; !work_.empty() && !is_late; share *= 2) {
+    used_.assign(work_.size(), 0);
+    used_workers.run(work_.size(), [&](std::size_t i) {
+      if (is_late) return;
+      if (now() >= deadline) {
+        is_late = true;
+        return;
+      }
+      work_[i]->updates_left_out = 0;
+      used_[i] = work_[i]->refine(options, share, true);
+    });
+    for (const std::size_t used : used_) tests_done_ += used;
+    std::erase_if(work_, [](const PairFront* front) { return front->is_finished(); });
+  }
+}
+
+void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers) {
+  chosen_.clear();
+  for (const Near& pair : near)
+    if (pair.front != nullptr && pair.front->extras_are_due) chosen_.push_back(pair.front);
+  const bool by_time = options.budget.is_time();
+  if (by_time)
+    std::stable_sort(chosen_.begin(), chosen_.end(),
+                     [](const PairFront* x, const PairFront* y) { return x->importance > y->importance; });
+  Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
+  used_workers.run(chosen_.size(), [&](std::size_t i) {
+    if (!by_time) return chosen_[i]->add_extras(options, 0);
+    const std::chrono::nanoseconds left = deadline - now();
+    // Crossings are on top of any budget.
+    if (left.count() > 0 || options.exact) chosen_[i]->add_extras(options, std::max(left, std::chrono::nanoseconds(0)));
+  });
+}
+
+void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status) {
+  tests_done_ = 0;
+  const Budget& budget = options.budget;
+  if (budget.is_unlimited()) {
+    refine_all(workers);
+  } else if (budget.is_tests()) {
+    refine_by_tests(static_cast<std::size_t>(budget.tests()), workers);
+  } else {
+    const std::chrono::nanoseconds deadline = start + budget.time() - to_publish_;
+    // Surfaces get half of what is left.
+    const std::chrono::nanoseconds begun = now();
+    refine_by_time(options.surfaces ? begun + (deadline - begun) / 2 : deadline, workers);
+  }
+  if (options.surfaces || options.exact || extras_anew) add_extras(start + budget.time() - to_publish_, workers);
+  status.pair_tests = tests_done_;
+}
+
+void SceneState::publish(SceneStatus& status) {
+  published.clear();
+  for (const Near& pair : near) {
+    if (pair.front == nullptr) continue;
+    PairFront& front = *pair.front;
+    ++status.near_pairs;
+    if (!front.is_finished()) ++status.open_pairs;
+    const bool touched = std::exchange(front.touches, !front.contacts().empty());
+    if (touched && !front.touches) ended.push_back({id_of(pair.a), id_of(pair.b), front.touch_id});
+    if (!front.touches) continue;
+    if (!touched) front.touch_id = next_touch++;
+    published.push_back({.a = id_of(pair.a),
+                         .b = id_of(pair.b),
+                         .id = front.touch_id,
+                         .began = !touched,
+                         .finished = front.is_finished(),
+                         .contacts = front.contacts(),
+                         .surfaces = front.surfaces(),
+                         .crossings = front.crossings()});
+  }
+  std::sort(ended.begin(), ended.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
+  status.finished = status.open_pairs == 0;
+}
+
+SceneStatus SceneState::update(Workers& workers) {
+  const bool by_time = options.budget.is_time();
+  const std::chrono::nanoseconds start = by_time ? now() : std::chrono::nanoseconds(0);
+  SceneStatus status = read_bodies();
+  if (!status) return status;
+  ended.clear();
+  broad.update();
+  list_near();
+  look_at_roots(workers);
+  refine(start, workers, status);
+  const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);
+  publish(status);
+  everything_anew = filter_anew = extras_anew = false;
+  if (by_time) to_publish_ = std::min(now() - refined, options.budget.time() / 2);
+  return status;
+}
+
+}  // namespace morula::detail
