@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""The package as a whole: names, stubs, docstrings, the command, examples."""
+
+import doctest
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+import morula
+
+sources = pathlib.Path(__file__).resolve().parents[2]
+
+
+def test_the_version_is_that_of_the_library():
+    written = re.search(r"project\(morula VERSION ([0-9.]+)", (sources / "CMakeLists.txt").read_text(encoding="utf-8"))
+    assert morula.__version__ == written.group(1)
+
+
+def test_python_m_morula_is_the_command(command):
+    assert morula.__version__ in command("--version")
+    assert "octree" in command("build", "--help")
+    command("build", "nowhere.obj", "-o", "x.morula", code=2)
+
+
+def test_everything_is_documented():
+    bare = [
+        name
+        for name in morula.__all__
+        if callable(getattr(morula, name)) and not (getattr(morula, name).__doc__ or "").strip()
+    ]
+    assert bare == []
+    assert "region wrapping" in morula.build.__doc__ and "ValueError" in morula.build.__doc__
+
+
+def test_importing_brings_no_other_package():
+    script = "import sys, morula; print([m for m in ('numpy', 'matplotlib', 'ipctk') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_the_example_in_the_docstring_runs():
+    assert doctest.testmod(morula).failed == 0
+
+
+def test_type_checkers_accept_stubs_and_a_script(tmp_path):
+    pytest.importorskip("mypy")
+    script = tmp_path / "script.py"
+    script.write_text(
+        '''
+import numpy
+import morula
+
+mesh: morula.Mesh = morula.sample_body("limb")
+built = morula.build(mesh, method="grid", depth=2, progress=lambda p: print(p.share))
+body = morula.Body(mesh, built, rules=["exact"])
+status: morula.UpdateStatus = body.update(numpy.asarray(mesh.positions, dtype=numpy.float32))
+nodes: int = status.nodes_updated
+radii = built.level(1)[:, 3]
+contacts = morula.collide(body, morula.Collider(body), budget="200us")
+deepest: float = float(contacts.depth.max())
+figures = [m.looseness.looseness for m in morula.measure(mesh, built)]
+where: tuple[float, float, float] = body.origin
+''',
+        encoding="utf-8",
+    )
+    environment = {**os.environ, "MYPYPATH": str(pathlib.Path(morula.__file__).parent.parent)}
+    checked = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "script.py"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True,
+    )
+    assert checked.returncode == 0, checked.stdout
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import morula\nmorula.build(3, dept=2)\n", encoding="utf-8")
+    refused = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "wrong.py"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True,
+    )
+    assert refused.returncode == 1
+
+
+@pytest.mark.parametrize("example", sorted((sources / "examples" / "python").glob("*.py")), ids=lambda path: path.stem)
+def test_examples_run(example, tmp_path):
+    done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip()
