@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Morula's broad phase for the IPC Toolkit beside the toolkit's own: python python/ipctk_figures.py"""
+"""Morula's broad phase for the IPC Toolkit beside the toolkit's own: python python/figures/ipctk_broad_phase.py"""
 
 import statistics
 import time
