@@ -21,7 +21,7 @@ from typing import Any
 
 from . import _morula
 from ._morula import *  # noqa: F403
-from ._morula import __version__
+from ._morula import version as __version__
 from .display import Page, page
 
 __all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "__version__", "page"]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import ipctk
+import ipctk  # type: ignore[import-not-found,import-untyped,unused-ignore]
 import numpy
 from numpy.typing import NDArray
 
@@ -21,7 +21,7 @@ from . import _morula
 __all__ = ["BroadPhase"]
 
 
-class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc]
+class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
     """Pairs of edges, and of faces and vertices, whose boxes are near, static or swept.
 
     Triangle meshes in three dimensions, every edge and vertex of which is on a face. Pairs that share a vertex are left

@@ -12,7 +12,7 @@ NB_MODULE(_morula, m) {
   using namespace morula;
   using namespace morula::python;
   m.doc() = "Certified sphere trees for deforming triangle meshes: the compiled part of the package morula.";
-  m.attr("__version__") = morula::version;
+  m.attr("version") = morula::version;
 
   nb::register_exception_translator([](const std::exception_ptr& p, void*) {
     try {
