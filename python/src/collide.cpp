@@ -3,6 +3,7 @@
 // Two bodies, or a body and a simple shape: contacts, crossings, distance, touch, rays, insides.
 #include <deque>
 #include <morula/morula.hpp>
+#include <optional>
 
 #include "holders.hpp"
 #include "module.hpp"
@@ -396,7 +397,9 @@ void bind_contact_query(nb::module_& m) {
       "walk_pairs",
       [](ColliderGiven ga, ColliderGiven gb, nb::callable visit, std::optional<std::uint32_t> level, double margin) {
         const auto a = side_of(ga, "a"), b = side_of(gb, "b");
-        const Reading reading({a.get(), b.get()});
+        // Waited for without the interpreter's lock, which whoever holds the bodies may ask for.
+        std::optional<Reading> reading;
+        without_gil([&] { reading.emplace(std::vector<const Side*>{a.get(), b.get()}); });
         return walk_pairs(a->current(), b->current(), {level, margin}, [&](NodePair pair, bool is_final) {
           const nb::object step = visit(pair.a, pair.b, is_final);
           if (step.is_none()) return Step::open;

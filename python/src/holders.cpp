@@ -27,18 +27,21 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
   auto side = std::make_shared<Side>();
   if (nb::isinstance<PosedBody>(given.object)) {
     auto body = nb::cast<std::shared_ptr<PosedBody>>(given.object);
-    side->collider = std::make_unique<Collider>(*body->mesh, *body->owned);
+    side->collider = without_gil([&] { return std::make_unique<Collider>(*body->mesh, *body->owned); });
     side->mesh = body->mesh;
     side->posed = body;
   } else if (nb::isinstance<PosedRebuilt>(given.object)) {
     auto body = nb::cast<std::shared_ptr<PosedRebuilt>>(given.object);
-    side->collider = std::make_unique<Collider>(*body->mesh, body->owned->body());
+    without_gil([&] {
+      const std::shared_lock lock(body->mutex);
+      side->collider = std::make_unique<Collider>(*body->mesh, body->owned->body());
+      side->epoch = body->epoch();
+    });
     side->mesh = body->mesh;
-    side->epoch = body->epoch();
     side->posed = body;
   } else if (nb::isinstance<PosedRows>(given.object)) {
     auto spheres = nb::cast<std::shared_ptr<PosedRows>>(given.object);
-    side->collider = std::make_unique<Collider>(spheres->pose());
+    side->collider = without_gil([&] { return std::make_unique<Collider>(spheres->pose()); });
     side->posed = spheres;
   } else {
     throw nb::type_error((std::string(name) + ": " + describe(given.object) +

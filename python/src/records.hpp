@@ -28,8 +28,7 @@ class Record {
     class_
         .def(
             "to_dict", [](nb::handle self) { return to_dict(self); },
-            nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
-            "All attributes, by name; records within as dicts.")
+            nb::sig("def to_dict(self) -> dict[str, typing.Any]"), "All attributes, by name; records within as dicts.")
         .def("__repr__", [](nb::handle self) { return to_text(self); })
         .def(
             "__eq__", [](nb::handle self, nb::handle other) { return equals(self, other); }, nb::arg("other").none(),

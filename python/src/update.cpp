@@ -589,58 +589,66 @@ void bind_posed(nb::module_& m) {
           nb::arg("spheres"), doc::PosedSpheres_set);
 }
 
+struct HeldDops {
+  KDopTree tree;
+  mutable std::shared_mutex mutex;
+
+  explicit HeldDops(KDopTree&& made) : tree(std::move(made)) {}
+
+  /// (nodes, k / 2): a copy.
+  View<float, -1, -1> bounds(std::span<const float> (KDopTree::*side)(std::uint32_t) const) const {
+    auto [values, owner] = kept(without_gil([&] {
+      const std::shared_lock lock(mutex);
+      std::vector<float> all;
+      for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+        const std::span<const float> own = (tree.*side)(node);
+        all.insert(all.end(), own.begin(), own.end());
+      }
+      return all;
+    }));
+    return View<float, -1, -1>(values->data(), {tree.node_count(), static_cast<std::size_t>(tree.k() / 2)}, owner);
+  }
+};
+
 void bind_others(nb::module_& m) {
-  nb::class_<KDopTree>(m, "KDopTree", doc::KDopTree)
+  nb::class_<HeldDops>(m, "KDopTree", doc::KDopTree)
       .def(
           "__init__",
-          [](KDopTree* self, MeshGiven given, const CoveredTree& built, int k, Threads* workers) {
+          [](HeldDops* self, MeshGiven given, const CoveredTree& built, int k, Threads* workers) {
             const auto mesh = mesh_of(given);
-            auto tree = without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); });
-            new (self) KDopTree(std::move(tree));
+            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); }));
           },
           nb::arg("mesh"), nb::arg("built"), nb::arg("k"), nb::arg("workers") = nb::none(), doc::KDopTree_KDopTree)
       .def(
           "update",
-          [](KDopTree& self, PositionsGiven given, Threads* workers) {
+          [](HeldDops& self, PositionsGiven given, Threads* workers) {
             const Positions positions(given.object, "positions");
-            const UpdateStatus status =
-                without_gil([&] { return self.update(positions.view(), CallWorkers(workers)); });
+            const UpdateStatus status = without_gil([&] {
+              CallWorkers call(workers);
+              const std::unique_lock lock(self.mutex);
+              return self.tree.update(positions.view(), call);
+            });
             require(status);
             return status;
           },
           nb::arg("positions"), nb::arg("workers") = nb::none(), doc::KDopTree_update)
-      .def_prop_ro("k", &KDopTree::k)
-      .def_prop_ro("node_count", &KDopTree::node_count)
+      .def_prop_ro("k", [](const HeldDops& self) { return self.tree.k(); })
+      .def_prop_ro("node_count", [](const HeldDops& self) { return self.tree.node_count(); })
       .def_prop_ro(
           "directions",
-          [](const KDopTree& self) {
-            return own_points({self.directions().begin(), self.directions().end()});
+          [](const HeldDops& self) {
+            return own_points({self.tree.directions().begin(), self.tree.directions().end()});
           },
           nb::rv_policy::automatic, doc::KDopTree_directions)
       .def_prop_ro(
-          "lower",
-          [](const KDopTree& self) {
-            std::vector<float> all;
-            for (std::uint32_t n = 0; n < self.node_count(); ++n)
-              all.insert(all.end(), self.lower(n).begin(), self.lower(n).end());
-            auto [values, owner] = kept(std::move(all));
-            return View<float, -1, -1>(values->data(), {self.node_count(), static_cast<std::size_t>(self.k() / 2)},
-                                       owner);
-          },
-          nb::rv_policy::automatic, doc::KDopTree_lower)
+          "lower", [](const HeldDops& self) { return self.bounds(&KDopTree::lower); }, nb::rv_policy::automatic,
+          doc::KDopTree_lower)
       .def_prop_ro(
-          "upper",
-          [](const KDopTree& self) {
-            std::vector<float> all;
-            for (std::uint32_t n = 0; n < self.node_count(); ++n)
-              all.insert(all.end(), self.upper(n).begin(), self.upper(n).end());
-            auto [values, owner] = kept(std::move(all));
-            return View<float, -1, -1>(values->data(), {self.node_count(), static_cast<std::size_t>(self.k() / 2)},
-                                       owner);
-          },
-          nb::rv_policy::automatic, doc::KDopTree_lower)
-      .def_prop_ro("origin", &KDopTree::origin)
-      .def("hash", &KDopTree::hash, doc::KDopTree_hash);
+          "upper", [](const HeldDops& self) { return self.bounds(&KDopTree::upper); }, nb::rv_policy::automatic,
+          doc::KDopTree_lower)
+      .def_prop_ro("origin", [](const HeldDops& self) { return self.tree.origin(); })
+      .def(
+          "hash", [](const HeldDops& self) { return self.tree.hash(); }, doc::KDopTree_hash);
 
   m.def(
       "estimate_looseness",
