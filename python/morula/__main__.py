@@ -12,7 +12,7 @@ def main() -> int:
         print("morula: this package was built without the command: it needs CLI11 and fmt (docs/python.md)", file=sys.stderr)
         return 2
     sys.stdout.flush()
-    code: int = _morula.command_line(["morula", *sys.argv[1:]])
+    code: int = _morula.command_line(["morula", *sys.argv[1:]], [sys.executable, "-m", "morula"])
     return code
 
 

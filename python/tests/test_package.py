@@ -27,6 +27,13 @@ def test_python_m_morula_is_the_command(command):
     command("build", "nowhere.obj", "-o", "x.morula", code=2)
 
 
+def test_jobs_of_batch_are_python_again(command, tmp_path):
+    command("sample", "bar", "--resolution", "8", "-o", "bar.obj")
+    (tmp_path / "list.txt").write_text("bar.obj\n")
+    command("batch", "list.txt", "-o", "out", "--method", "octree", "--depth", "1")
+    assert list((tmp_path / "out").rglob("*.morula"))
+
+
 def test_everything_is_documented():
     bare = [
         name
