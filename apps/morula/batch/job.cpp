@@ -35,9 +35,18 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+struct Program {
+  std::string path = "/proc/self/exe";
+  std::vector<std::string> words{"morula"};
+};
+Program& program() {
+  static Program of_jobs;
+  return of_jobs;
+}
+
 // Only what may be called between fork and exec.
-[[noreturn]] void become(char* const* arguments, const char* out, const char* err, const JobLimits& limits,
-                         pid_t parent) {
+[[noreturn]] void become(const char* path, char* const* arguments, const char* out, const char* err,
+                         const JobLimits& limits, pid_t parent) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a batch that is killed leaves nothing running
   if (getppid() != parent) _exit(127);
@@ -60,15 +69,19 @@ std::string text_of(const fs::path& path) {
   const int null = open("/dev/null", O_RDONLY), to = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0600),
             faults = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (null < 0 || to < 0 || faults < 0 || dup2(null, 0) < 0 || dup2(to, 1) < 0 || dup2(faults, 2) < 0) _exit(127);
-  execv("/proc/self/exe", arguments);
+  execv(path, arguments);
   _exit(127);
 }
 
 }  // namespace
 
+void start_jobs_as(const std::string& path, const std::vector<std::string>& words) {
+  program() = {path, words};
+}
+
 Job::Job(const std::vector<std::string>& arguments, const fs::path& scratch, const JobLimits& limits)
     : out_(scratch.string() + ".out"), err_(scratch.string() + ".err"), limits_(limits), begun_(now()) {
-  std::vector<std::string> words{"morula"};
+  std::vector<std::string> words = program().words;
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -76,7 +89,7 @@ Job::Job(const std::vector<std::string>& arguments, const fs::path& scratch, con
   const pid_t parent = getpid();
   process_ = fork();
   if (process_ < 0) throw std::system_error(errno, std::generic_category(), "cannot start a process");
-  if (process_ == 0) become(pointers.data(), out_.c_str(), err_.c_str(), limits_, parent);
+  if (process_ == 0) become(program().path.c_str(), pointers.data(), out_.c_str(), err_.c_str(), limits_, parent);
 }
 
 Job::Job(Job&& other) noexcept

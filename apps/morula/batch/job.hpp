@@ -26,6 +26,10 @@ struct JobResult {
   double seconds = 0, cpu_seconds = 0, peak_megabytes = 0;
 };
 
+/// How a job is started, where the command runs inside another program (an interpreter): that program, and its words
+/// before the arguments. Otherwise this program. To be said before the first job.
+void start_jobs_as(const std::string& program, const std::vector<std::string>& words);
+
 class Job {
  public:
   /// Starts "morula ARGUMENTS". Its streams go to files under `scratch`, which must be nobody else's names.

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of docs/python.md, measured again: python python/figures/measure.py (with the package installed, nothing else running)."""
+
+import statistics
+import subprocess
+import sys
+import threading
+import time
+
+import numpy
+
+import morula
+
+
+def median_seconds(action, repeats=31):
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def import_milliseconds(module):
+    script = f"import time; start = time.perf_counter(); import {module}; print(1000 * (time.perf_counter() - start))"
+    return statistics.median(float(subprocess.check_output([sys.executable, "-c", script])) for _ in range(11))
+
+
+def update_overhead():
+    """What one call of update() costs beyond the same update in the loop of C++, microseconds."""
+    mesh = morula.sample_body("limb", 48)
+    for name, built in (("3 nodes", morula.build(mesh, spheres=2, method="octree")), ("default", morula.build(mesh, quality="fast"))):
+        body = morula.Body(mesh, built)
+        frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=200).astype(numpy.float32)
+        singles = list(frames)
+
+        def one_by_one():
+            for positions in singles:
+                body.update(positions)
+
+        differences = []
+        for _ in range(21):
+            in_python, in_cpp = median_seconds(one_by_one, 1), median_seconds(lambda: body.follow(frames), 1)
+            differences.append((in_python - in_cpp) / len(frames) * 1e6)
+        per_frame = median_seconds(lambda: body.follow(frames), 5) / len(frames) * 1e6
+        print(f"update(), {name} ({len(built)} nodes): {statistics.median(differences):.2f} us over {per_frame:.1f} us a frame")
+
+
+def thousand_frames():
+    mesh = morula.sample_body("limb", 48)
+    body = morula.Body(mesh, morula.build(mesh, quality="fast"))
+    frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=1000)
+    seconds = median_seconds(lambda: body.follow(frames), 5)
+    print(f"follow(), 1,000 frames of {mesh.vertex_count} vertices, {len(body)} nodes: {1000 * seconds:.0f} ms")
+
+
+def two_threads():
+    mesh = morula.sample_body("limb", 96)
+    built = morula.build(mesh, quality="fast")
+    frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=100)
+    bodies = [morula.Body(mesh, built) for _ in range(2)]
+
+    def updates(body):
+        for _ in range(5):
+            for positions in frames:
+                body.update(positions)
+
+    def in_turn():
+        for body in bodies:
+            updates(body)
+
+    def at_once():
+        threads = [threading.Thread(target=updates, args=(body,)) for body in bodies]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+    ratios = [median_seconds(in_turn, 1) / median_seconds(at_once, 1) for _ in range(7)]
+    print(f"two threads, two bodies of {mesh.vertex_count} vertices: {statistics.median(ratios):.2f} times as fast (best {max(ratios):.2f})")
+
+
+print(f"import morula: {import_milliseconds('morula'):.1f} ms; import numpy: {import_milliseconds('numpy'):.1f} ms")
+update_overhead()
+thousand_frames()
+two_threads()

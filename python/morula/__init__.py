@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Morula: tight sphere trees over triangle meshes, certified to cover while the meshes deform.
+
+>>> import morula
+>>> mesh = morula.sample_body("limb", 24)
+>>> built = morula.build(mesh, method="grid", depth=2)
+>>> body = morula.Body(mesh, built)
+>>> status = body.update(morula.deform(mesh, morula.Bend(90)))
+>>> bool(body.certify(morula.deform(mesh, morula.Bend(90))))
+True
+
+Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk` and
+`morula.batch` need packages of their own (matplotlib, ipctk) and are imported when they are asked for.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from . import _morula
+from ._morula import *  # noqa: F403
+from ._morula import version as __version__
+from .display import Page, page
+
+__all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "__version__", "page"]
+
+_MODULES = ("batch", "ipctk", "plot", "typing")
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_MODULES])

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""What notebooks show: a tree as a picture and a table, a page with a body in motion."""
+
+from __future__ import annotations
+
+import html
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from . import _morula
+
+if TYPE_CHECKING:
+    from .typing import FloatArray, MeshLike
+
+_COLOURS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4aa8b5", "#c0564b", "#6b6f9c")
+
+
+class Page:
+    """One self-contained HTML page; a notebook shows it in place."""
+
+    def __init__(self, text: str) -> None:
+        self.html = text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page, which any browser opens, offline."""
+        pathlib.Path(path).write_text(self.html, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:600px;border:0" sandbox="allow-scripts"></iframe>'
+        )
+
+
+def page(
+    mesh: MeshLike,
+    built: _morula.CoveredTree,
+    frames: FloatArray | None = None,
+    *,
+    rules: Sequence[str] = ("exact",),
+    title: str = "Morula",
+    measured: bool = False,
+) -> Page:
+    """The page of a body, its tree and, where frames (frames, vertices, 3) are given, their motion.
+
+    RuntimeError, with the remedy, where the package was built without the page.
+    """
+    if not _morula.has_page():
+        raise RuntimeError(f"no page: {_morula.why_no_page()}")
+    return Page(_morula.page_html(mesh, built, frames, rules=list(rules), title=title, measured=measured))
+
+
+def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
+    """The levels of a tree side by side, seen along its box's shortest side."""
+    import numpy
+
+    root = tree.spheres[0]
+    levels = [tree.level(level) for level in range(tree.level_count)]
+    spread = numpy.ptp(levels[-1][:, :3], axis=0)
+    across, up = sorted(numpy.argsort(spread)[-2:])
+    side = width / max(1, len(levels))
+    scale = side / (2.1 * root[3]) if root[3] > 0 else 1.0
+    drawn = []
+    for level, spheres in enumerate(levels):
+        for sphere in spheres:
+            x = (sphere[across] - root[across]) * scale + side * (level + 0.5)
+            y = (root[up] - sphere[up]) * scale + side / 2
+            drawn.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{max(0.2, sphere[3] * scale):.1f}"/>')
+        drawn.append(f'</g><g fill="none" stroke-width="0.6" stroke="{_COLOURS[(level + 1) % len(_COLOURS)]}">')
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{side:.0f}" viewBox="0 0 {width} {side:.1f}">'
+        f'<g fill="none" stroke-width="0.6" stroke="{_COLOURS[0]}">{"".join(drawn)}</g></svg>'
+    )
+
+
+def tree_html(built: _morula.CoveredTree) -> str:
+    """Picture and table of a covered tree."""
+    tree = built.tree
+    rows = "".join(
+        f"<tr><td>{level}</td><td>{len(tree.level(level))}</td><td>{tree.level(level)[:, 3].max():.4g}</td></tr>"
+        for level in range(tree.level_count)
+    )
+    return (
+        f"<div><b>{html.escape(repr(built).strip('<>'))}</b><br/>{tree_svg(tree)}"
+        f"<table><tr><th>level</th><th>spheres</th><th>largest radius</th></tr>{rows}</table></div>"
+    )

@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""A broad phase for the IPC Toolkit: its candidates, found by Morula's surface tree.
+
+>>> candidates = ipctk.Candidates()
+>>> candidates.build(collision_mesh, vertices, inflation_radius, morula.ipctk.BroadPhase())
+
+One object serves all frames of one mesh: its tree is made once and follows the vertices.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipctk  # type: ignore[import-not-found,import-untyped,unused-ignore]
+import numpy
+from numpy.typing import NDArray
+
+from . import _morula
+
+__all__ = ["BroadPhase"]
+
+
+class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
+    """Pairs of edges, and of faces and vertices, whose boxes are near, static or swept.
+
+    Triangle meshes in three dimensions, every edge and vertex of which is on a face. Pairs that share a vertex are left
+    out; `can_vertices_collide` is asked for what is left, unless it is the toolkit's own, which allows all.
+    """
+
+    def __init__(self, workers: _morula.Workers | None = None) -> None:
+        ipctk.BroadPhase.__init__(self)
+        self._workers = workers
+        self._surface: _morula.SurfaceTree | None = None
+        self._faces: NDArray[Any] | None = None
+        self._edge_of: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
+        self._found: _morula.FeaturePairs | None = None
+        self._radius = 0.0
+
+    def name(self) -> str:
+        return "Morula"
+
+    def build(self, vertices: NDArray[Any], *rest: Any) -> None:
+        """build(vertices, edges, faces, radius), or with the vertices at the end of a step after the first ones."""
+        is_step = numpy.asarray(rest[0]).dtype.kind == "f"
+        to = numpy.ascontiguousarray(rest[0]) if is_step else None
+        edges, faces, *radius = rest[1:] if is_step else rest
+        self._radius = float(radius[0]) if radius else 0.0
+        start = numpy.ascontiguousarray(vertices)
+        if start.shape[1] != 3:
+            raise ValueError(f"vertices: shape {start.shape}, but Morula's surfaces are in three dimensions")
+        self._follow_topology(start, edges, faces)
+        assert self._surface is not None
+        self._surface.update(start, to, workers=self._workers)
+        self._found = None
+
+    def clear(self) -> None:
+        """Forgets candidates; the tree stays, for the next frame."""
+        self._found = None
+
+    def _follow_topology(self, start: NDArray[Any], edges: NDArray[Any], faces: NDArray[Any]) -> None:
+        if (
+            self._surface is not None
+            and self._faces is not None
+            and self._surface.vertex_count == len(start)
+            and numpy.array_equal(self._faces, faces)
+            and len(edges) == len(self._edge_of)
+        ):
+            return
+        if len(faces) == 0 or len(numpy.unique(faces)) != len(start):
+            raise ValueError("faces: every vertex has to be on a face; give other meshes to a broad phase of the toolkit's own")
+        surface = _morula.SurfaceTree((start, numpy.ascontiguousarray(faces)))
+        count = len(start)
+        theirs = numpy.sort(numpy.asarray(edges, numpy.int64), axis=1) @ numpy.array([count, 1])
+        order = numpy.argsort(theirs)
+        ours = surface.edges.astype(numpy.int64) @ numpy.array([count, 1])
+        if len(ours) != len(theirs) or not numpy.array_equal(theirs[order], ours):
+            raise ValueError("edges: they have to be those of the faces; give other meshes to a broad phase of the toolkit's own")
+        self._surface, self._faces, self._edge_of = surface, numpy.array(faces), order
+
+    def _pairs(self, kind: _morula.PairKind) -> tuple[NDArray[Any], NDArray[Any]]:
+        if self._surface is None:
+            raise RuntimeError("nothing was built")
+        if self._found is None:
+            # The toolkit inflates both boxes.
+            self._found = _morula.swept_candidates(self._surface, distance=2 * self._radius, workers=self._workers)
+        chosen = self._found.kind == int(kind)
+        return self._found.a[chosen], self._found.b[chosen]
+
+    def detect_edge_edge_candidates(self) -> list[Any]:
+        a, b = self._pairs(_morula.PairKind.edge_edge)
+        first, second = self._edge_of[a], self._edge_of[b]
+        return list(
+            map(ipctk.EdgeEdgeCandidate, numpy.minimum(first, second).tolist(), numpy.maximum(first, second).tolist())
+        )
+
+    def detect_face_vertex_candidates(self) -> list[Any]:
+        vertex, face = self._pairs(_morula.PairKind.vertex_facet)
+        return list(map(ipctk.FaceVertexCandidate, face.tolist(), vertex.tolist()))

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures with matplotlib: looseness over a motion, levels of a tree, a tree's spheres in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy
+from numpy.typing import NDArray
+
+from . import _morula
+from .typing import FloatArray, MeshLike
+
+__all__ = ["levels_table", "looseness_curve", "looseness_of_motion", "spheres", "to_pyvista"]
+
+
+def _axes(axes: Any, **kind: Any) -> Any:
+    if axes is not None:
+        return axes
+    import matplotlib.pyplot
+
+    return matplotlib.pyplot.figure().add_subplot(**kind)
+
+
+def looseness_of_motion(
+    mesh: MeshLike, built: _morula.CoveredTree, frames: FloatArray, *, rules: str | Sequence[str] = "exact", level: int = -1,
+    resolution: int = 96,
+) -> NDArray[numpy.float64]:
+    """Looseness of one level set in every frame, in object volumes; NaN where the mesh has no inside.
+
+    frames: (frames, vertices, 3). level: negative counts from the leaves. resolution: voxels along the longest side.
+    """
+    body = _morula.Body(mesh, built, rules=rules)
+    nodes = built.tree.level_set(level % built.tree.level_count)
+    values = []
+    for positions, moved in zip(frames, body.follow(frames)):
+        found = _morula.looseness(mesh, moved[nodes], positions, resolution=resolution).looseness
+        values.append(numpy.nan if found is None else found)
+    return numpy.array(values)
+
+
+def looseness_curve(
+    curves: Mapping[str, Sequence[float] | NDArray[numpy.float64]], *, parameter: Sequence[float] | None = None, axes: Any = None
+) -> Any:
+    """Looseness over frames, a curve per name. Returns the axes."""
+    axes = _axes(axes)
+    for name, values in curves.items():
+        axes.plot(range(len(values)) if parameter is None else parameter, values, label=name)
+    axes.set_xlabel("frame" if parameter is None else "deformation")
+    axes.set_ylabel("looseness, object volumes")
+    axes.set_ylim(bottom=0)
+    axes.legend()
+    return axes
+
+
+def levels_table(measured: Sequence[_morula.LevelMeasure]) -> list[dict[str, Any]]:
+    """What measure() gives as rows of plain numbers, for pandas or a printed table."""
+    return [
+        {
+            "level": m.level,
+            "spheres": m.spheres,
+            "looseness": m.looseness.looseness,
+            "bare_area": m.coverage.bare_area,
+            "gap": m.coverage.gap,
+            "protrusion": None if m.protrusion is None else m.protrusion.worst,
+        }
+        for m in measured
+    ]
+
+
+def spheres(rows: FloatArray, *, axes: Any = None, color: str = "#5b8def", alpha: float = 0.25, steps: int = 12) -> Any:
+    """Spheres (n, 4) in space, as translucent surfaces. Returns the axes."""
+    axes = _axes(axes, projection="3d")
+    u, v = numpy.meshgrid(numpy.linspace(0, 2 * numpy.pi, 2 * steps), numpy.linspace(0, numpy.pi, steps))
+    unit = numpy.stack([numpy.cos(u) * numpy.sin(v), numpy.sin(u) * numpy.sin(v), numpy.cos(v)])
+    for x, y, z, radius in numpy.asarray(rows):
+        axes.plot_surface(x + radius * unit[0], y + radius * unit[1], z + radius * unit[2], color=color, alpha=alpha, linewidth=0)
+    axes.set_aspect("equal")
+    return axes
+
+
+def to_pyvista(rows: FloatArray, *, steps: int = 16) -> Any:
+    """Spheres (n, 4) as one pyvista.PolyData."""
+    import pyvista
+
+    points = numpy.asarray(rows, dtype=float)
+    cloud = pyvista.PolyData(points[:, :3])
+    cloud["radius"] = points[:, 3]
+    return cloud.glyph(scale="radius", orient=False, factor=1.0, geom=pyvista.Sphere(1.0, theta_resolution=steps, phi_resolution=steps))

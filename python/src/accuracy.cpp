@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Measurements: looseness, coverage, protrusion, level by level.
+#include <morula/morula.hpp>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+namespace {
+
+VoxelGrid grid_of(int resolution, std::optional<double> voxel_edge) {
+  VoxelGrid grid;
+  grid.resolution = resolution;
+  if (voxel_edge) {
+    grid.kind = VoxelGrid::Kind::fixed;
+    grid.voxel_edge = *voxel_edge;
+  }
+  return grid;
+}
+
+/// The mesh of a call: at rest, or with other positions, which are not copied.
+struct Posture {
+  std::shared_ptr<const Mesh> mesh;
+  std::vector<Positions> positions;
+
+  Posture(const MeshGiven& given, nb::handle at) : mesh(mesh_of(given)) {
+    if (at.is_none()) return;
+    positions.emplace_back(at, "positions");
+    if (positions[0].view().size() != mesh->vertex_count()) {
+      throw std::invalid_argument("positions: " + std::to_string(positions[0].view().size()) +
+                                  " rows, but the mesh has " + std::to_string(mesh->vertex_count()) + " vertices");
+    }
+  }
+  MeshView view() const { return positions.empty() ? MeshView(*mesh) : MeshView(positions[0].view(), mesh->facets); }
+};
+
+constexpr const char* grid_text =
+    "voxels along the longest side of the box of the spheres; with voxel_edge, mesh units, a fixed lattice instead";
+
+}  // namespace
+
+void bind_accuracy(nb::module_& m) {
+  Record<Looseness>(m, "Looseness", "How much of the spheres' union lies outside the object.")
+      .field("looseness", &Looseness::looseness, doc::Looseness_looseness)
+      .field("missed_volume", &Looseness::missed_volume, doc::Looseness_missed_volume)
+      .field("outside_volume", &Looseness::outside_volume, doc::Looseness_outside_volume)
+      .field("object_volume", &Looseness::object_volume, doc::Looseness_object_volume)
+      .field("union_volume", &Looseness::union_volume, doc::Looseness_union_volume)
+      .field("voxels", &Looseness::voxels, doc::Looseness_voxels)
+      .field("voxel_edge", &Looseness::voxel_edge)
+      .property(
+          "range",
+          [](const Looseness& l) -> std::optional<std::pair<double, double>> {
+            if (!l.range) return std::nullopt;
+            return std::make_pair(l.range->low, l.range->high);
+          },
+          doc::Looseness_Range);
+  Record<Coverage>(m, "Coverage", "Is any of the surface bare, how much, and how far out does it lie?")
+      .field("covered", &Coverage::covered, doc::Coverage_covered)
+      .field("bare_area", &Coverage::bare_area, doc::Coverage_bare_area)
+      .field("gap", &Coverage::gap, doc::Coverage_gap)
+      .field("gap_upper", &Coverage::gap_upper, doc::Coverage_gap_upper)
+      .field("tolerance", &Coverage::tolerance, doc::Coverage_tolerance)
+      .field("worst_facet", &Coverage::worst_facet, doc::Coverage_worst_facet);
+  Record<Protrusion>(m, "Protrusion", "How far spheres stick out of the object.")
+      .field("worst", &Protrusion::worst, doc::Protrusion_worst)
+      .field("mean", &Protrusion::mean);
+  Record<SampledFit>(m, "SampledFit", doc::SampledFit)
+      .field("coverage", &SampledFit::coverage, doc::SampledFit_coverage)
+      .field("protrusion", &SampledFit::protrusion, doc::SampledFit_protrusion)
+      .field("protrusion_mean", &SampledFit::protrusion_mean, doc::SampledFit_protrusion_mean)
+      .field("protrusion_p95", &SampledFit::protrusion_p95, doc::SampledFit_protrusion_p95)
+      .field("protrusion_max", &SampledFit::protrusion_max)
+      .field("volume_ratio", &SampledFit::volume_ratio, doc::SampledFit_volume_ratio)
+      .field("surface_gap_mean", &SampledFit::surface_gap_mean, doc::SampledFit_surface_gap_mean)
+      .field("surface_gap_p95", &SampledFit::surface_gap_p95)
+      .field("surface_gap_max", &SampledFit::surface_gap_max);
+  Record<LevelMeasure>(m, "LevelMeasure", "What was measured of one level set.")
+      .field("level", &LevelMeasure::level)
+      .field("spheres", &LevelMeasure::spheres, doc::LevelMeasure_spheres)
+      .field("looseness", &LevelMeasure::looseness)
+      .field("coverage", &LevelMeasure::coverage)
+      .field("protrusion", &LevelMeasure::protrusion, doc::LevelMeasure_protrusion)
+      .field("sampled", &LevelMeasure::sampled, doc::LevelMeasure_sampled);
+
+  const auto options = [](int resolution, std::optional<double> voxel_edge, bool with_protrusion,
+                          double protrusion_tolerance, bool with_sampled_fit, bool open_by_winding) {
+    return MeasureOptions{grid_of(resolution, voxel_edge), with_protrusion, protrusion_tolerance, with_sampled_fit,
+                          open_by_winding};
+  };
+  const std::initializer_list<std::pair<const char*, const char*>> arguments{
+      {"positions", "(vertices, 3): where the mesh is; none: at rest"},
+      {"resolution", grid_text},
+      {"with_protrusion", "protrusion as well"},
+      {"protrusion_tolerance", doc::MeasureOptions_protrusion_tolerance},
+      {"with_sampled_fit", doc::MeasureOptions_with_sampled_fit},
+      {"open_by_winding", doc::MeasureOptions_open_by_winding}};
+  m.def(
+      "measure",
+      [options](MeshGiven given, nb::object spheres_of_tree, nb::handle positions, int resolution,
+                std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
+                bool with_sampled_fit, bool open_by_winding, Threads* workers) {
+        const MeasureOptions how =
+            options(resolution, voxel_edge, with_protrusion, protrusion_tolerance, with_sampled_fit, open_by_winding);
+        const Posture posture(given, positions);
+        const SphereTree tree = nb::isinstance<CoveredTree>(spheres_of_tree)
+                                    ? nb::cast<const CoveredTree&>(spheres_of_tree).tree
+                                    : nb::cast<const SphereTree&>(spheres_of_tree);
+        return without_gil([&] { return measure(posture.view(), tree, how, CallWorkers(workers)); });
+      },
+      nb::arg("mesh"), nb::arg("tree"), nb::arg("positions") = nb::none(), nb::kw_only(), nb::arg("resolution") = 192,
+      nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true, nb::arg("protrusion_tolerance") = 1e-2,
+      nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false, nb::arg("workers") = nb::none(),
+      nb::sig("def measure(mesh: morula.typing.MeshLike, tree: SphereTree | CoveredTree, "
+              "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
+              "None, "
+              "with_protrusion: bool = True, protrusion_tolerance: float = 0.01, with_sampled_fit: bool = False, "
+              "open_by_winding: bool = False, workers: Workers | None = None) -> list[LevelMeasure]"),
+      with_arguments(doc::measure, arguments).c_str());
+  m.def(
+      "measure_spheres",
+      [options](MeshGiven given, ArrayGiven rows, nb::handle positions, int resolution,
+                std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
+                bool with_sampled_fit, bool open_by_winding, Threads* workers) {
+        const MeasureOptions how =
+            options(resolution, voxel_edge, with_protrusion, protrusion_tolerance, with_sampled_fit, open_by_winding);
+        const Posture posture(given, positions);
+        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+        return without_gil([&] { return measure_spheres(posture.view(), spheres, how, CallWorkers(workers)); });
+      },
+      nb::arg("mesh"), nb::arg("spheres"), nb::arg("positions") = nb::none(), nb::kw_only(),
+      nb::arg("resolution") = 192, nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true,
+      nb::arg("protrusion_tolerance") = 1e-2, nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false,
+      nb::arg("workers") = nb::none(),
+      nb::sig("def measure_spheres(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
+              "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
+              "None, "
+              "with_protrusion: bool = True, protrusion_tolerance: float = 0.01, with_sampled_fit: bool = False, "
+              "open_by_winding: bool = False, workers: Workers | None = None) -> LevelMeasure"),
+      with_arguments(doc::measure_spheres, arguments).c_str());
+  m.def(
+      "looseness",
+      [](MeshGiven given, ArrayGiven rows, nb::handle positions, int resolution, std::optional<double> voxel_edge,
+         Threads* workers) {
+        const Posture posture(given, positions);
+        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+        const VoxelGrid grid = grid_of(resolution, voxel_edge);
+        return without_gil([&] { return looseness(posture.view(), spheres, grid, CallWorkers(workers)); });
+      },
+      nb::arg("mesh"), nb::arg("spheres"), nb::arg("positions") = nb::none(), nb::kw_only(),
+      nb::arg("resolution") = 192, nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::sig("def looseness(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
+              "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
+              "None, "
+              "workers: Workers | None = None) -> Looseness"),
+      with_arguments(doc::looseness, {{"resolution", grid_text}}).c_str());
+  m.def(
+      "coverage",
+      [](MeshGiven given, ArrayGiven rows, nb::handle positions, Threads* workers) {
+        const Posture posture(given, positions);
+        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+        return without_gil([&] { return coverage(posture.view(), spheres, CallWorkers(workers)); });
+      },
+      nb::arg("mesh"), nb::arg("spheres"), nb::arg("positions") = nb::none(), nb::kw_only(),
+      nb::arg("workers") = nb::none(),
+      nb::sig("def coverage(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
+              "positions: morula.typing.FloatArray | None = None, *, workers: Workers | None = None) -> Coverage"),
+      doc::coverage);
+  m.def(
+      "protrusion",
+      [](const SignedDistance& object, ArrayGiven rows, double tolerance, Threads* workers) {
+        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+        return without_gil([&] { return protrusion(object, spheres, tolerance, CallWorkers(workers)); });
+      },
+      nb::arg("object"), nb::arg("spheres"), nb::arg("tolerance") = 1e-2, nb::arg("workers") = nb::none(),
+      (std::string("How far spheres stick out of the object, proven. ") + doc::protrusion).c_str());
+}
+
+}  // namespace morula::python

@@ -1,0 +1,327 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+
+#include <array>
+#include <cstring>
+#include <limits>
+
+namespace morula::python {
+
+namespace {
+
+using Any = nb::ndarray<nb::ro>;
+
+std::string shape_of(const Any& array) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < array.ndim(); ++i) text += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
+  return text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+std::string type_of(const Any& array) {
+  const nb::dlpack::dtype type = array.dtype();
+  const char* kind = "bytes";
+  switch (static_cast<nb::dlpack::dtype_code>(type.code)) {
+    case nb::dlpack::dtype_code::Int:
+      kind = "int";
+      break;
+    case nb::dlpack::dtype_code::UInt:
+      kind = "uint";
+      break;
+    case nb::dlpack::dtype_code::Float:
+      kind = "float";
+      break;
+    case nb::dlpack::dtype_code::Complex:
+      kind = "complex";
+      break;
+    case nb::dlpack::dtype_code::Bool:
+      return "bool";
+    default:
+      break;
+  }
+  return kind + std::to_string(type.bits);
+}
+
+bool is_kind(const Any& array, nb::dlpack::dtype_code kind) {
+  return array.dtype().code == static_cast<std::uint8_t>(kind) && array.dtype().lanes == 1;
+}
+bool is_float(const Any& array) {
+  return is_kind(array, nb::dlpack::dtype_code::Float) && (array.dtype().bits == 32 || array.dtype().bits == 64);
+}
+
+/// Throws TypeError for what is no array in memory.
+Any array_of(nb::handle given, const char* name, const std::string& wanted) {
+  Any array;
+  if (!nb::try_cast(given, array, false) || !array.is_valid() || array.device_type() != nb::device::cpu::value) {
+    const bool is_list = PyList_Check(given.ptr()) || PyTuple_Check(given.ptr());
+    throw nb::type_error((std::string(name) + ": " + describe(given) + ", but " + wanted + " is needed" +
+                          (is_list ? ": numpy.asarray(" + std::string(name) + ")" : ""))
+                             .c_str());
+  }
+  return array;
+}
+
+[[noreturn]] void refuse(const char* name, const Any& array, const std::string& wanted,
+                         const std::string& remedy = {}) {
+  throw std::invalid_argument(std::string(name) + ": an array of " + type_of(array) + ", shape " + shape_of(array) +
+                              ", but " + wanted + " is needed" + (remedy.empty() ? "" : ": " + remedy));
+}
+
+template <class Scalar>
+double at(const Any& array, const std::size_t* index) {
+  std::int64_t offset = 0;
+  for (std::size_t i = 0; i < array.ndim(); ++i) offset += array.stride(i) * static_cast<std::int64_t>(index[i]);
+  return static_cast<double>(static_cast<const Scalar*>(array.data())[offset]);
+}
+double number(const Any& array, std::size_t i, std::size_t j) {
+  const std::size_t index[]{i, j};
+  return array.dtype().bits == 32 ? at<float>(array, index) : at<double>(array, index);
+}
+
+Any rows_of(nb::handle given, const char* name, std::size_t columns, const char* each) {
+  const std::string wanted = "an array of float32 or float64, shape (n, " + std::to_string(columns) + ")" + each + ",";
+  Any array = array_of(given, name, wanted);
+  if (array.ndim() != 2 || array.shape(1) != columns) refuse(name, array, wanted);
+  if (!is_float(array)) refuse(name, array, wanted, std::string(name) + ".astype(float)");
+  return array;
+}
+
+}  // namespace
+
+std::string describe(nb::handle object) {
+  Any array;
+  if (nb::try_cast(object, array, false) && array.is_valid()) {
+    return "an array of " + type_of(array) + ", shape " + shape_of(array);
+  }
+  if (object.is_none()) return "None";
+  return "an object of type " + nb::cast<std::string>(nb::str(nb::handle(object.type()).attr("__name__")));
+}
+
+Positions::Positions(nb::handle given, const char* name) : Positions() {
+  read(given, name, 2);
+}
+
+Positions Positions::frames(nb::handle given, const char* name) {
+  Positions positions;
+  positions.read(given, name, 3);
+  return positions;
+}
+
+Positions::Positions(const Positions& frames, std::size_t frame) : Positions() {
+  array_ = frames.array_;
+  copy_ = frames.copy_;
+  const auto* first = frames.view_.address(0) + static_cast<std::ptrdiff_t>(frame) * frames.frame_stride_;
+  const std::size_t stride = static_cast<std::size_t>(frames.view_.address(1) - frames.view_.address(0));
+  view_ = frames.view_.is_double()
+              ? PositionView::strided(reinterpret_cast<const double*>(first), frames.view_.size(), stride)
+              : PositionView::strided(reinterpret_cast<const float*>(first), frames.view_.size(), stride);
+}
+
+void Positions::read(nb::handle given, const char* name, std::size_t axes) {
+  const std::string wanted = axes == 2 ? "an array of float32 or float64, shape (vertices, 3),"
+                                       : "an array of float32 or float64, shape (frames, vertices, 3),";
+  array_ = array_of(given, name, wanted);
+  if (array_.ndim() != axes || array_.shape(axes - 1) != 3) refuse(name, array_, wanted);
+  if (!is_float(array_)) refuse(name, array_, wanted, std::string(name) + ".astype(float)");
+  const std::size_t count = array_.shape(axes - 2);
+  const std::int64_t scalar = array_.dtype().bits / 8;
+  const bool is_double = scalar == 8;
+  if (axes == 3) frame_count_ = array_.shape(0);
+  if (array_.stride(axes - 1) == 1 && array_.stride(axes - 2) >= 0) {
+    const auto stride = static_cast<std::size_t>(array_.stride(axes - 2) * scalar);
+    view_ = is_double ? PositionView::strided(static_cast<const double*>(array_.data()), count, stride)
+                      : PositionView::strided(static_cast<const float*>(array_.data()), count, stride);
+    frame_stride_ = axes == 3 ? array_.stride(0) * scalar : 0;
+    return;
+  }
+  copy_ = std::make_shared<std::vector<Vec3>>(frame_count_ * count);
+  for (std::size_t i = 0; i < copy_->size(); ++i) {
+    double v[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t index[]{axes == 3 ? i / count : i, axes == 3 ? i % count : k, k};
+      v[k] = is_double ? at<double>(array_, index) : at<float>(array_, index);
+    }
+    (*copy_)[i] = {v[0], v[1], v[2]};
+  }
+  view_ = PositionView(std::span<const Vec3>(copy_->data(), count));
+  frame_stride_ = static_cast<std::int64_t>(count * sizeof(Vec3));
+}
+
+std::vector<Vec3> points_of(nb::handle given, const char* name) {
+  const Any array = rows_of(given, name, 3, "");
+  std::vector<Vec3> points(array.shape(0));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = {number(array, i, 0), number(array, i, 1), number(array, i, 2)};
+  return points;
+}
+
+std::vector<Sphere> spheres_of(nb::handle given, const char* name) {
+  const Any array = rows_of(given, name, 4, ", x y z radius,");
+  std::vector<Sphere> spheres(array.shape(0));
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    spheres[i] = {{number(array, i, 0), number(array, i, 1), number(array, i, 2)}, number(array, i, 3)};
+  }
+  return spheres;
+}
+
+std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<std::int64_t> axes,
+                               std::vector<std::size_t>& shape) {
+  std::string wanted = "an array of float32 or float64, shape (";
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    wanted += (i > 0 ? ", " : "") + (axes[i] < 0 ? std::string("n") : std::to_string(axes[i]));
+  wanted += axes.size() == 1 ? ",)," : "),";
+  const Any array = array_of(given, name, wanted);
+  bool fits = array.ndim() == axes.size();
+  for (std::size_t i = 0; fits && i < axes.size(); ++i) {
+    fits = axes[i] < 0 || array.shape(i) == static_cast<std::size_t>(axes[i]);
+  }
+  if (!fits) refuse(name, array, wanted);
+  if (!is_float(array)) refuse(name, array, wanted, std::string(name) + ".astype(float)");
+  shape.assign(array.ndim(), 0);
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < shape.size(); ++i) count *= shape[i] = array.shape(i);
+  std::vector<double> numbers(count);
+  std::vector<std::size_t> index(shape.size(), 0);
+  for (double& n : numbers) {
+    n = array.dtype().bits == 32 ? at<float>(array, index.data()) : at<double>(array, index.data());
+    for (std::size_t axis = index.size(); axis-- > 0 && ++index[axis] == shape[axis];) index[axis] = 0;
+  }
+  return numbers;
+}
+
+namespace {
+
+template <class Integer>
+void read_integers(const Any& array, const char* name, std::uint32_t* to) {
+  const std::size_t columns = array.ndim() == 2 ? array.shape(1) : 1;
+  const std::int64_t across = array.ndim() == 2 ? array.stride(1) : 0;
+  for (std::size_t i = 0; i < array.shape(0); ++i) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Integer value = static_cast<const Integer*>(
+          array.data())[array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k)];
+      if (!std::in_range<std::uint32_t>(value)) {
+        throw std::invalid_argument(std::string(name) + ": row " + std::to_string(i) + " holds " +
+                                    std::to_string(value) + ", but indices are 0 to 4294967295");
+      }
+      *to++ = static_cast<std::uint32_t>(value);
+    }
+  }
+}
+
+void read_integers(const Any& array, const char* name, const std::string& wanted, std::uint32_t* to) {
+  const bool is_signed = is_kind(array, nb::dlpack::dtype_code::Int);
+  if (!is_signed && !is_kind(array, nb::dlpack::dtype_code::UInt)) {
+    refuse(name, array, wanted, std::string(name) + ".astype(numpy.uint32)");
+  }
+  switch (array.dtype().bits) {
+    case 8:
+      return is_signed ? read_integers<std::int8_t>(array, name, to) : read_integers<std::uint8_t>(array, name, to);
+    case 16:
+      return is_signed ? read_integers<std::int16_t>(array, name, to) : read_integers<std::uint16_t>(array, name, to);
+    case 32:
+      return is_signed ? read_integers<std::int32_t>(array, name, to) : read_integers<std::uint32_t>(array, name, to);
+    case 64:
+      return is_signed ? read_integers<std::int64_t>(array, name, to) : read_integers<std::uint64_t>(array, name, to);
+    default:
+      refuse(name, array, wanted);
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> indices_of(nb::handle given, const char* name) {
+  const std::string wanted = "an array of integers, shape (n,),";
+  const Any array = array_of(given, name, wanted);
+  if (array.ndim() != 1) refuse(name, array, wanted);
+  std::vector<std::uint32_t> indices(array.shape(0));
+  read_integers(array, name, wanted, indices.data());
+  return indices;
+}
+
+std::vector<Facet> facets_of(nb::handle given, const char* name) {
+  const std::string wanted = "an array of integers, shape (facets, 3),";
+  const Any array = array_of(given, name, wanted);
+  if (array.ndim() == 1 && array.shape(0) > 0 && array.shape(0) % 4 == 0) {
+    refuse(name, array, wanted,
+           "if these are PyVista's padded faces, give " + std::string(name) + ".reshape(-1, 4)[:, 1:]");
+  }
+  if (array.ndim() != 2 || array.shape(1) != 3) {
+    refuse(name, array, wanted, array.ndim() == 2 && array.shape(1) == 4 ? "divide quadrangles into triangles" : "");
+  }
+  std::vector<Facet> facets(array.shape(0));
+  read_integers(array, name, wanted, reinterpret_cast<std::uint32_t*>(facets.data()));
+  return facets;
+}
+
+namespace {
+
+std::shared_ptr<const Mesh> mesh_of_arrays(nb::handle positions, nb::handle facets, const char* positions_name,
+                                           const char* facets_name) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->positions = points_of(positions, positions_name);
+  mesh->facets = facets_of(facets, facets_name);
+  for (std::size_t f = 0; f < mesh->facets.size(); ++f) {
+    for (const std::uint32_t vertex : mesh->facets[f]) {
+      if (vertex >= mesh->positions.size()) {
+        throw std::invalid_argument(std::string(facets_name) + ": row " + std::to_string(f) + " names vertex " +
+                                    std::to_string(vertex) + " of " + std::to_string(mesh->positions.size()));
+      }
+    }
+  }
+  return mesh;
+}
+
+/// Triangles of a meshio.Mesh: of all its blocks, one after the other.
+std::shared_ptr<const Mesh> mesh_of_cells(nb::handle given, const char* name) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->positions = points_of(nb::object(given.attr("points")), (std::string(name) + ".points").c_str());
+  for (nb::handle block : given.attr("cells")) {
+    const auto type = nb::cast<std::string>(nb::object(block.attr("type")));
+    if (type == "vertex" || type == "line") continue;
+    if (type != "triangle") {
+      throw std::invalid_argument(std::string(name) + ": a meshio.Mesh with cells of type '" + type +
+                                  "', but triangles are needed: take the triangles of its surface");
+    }
+    const std::vector<Facet> facets = facets_of(nb::object(block.attr("data")), (std::string(name) + ".cells").c_str());
+    mesh->facets.insert(mesh->facets.end(), facets.begin(), facets.end());
+  }
+  for (const Facet& f : mesh->facets) {
+    for (const std::uint32_t vertex : f) {
+      if (vertex >= mesh->positions.size()) {
+        throw std::invalid_argument(std::string(name) + ".cells: vertex " + std::to_string(vertex) + " of " +
+                                    std::to_string(mesh->positions.size()));
+      }
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::shared_ptr<const Mesh> mesh_of(const MeshGiven& given, const char* name) {
+  const nb::handle object = given.object;
+  if (nb::isinstance<Mesh>(object)) return nb::cast<std::shared_ptr<Mesh>>(object);
+  if (PyTuple_Check(object.ptr()) && PyTuple_Size(object.ptr()) == 2) {
+    return mesh_of_arrays(object[0], object[1], (std::string(name) + "[0]").c_str(),
+                          (std::string(name) + "[1]").c_str());
+  }
+  if (nb::hasattr(object, "vertices") && nb::hasattr(object, "faces")) {
+    return mesh_of_arrays(nb::object(object.attr("vertices")), nb::object(object.attr("faces")),
+                          (std::string(name) + ".vertices").c_str(), (std::string(name) + ".faces").c_str());
+  }
+  if (nb::hasattr(object, "points") && nb::hasattr(object, "cells") && nb::hasattr(object, "cells_dict")) {
+    return mesh_of_cells(object, name);
+  }
+  if (nb::hasattr(object, "points") && nb::hasattr(object, "faces")) {
+    const std::string n = name;
+    throw nb::type_error((n + ": " + describe(object) + ", whose faces are padded (PyVista); give morula.Mesh(" + n +
+                          ".points, " + n + ".triangulate().faces.reshape(-1, 4)[:, 1:])")
+                             .c_str());
+  }
+  throw nb::type_error((std::string(name) + ": " + describe(object) +
+                        ", but a mesh is needed: a morula.Mesh, anything with .vertices and .faces (such as "
+                        "trimesh.Trimesh), a meshio.Mesh of triangles, or a tuple (positions, facets)")
+                           .c_str());
+}
+
+}  // namespace morula::python

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Arrays: in as they are, where their layout allows it; out as views that keep their owner.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <morula/geometry/mesh.hpp>
+#include <morula/geometry/positions.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "casters.hpp"
+
+namespace morula::python {
+
+/// "an array of int64, shape (5, 3)", "a list": for messages.
+std::string describe(nb::handle object);
+
+/// Positions of one frame, as an array gives them. Nothing is copied when the three numbers of a vertex lie together
+/// and vertices are at equal distances: C order, slices, columns of records. Else they are copied, as double.
+class Positions {
+ public:
+  /// Throws ValueError or TypeError that names the argument, its type and shape, and the remedy.
+  Positions(nb::handle given, const char* name);
+  /// One frame of an array of frames.
+  Positions(const Positions& frames, std::size_t frame);
+  Positions(Positions&&) = default;
+  Positions& operator=(Positions&&) = default;
+  const PositionView& view() const { return view_; }
+  std::size_t frame_count() const { return frame_count_; }
+  /// Of shape (frames, vertices, 3).
+  static Positions frames(nb::handle given, const char* name);
+
+ private:
+  Positions() : view_(std::span<const Vec3>()) {}
+  void read(nb::handle given, const char* name, std::size_t axes);
+
+  nb::ndarray<nb::ro> array_;
+  std::shared_ptr<std::vector<Vec3>> copy_;
+  PositionView view_;
+  std::size_t frame_count_ = 1;
+  std::int64_t frame_stride_ = 0;  // bytes
+};
+
+/// Copies of what comes in as any float array: rows of three, four, or any number of numbers.
+std::vector<Vec3> points_of(nb::handle given, const char* name);
+std::vector<Sphere> spheres_of(nb::handle given, const char* name);
+/// shape: of the array, as many axes as `axes` says; -1 there stands for any length.
+std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<std::int64_t> axes,
+                               std::vector<std::size_t>& shape);
+/// Any integers, checked: none negative, none beyond 32 bits.
+std::vector<std::uint32_t> indices_of(nb::handle given, const char* name);
+std::vector<Facet> facets_of(nb::handle given, const char* name);
+
+template <class Scalar, nb::ssize_t... Shape>
+using View = nb::ndarray<nb::numpy, const Scalar, nb::shape<Shape...>>;
+using Points = View<double, -1, 3>;
+using SphereRows = View<double, -1, 4>;
+using Numbers = View<double, -1>;
+using Indices = View<std::uint32_t, -1>;
+using IndexTriples = View<std::uint32_t, -1, 3>;
+using IndexPairs = View<std::uint32_t, -1, 2>;
+using Flags = View<bool, -1>;
+
+/// Views of memory that `owner` keeps.
+inline Points points(std::span<const Vec3> p, nb::handle owner) {
+  return Points(reinterpret_cast<const double*>(p.data()), {p.size(), 3}, owner);
+}
+inline SphereRows sphere_rows(std::span<const Sphere> s, nb::handle owner) {
+  return SphereRows(reinterpret_cast<const double*>(s.data()), {s.size(), 4}, owner);
+}
+inline IndexTriples triples(std::span<const Facet> f, nb::handle owner) {
+  return IndexTriples(reinterpret_cast<const std::uint32_t*>(f.data()), {f.size(), 3}, owner);
+}
+inline Indices indices(std::span<const std::uint32_t> i, nb::handle owner) {
+  return Indices(i.data(), {i.size()}, owner);
+}
+inline Numbers numbers(std::span<const double> n, nb::handle owner) {
+  return Numbers(n.data(), {n.size()}, owner);
+}
+
+/// Moves a vector to where an array keeps it.
+template <class T>
+std::pair<std::vector<T>*, nb::capsule> kept(std::vector<T>&& values) {
+  auto* moved = new std::vector<T>(std::move(values));
+  return {moved, nb::capsule(moved, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); })};
+}
+inline Points own_points(std::vector<Vec3>&& p) {
+  auto [values, owner] = kept(std::move(p));
+  return points(*values, owner);
+}
+inline SphereRows own_spheres(std::vector<Sphere>&& s) {
+  auto [values, owner] = kept(std::move(s));
+  return sphere_rows(*values, owner);
+}
+inline Indices own_indices(std::vector<std::uint32_t>&& i) {
+  auto [values, owner] = kept(std::move(i));
+  return indices(*values, owner);
+}
+inline Numbers own_numbers(std::vector<double>&& n) {
+  auto [values, owner] = kept(std::move(n));
+  return numbers(*values, owner);
+}
+
+/// One member of many records, as a strided view.
+template <class Record, class Scalar>
+View<Scalar, -1> column(std::span<const Record> records, const Scalar* first, nb::handle owner) {
+  static_assert(sizeof(Record) % sizeof(Scalar) == 0);
+  const std::int64_t strides[]{static_cast<std::int64_t>(sizeof(Record) / sizeof(Scalar))};
+  const std::size_t shape[]{records.size()};
+  return View<Scalar, -1>(first, 1, shape, owner, strides);
+}
+template <class Record, class Row>
+View<double, -1, 3> column3(std::span<const Record> records, const Row* first, nb::handle owner) {
+  static_assert(sizeof(Record) % sizeof(double) == 0 && sizeof(Row) == 3 * sizeof(double));
+  const std::int64_t strides[]{static_cast<std::int64_t>(sizeof(Record) / sizeof(double)), 1};
+  const std::size_t shape[]{records.size(), 3};
+  return View<double, -1, 3>(reinterpret_cast<const double*>(first), 2, shape, owner, strides);
+}
+
+/// A mesh of ours, anything with `vertices` and `faces`, a meshio.Mesh, or a tuple of two arrays.
+/// Throws ValueError or TypeError that names the argument and the remedy.
+std::shared_ptr<const Mesh> mesh_of(const MeshGiven& given, const char* name = "mesh");
+
+}  // namespace morula::python

@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Building trees, with progress and Ctrl-C.
+#include <morula/morula.hpp>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+namespace {
+
+template <class Value>
+std::vector<std::string> names(std::span<const Value> values) {
+  std::vector<std::string> all;
+  for (const Value value : values) all.emplace_back(name(value));
+  return all;
+}
+
+/// Ctrl-C, then what the caller wants to be told. What these raise ends the build.
+std::function<void(const BuildProgress&)> progress_of(const nb::object& callback) {
+  return [&callback, check = SignalCheck()](const BuildProgress& progress) mutable {
+    check();
+    if (callback.is_none()) return;
+    const nb::gil_scoped_acquire gil;
+    callback(progress);
+  };
+}
+
+constexpr const char* build_text = R"(
+
+mesh is anything that is one: morula.Mesh, trimesh.Trimesh, meshio.Mesh, (positions, facets). Other threads run
+meanwhile, and Ctrl-C ends it with KeyboardInterrupt.)";
+
+}  // namespace
+
+void bind_build(nb::module_& m) {
+  m.def(
+      "all_methods", [] { return names(all_methods()); }, "Names of the generators.");
+  m.def(
+      "all_reductions", [] { return names(all_reductions()); }, doc::Reduction);
+  m.def(
+      "all_optimisers", [] { return names(all_optimisers()); }, "Names of the optimisers.");
+  m.def(
+      "all_qualities", [] { return names(all_qualities()); }, doc::Quality);
+  m.def("automatic_depth", &automatic_depth, nb::arg("facet_count"), nb::arg("branching") = 8, doc::automatic_depth);
+
+  Record<BuildProgress>(m, "BuildProgress", doc::BuildProgress)
+      .field("share", &BuildProgress::share, doc::BuildProgress_share)
+      .field("level", &BuildProgress::level, doc::BuildProgress_level)
+      .field("seconds_left", &BuildProgress::seconds_left, doc::BuildProgress_seconds_left);
+
+  m.def(
+      "build",
+      [](MeshGiven given, std::string_view method, int branching, std::optional<int> depth, std::size_t spheres,
+         double max_protrusion, bool nested, std::uint64_t seed, const std::vector<std::string>& reducers,
+         std::string_view optimiser, double balance_excess, std::string_view quality, double time_limit_seconds,
+         nb::object progress, Threads* workers) {
+        BuildOptions options;
+        options.method = choice<Method>(method, "method", method_from_name, all_methods());
+        options.branching = branching;
+        options.depth = depth;
+        options.spheres = spheres;
+        options.max_protrusion = max_protrusion;
+        options.nested = nested;
+        options.seed = seed;
+        for (const std::string& reducer : reducers) {
+          options.reducers.push_back(choice<Reduction>(reducer, "reducers", reduction_from_name, all_reductions()));
+        }
+        options.optimiser = choice<Optimiser>(optimiser, "optimiser", optimiser_from_name, all_optimisers());
+        options.balance_excess = balance_excess;
+        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.time_limit_seconds = time_limit_seconds;
+        options.progress = progress_of(progress);
+        const auto mesh = mesh_of(given);
+        return without_gil([&] { return std::make_shared<CoveredTree>(build(*mesh, options, CallWorkers(workers))); });
+      },
+      nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("branching") = 8,
+      nb::arg("depth") = nb::none(), nb::arg("spheres") = 0, nb::arg("max_protrusion") = 0.0, nb::arg("nested") = false,
+      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimiser") = "none",
+      nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default", nb::arg("time_limit_seconds") = 0.0,
+      nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::sig("def build(mesh: morula.typing.MeshLike, *, method: str = 'morula', branching: int = 8, "
+              "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
+              "seed: int = 1, reducers: collections.abc.Sequence[str] = [], optimiser: str = 'none', "
+              "balance_excess: float = 0.0, quality: str = 'default', time_limit_seconds: float = 0.0, "
+              "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
+              "workers: Workers | None = None) -> CoveredTree"),
+      (with_arguments(doc::build,
+                      {{"method", "octree, grid, hubbard, spawn, medial, combined or morula: all_methods()"},
+                       {"branching", doc::BuildOptions_branching},
+                       {"depth", doc::BuildOptions_depth},
+                       {"spheres", doc::BuildOptions_spheres},
+                       {"max_protrusion", doc::BuildOptions_max_protrusion},
+                       {"nested", doc::BuildOptions_nested},
+                       {"seed", doc::BuildOptions_seed},
+                       {"reducers", doc::BuildOptions_reducers},
+                       {"optimiser", doc::BuildOptions_optimiser},
+                       {"balance_excess", doc::BuildOptions_balance_excess},
+                       {"quality", doc::BuildOptions_quality},
+                       {"time_limit_seconds", doc::BuildOptions_time_limit_seconds},
+                       {"progress", "called with a BuildProgress now and then; what it raises ends the build"},
+                       {"workers", "threads; none: the caller's"}}) +
+       build_text)
+          .c_str());
+
+  m.def(
+      "principal_strains",
+      [](MeshGiven given, double most) {
+        nb::list poses;
+        for (NamedPose& pose : principal_strains(*mesh_of(given), most)) {
+          poses.append(nb::make_tuple(pose.name, own_points(std::move(pose.positions))));
+        }
+        return poses;
+      },
+      nb::arg("mesh"), nb::arg("most") = 2.0,
+      nb::sig("def principal_strains(mesh: morula.typing.MeshLike, most: float = 2.0) -> "
+              "list[tuple[str, numpy.typing.NDArray[numpy.float64]]]"),
+      doc::principal_strains);
+  Record<KnownPosesReport>(m, "KnownPosesReport", "What add_known_poses() did.")
+      .field("added", &KnownPosesReport::added)
+      .field("worst", &KnownPosesReport::worst, doc::KnownPosesReport_worst);
+  m.def(
+      "with_known_poses",
+      [](MeshGiven given, const CoveredTree& built, nb::iterable poses, std::string_view method,
+         std::string_view quality, std::uint64_t seed, double looser_by, std::size_t most, Threads* workers) {
+        KnownPoseOptions options;
+        options.method = choice<Method>(method, "method", method_from_name, all_methods());
+        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.seed = seed;
+        options.looser_by = looser_by;
+        options.most = most;
+        options.progress = [check = SignalCheck()](std::size_t, double) mutable { check(); };
+        const auto mesh = mesh_of(given);
+        std::vector<NamedPose> named;
+        for (nb::handle pose : poses) {
+          named.push_back({nb::cast<std::string>(nb::object(pose[0])), points_of(nb::object(pose[1]), "poses")});
+        }
+        auto copy = std::make_shared<CoveredTree>(built);
+        const KnownPosesReport report =
+            without_gil([&] { return add_known_poses(*mesh, *copy, named, options, CallWorkers(workers)); });
+        return std::make_pair(copy, report);
+      },
+      nb::arg("mesh"), nb::arg("built"), nb::arg("poses"), nb::kw_only(), nb::arg("method") = "morula",
+      nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("looser_by") = 1.5, nb::arg("most") = 12,
+      nb::arg("workers") = nb::none(),
+      nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, built: CoveredTree, "
+              "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: str = 'morula', "
+              "quality: str = 'default', seed: int = 1, looser_by: float = 1.5, most: int = 12, "
+              "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),
+      (std::string("A copy of the tree with known poses, pairs of name and positions (vertices, 3). ") +
+       doc::add_known_poses)
+          .c_str());
+}
+
+}  // namespace morula::python

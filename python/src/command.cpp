@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The command inside the package: `python -m morula`.
+#include <batch/job.hpp>
+#include <command_line.hpp>
+#include <shared/console.hpp>
+#include <shared/interrupt.hpp>
+
+#include "holders.hpp"
+#include "module.hpp"
+
+namespace morula::python {
+
+void bind_command(nb::module_& m) {
+  m.def(
+      "command_line",
+      [](std::vector<std::string> arguments, const std::vector<std::string>& program) {
+        if (!program.empty()) cli::start_jobs_as(program[0], program);
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        return without_gil([&] {
+          const bool has_stdout = cli::open_standard_streams();
+          cli::watch_signals();
+          return cli::command_line(static_cast<int>(arguments.size()), argv.data(), has_stdout);
+        });
+      },
+      nb::arg("arguments"), nb::arg("program") = std::vector<std::string>{},
+      "Runs the command; the first argument is its name. program: how the command is started again, for the jobs of "
+      "`batch`. Returns its exit code. Takes over the signals of the process: "
+      "for `python -m morula` alone.");
+}
+
+}  // namespace morula::python

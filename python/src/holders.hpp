@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Holders: the library's objects with what Python needs beside them. Locks, since updates run without the interpreter's
+// lock, and the arrays and objects that the library borrows.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <morula/collide/budget.hpp>
+#include <morula/collide/collider.hpp>
+#include <morula/morula.hpp>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+
+namespace morula::python {
+
+/// Runs f without the interpreter's lock.
+template <class F>
+auto without_gil(const F& f) {
+  const nb::gil_scoped_release released;
+  return f();
+}
+
+/// A pool of threads, for one call at a time; others wait.
+struct Threads {
+  Workers workers;
+  std::mutex mutex;
+
+  explicit Threads(unsigned count) : workers(count) {}
+};
+
+/// The workers of a call: those given, or the caller's own thread. Made without the interpreter's lock.
+class CallWorkers {
+ public:
+  explicit CallWorkers(Threads* threads) {
+    if (threads) {
+      lock_ = std::unique_lock(threads->mutex);
+      workers_ = &threads->workers;
+    } else {
+      workers_ = &serial_workers();
+    }
+  }
+  operator Workers&() { return *workers_; }
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+  Workers* workers_;
+};
+
+/// Throws ValueError with the words of a status that is not ok.
+inline void require(const Status& status) {
+  if (!status) throw std::invalid_argument(message(status));
+}
+
+/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
+inline void check_signals() {
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
+class SignalCheck {
+ public:
+  /// Without the interpreter's lock. Throws what the signal's handler has raised.
+  void operator()() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(20)) return;
+    last_ = now;
+    const nb::gil_scoped_acquire gil;
+    check_signals();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// What colliders ask: spheres that may move.
+struct Posed {
+  virtual ~Posed() = default;
+  virtual const PosedTree& pose() const = 0;
+  /// The body whose spheres these are; nothing of spheres without one.
+  virtual Body* body() { return nullptr; }
+  /// Counts changes of the tree itself, whose colliders are then out of date.
+  virtual std::uint64_t epoch() const { return 0; }
+
+  std::uint64_t frame() const { return pose().frame + (epoch() << 40); }
+
+  mutable std::shared_mutex mutex;
+};
+
+struct PosedBody : Posed {
+  std::shared_ptr<const Mesh> mesh;
+  std::unique_ptr<Body> owned;
+  std::vector<Positions> last;  // what the body borrows until the next update: none or one
+
+  const PosedTree& pose() const override { return owned->pose(); }
+  Body* body() override { return owned.get(); }
+};
+
+struct PosedRebuilt : Posed {
+  std::shared_ptr<const Mesh> mesh;
+  std::unique_ptr<RebuiltBody> owned;
+  std::vector<Positions> last;
+
+  const PosedTree& pose() const override { return owned->body().pose(); }
+  Body* body() override { return const_cast<Body*>(&owned->body()); }
+  std::uint64_t epoch() const override { return owned->epoch(); }
+};
+
+struct PosedRows : Posed {
+  std::unique_ptr<PosedSpheres> owned;
+  const PosedTree& pose() const override { return owned->pose(); }
+};
+
+/// A collider and what it borrows.
+struct Side {
+  std::shared_ptr<Posed> posed;
+  std::shared_ptr<const Mesh> mesh;          // or none
+  std::shared_ptr<const CoveredTree> built;  // or none
+  std::unique_ptr<Collider> collider;
+  std::uint64_t epoch = 0;
+  std::vector<Positions> given;  // none or one
+
+  /// Throws RuntimeError when the body has another tree now.
+  const Collider& current() const {
+    if (posed->epoch() != epoch) {
+      throw std::runtime_error("the body was rebuilt and has another tree now: make another Collider");
+    }
+    return *collider;
+  }
+};
+
+/// Locks what a query reads. Without the interpreter's lock.
+class Reading {
+ public:
+  /// exclusive: the query brings spheres up to date itself.
+  explicit Reading(std::vector<const Side*> sides, bool exclusive = false);
+
+ private:
+  std::vector<std::shared_lock<std::shared_mutex>> shared_;
+  std::vector<std::unique_lock<std::shared_mutex>> exclusive_;
+};
+
+/// A collider, or a body that becomes one for this call.
+std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name);
+
+/// None: unlimited; an integer: pair tests; a datetime.timedelta or a text such as "200us": time.
+Budget budget_of(const BudgetGiven& given, const char* name = "budget");
+
+/// The value that a text names. Throws ValueError with the names there are.
+template <class Value, class Find, class All>
+Value choice(std::string_view text, const char* argument, const Find& find, const All& all) {
+  if (const auto found = find(text)) return *found;
+  std::string known;
+  for (const auto& value : all) known += (known.empty() ? "" : ", ") + std::string(name(value));
+  throw std::invalid_argument(std::string(argument) + ": '" + std::string(text) + "', but there are only " + known);
+}
+template <class Value>
+Value choice(std::string_view text, const char* argument, std::initializer_list<std::pair<const char*, Value>> all) {
+  std::string known;
+  for (const auto& [word, value] : all) {
+    if (text == word) return value;
+    known += (known.empty() ? "" : ", ") + std::string(word);
+  }
+  throw std::invalid_argument(std::string(argument) + ": '" + std::string(text) + "', but there are only " + known);
+}
+
+}  // namespace morula::python

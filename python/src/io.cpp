@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Files: meshes, trees, spheres of frames, motions, modes, skins, balls.
+#include <morula/morula.hpp>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "motion.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+namespace {
+
+using Path = FilePath;
+
+struct SpheresOfFrames {
+  SphereTree tree;
+  std::vector<Sphere> spheres;
+  std::size_t frame_count = 0;
+};
+
+}  // namespace
+
+void bind_io(nb::module_& m) {
+  m.def("readable_mesh_extensions", &readable_mesh_extensions, doc::readable_mesh_extensions);
+  m.def(
+      "read_mesh",
+      [](const Path& path) { return std::make_shared<Mesh>(without_gil([&] { return read_mesh(path); })); },
+      nb::arg("path"), doc::read_mesh);
+  m.def(
+      "write_mesh",
+      [](const Path& path, MeshGiven given, nb::handle at) {
+        const auto mesh = mesh_of(given);
+        if (at.is_none()) return without_gil([&] { write_mesh(path, *mesh); });
+        const Positions positions(at, "positions");
+        if (positions.view().size() != mesh->vertex_count())
+          throw std::invalid_argument("positions: one row per vertex is needed");
+        without_gil([&] { write_mesh(path, {positions.view(), mesh->facets}); });
+      },
+      nb::arg("path"), nb::arg("mesh"), nb::arg("positions") = nb::none(),
+      nb::sig("def write_mesh(path: str | os.PathLike[str], mesh: morula.typing.MeshLike, "
+              "positions: morula.typing.FloatArray | None = None) -> None"),
+      doc::write_mesh);
+
+  nb::class_<TreeFile>(m, "TreeFile", doc::TreeFile)
+      .def_prop_ro("tree", [](const TreeFile& f) { return f.tree; })
+      .def_prop_ro(
+          "cover", [](const TreeFile& f) { return f.cover; }, doc::TreeFile_cover)
+      .def_prop_ro(
+          "report", [](const TreeFile& f) { return f.report; }, doc::TreeFile_report)
+      .def_prop_ro(
+          "poses", [](const TreeFile& f) { return f.poses; }, doc::TreeFile_poses);
+  m.def(
+      "read_tree",
+      [](const Path& path, Vec3 sph_origin) { return without_gil([&] { return read_tree(path, {sph_origin}); }); },
+      nb::arg("path"), nb::arg("sph_origin") = Vec3{},
+      with_arguments(doc::read_tree, {{"sph_origin", doc::ReadTreeOptions_sph_origin}}).c_str());
+  m.def(
+      "read_covered_tree",
+      [](const Path& path, MeshGiven given, Vec3 sph_origin, Threads* workers) {
+        const auto mesh = mesh_of(given);
+        return without_gil([&] {
+          return std::make_shared<CoveredTree>(read_covered_tree(path, *mesh, {sph_origin}, CallWorkers(workers)));
+        });
+      },
+      nb::arg("path"), nb::arg("mesh"), nb::arg("sph_origin") = Vec3{}, nb::arg("workers") = nb::none(),
+      doc::read_covered_tree);
+  m.def(
+      "write_tree", [](const Path& path, const CoveredTree& built) { without_gil([&] { write_tree(path, built); }); },
+      nb::arg("path"), nb::arg("built"), doc::write_tree);
+  m.def(
+      "write_tree", [](const Path& path, const SphereTree& tree) { without_gil([&] { write_tree(path, tree); }); },
+      nb::arg("path"), nb::arg("tree"), doc::write_tree_2);
+
+  nb::class_<SpheresOfFrames>(m, "SphereFrames", "The spheres of all frames of a motion, and their tree.")
+      .def_prop_ro(
+          "tree", [](const SpheresOfFrames& f) { return f.tree; }, "That of the first frame.")
+      .def_prop_ro(
+          "spheres",
+          [](nb::handle self) {
+            const auto& f = nb::cast<const SpheresOfFrames&>(self);
+            return View<double, -1, -1, 4>(reinterpret_cast<const double*>(f.spheres.data()),
+                                           {f.frame_count, f.tree.node_count(), 4}, self);
+          },
+          "(frames, nodes, 4) float64, mesh units.")
+      .def("__len__", [](const SpheresOfFrames& f) { return f.frame_count; });
+  m.def(
+      "read_sphere_frames",
+      [](const Path& path) {
+        return without_gil([&] {
+          const SphereFrames file(path);
+          SpheresOfFrames all;
+          all.frame_count = file.frame_count();
+          SignalCheck check;
+          for (std::size_t i = 0; i < all.frame_count; ++i) {
+            SphereTree frame = file.frame(i);
+            all.spheres.insert(all.spheres.end(), frame.spheres.begin(), frame.spheres.end());
+            if (i == 0) all.tree = std::move(frame);
+            check();
+          }
+          return all;
+        });
+      },
+      nb::arg("path"), doc::SphereFrames);
+  m.def(
+      "write_sphere_frames",
+      [](const Path& path, const SphereTree& tree, ArrayGiven given) {
+        std::vector<std::size_t> shape;
+        const std::vector<double> numbers =
+            numbers_of(given.object, "spheres", {-1, static_cast<std::int64_t>(tree.node_count()), 4}, shape);
+        without_gil([&] {
+          SphereFramesWriter writer(path, tree, shape[0]);
+          const auto* spheres = reinterpret_cast<const Sphere*>(numbers.data());
+          for (std::size_t i = 0; i < shape[0]; ++i) writer.write({spheres + i * shape[1], shape[1]});
+          writer.finish();
+        });
+      },
+      nb::arg("path"), nb::arg("tree"), nb::arg("spheres"), doc::SphereFramesWriter);
+
+  m.def(
+      "read_motion",
+      [](const Path& path, MeshGiven given, double frames_per_second, std::size_t animation) {
+        const auto mesh = mesh_of(given);
+        std::size_t frame_count = 0;
+        auto [values, owner] = kept(without_gil([&] {
+          const Motion motion(path, *mesh, {frames_per_second, animation});
+          frame_count = motion.frame_count();
+          std::vector<Vec3> all;
+          SignalCheck check;
+          for (std::size_t i = 0; i < frame_count; ++i) {
+            const std::vector<Vec3> frame = motion.frame(i);
+            all.insert(all.end(), frame.begin(), frame.end());
+            check();
+          }
+          return all;
+        }));
+        return View<double, -1, -1, 3>(reinterpret_cast<const double*>(values->data()),
+                                       {frame_count, mesh->vertex_count(), 3}, owner);
+      },
+      nb::arg("path"), nb::arg("mesh"), nb::kw_only(), nb::arg("frames_per_second") = 30.0, nb::arg("animation") = 0,
+      (std::string("All frames, (frames, vertices, 3) float64. ") + doc::Motion_Motion).c_str());
+  m.def(
+      "write_motion",
+      [](const Path& path, MeshGiven given, PositionsGiven rows, const std::string& extension) {
+        const auto mesh = mesh_of(given);
+        const Positions frames = Positions::frames(rows.object, "frames");
+        if (frames.view().size() != mesh->vertex_count())
+          throw std::invalid_argument("frames: one row per vertex of the mesh is needed");
+        std::vector<Positions> each;
+        for (std::size_t i = 0; i < frames.frame_count(); ++i) each.emplace_back(frames, i);
+        without_gil([&] {
+          MotionWriter writer(path, *mesh, each.size(), extension);
+          std::vector<Vec3> positions(mesh->vertex_count());
+          for (const Positions& frame : each) {
+            for (std::size_t v = 0; v < positions.size(); ++v) positions[v] = frame.view()[v];
+            writer.write(positions);
+          }
+          writer.finish();
+        });
+      },
+      nb::arg("path"), nb::arg("mesh"), nb::arg("frames"), nb::arg("extension") = ".obj",
+      doc::MotionWriter_MotionWriter);
+
+  m.def(
+      "read_modes", [](const Path& path, MeshGiven mesh) { return read_modes(path, *mesh_of(mesh)); }, nb::arg("path"),
+      nb::arg("mesh"), doc::read_modes);
+  m.def(
+      "write_modes", [](const Path& path, const Modes& modes) { write_modes(path, modes); }, nb::arg("path"),
+      nb::arg("modes"), doc::write_modes);
+  m.def(
+      "read_coordinates",
+      [](const Path& path, std::size_t mode_count) {
+        ModalCoordinates read = read_coordinates(path, mode_count);
+        const std::size_t frames = read.frame_count();
+        auto [values, owner] = kept(std::move(read.coordinates));
+        return View<double, -1, -1>(values->data(), {frames, mode_count}, owner);
+      },
+      nb::arg("path"), nb::arg("mode_count"), doc::read_coordinates);
+  m.def(
+      "read_skin", [](const Path& path, MeshGiven mesh) { return read_skin(path, *mesh_of(mesh)); }, nb::arg("path"),
+      nb::arg("mesh"), doc::read_skin);
+  m.def(
+      "write_skin", [](const Path& path, const Skin& skin) { write_skin(path, skin); }, nb::arg("path"),
+      nb::arg("skin"), doc::write_skin);
+  m.def(
+      "read_bone_frames",
+      [](const Path& path, std::size_t bone_count, double frames_per_second, std::size_t animation) {
+        const BoneFrames read = read_bone_frames(path, bone_count, {frames_per_second, animation});
+        const auto flat = own_transforms(read.transforms);
+        auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
+        return View<double, -1, -1, 3, 4>(values->data(), {read.frame_count(), bone_count, 3, 4}, owner);
+      },
+      nb::arg("path"), nb::arg("bone_count"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
+      nb::arg("animation") = 0, doc::read_bone_frames);
+  m.def(
+      "read_balls", [](const Path& path) { return own_spheres(read_balls(path)); }, nb::arg("path"), doc::read_balls);
+  m.def(
+      "write_balls", [](const Path& path, ArrayGiven balls) { write_balls(path, spheres_of(balls.object, "balls")); },
+      nb::arg("path"), nb::arg("balls"), doc::write_balls);
+}
+
+}  // namespace morula::python

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The extension morula._morula: everything of the library, under the same names.
+#include "module.hpp"
+
+#include <morula/morula.hpp>
+
+#include "holders.hpp"
+#include "records.hpp"
+
+NB_MODULE(_morula, m) {
+  using namespace morula;
+  using namespace morula::python;
+  m.doc() = "Certified sphere trees for deforming triangle meshes: the compiled part of the package morula.";
+  m.attr("version") = morula::version;
+
+  nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+    try {
+      std::rethrow_exception(p);
+    } catch (const FileError& error) {
+      PyErr_SetString(PyExc_OSError, error.what());
+    }
+  });
+  nb::exception<BuildStopped>(m, "BuildStopped", PyExc_RuntimeError).doc() = doc::BuildStopped;
+
+  nb::class_<Threads>(m, "Workers", "A pool of threads. Results never depend on how many there are.")
+      .def(nb::init<unsigned>(), nb::arg("thread_count") = 0, doc::Workers_Workers_2)
+      .def_prop_ro("thread_count", [](const Threads& self) { return self.workers.thread_count(); })
+      .def("__repr__", [](const Threads& self) {
+        return "Workers(thread_count=" + std::to_string(self.workers.thread_count()) + ")";
+      });
+
+  bind_meshes(m);
+  bind_tree(m);
+  bind_build(m);
+  bind_motion(m);
+  bind_update(m);
+  bind_shapes(m);
+  bind_accuracy(m);
+  bind_collide(m);
+  bind_surface(m);
+  bind_io(m);
+  bind_page(m);
+#ifdef MORULA_PYTHON_COMMAND
+  bind_command(m);
+#endif
+}

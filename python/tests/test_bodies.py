@@ -1,0 +1,280 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies: the same bits as the command's, views and their frames, threads, Ctrl-C."""
+
+import copy
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy
+import pytest
+
+import morula
+from conftest import covers_by_sampling
+
+
+@pytest.mark.parametrize("rule", ["traditional", "weighted", "approach1", "approach2", "exact", "wrapped"])
+def test_spheres_are_those_of_the_command(command, tmp_path, rule):
+    command("sample", "limb", "--resolution", "12", "-o", "limb.obj")
+    command("build", "limb.obj", "-o", "limb.morula", "--method", "grid", "--depth", "2")
+    command("deform", "limb.obj", "-o", "motion.npy", "--bend", "90", "--frames", "5")
+    command("update", "limb.obj", "limb.morula", "motion.npy", "-o", "theirs.npz", "--rule", rule)
+    mesh = morula.read_mesh(tmp_path / "limb.obj")
+    body = morula.Body(mesh, morula.read_covered_tree(tmp_path / "limb.morula", mesh), rules=rule)
+    frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=5)
+    assert numpy.array_equal(frames, numpy.load(tmp_path / "motion.npy"))
+    assert numpy.array_equal(body.follow(frames), numpy.load(tmp_path / "theirs.npz")["spheres"])
+
+
+def test_a_motion_in_one_call_is_one_update_after_the_other(limb, built, motion):
+    one, all_at_once = morula.Body(limb, built), morula.Body(limb, built)
+    moved = all_at_once.follow(motion[:5])
+    for positions, spheres in zip(motion[:5], moved):
+        one.update(positions)
+        assert numpy.array_equal(one.copy_spheres(), spheres)
+        assert covers_by_sampling(limb, positions, spheres[built.tree.level_set(2)])
+        assert one.certify(positions)
+    assert all_at_once.hash() == one.hash() and all_at_once.frame == one.frame == 5
+
+
+def test_layouts_and_types_give_the_same_spheres(limb, built, motion):
+    body = morula.Body(limb, built)
+    positions = motion[3].astype(numpy.float32)
+    body.update(positions)
+    expected = body.hash()
+    records = numpy.zeros(len(positions), dtype=[("mass", "f4"), ("x", "f4", 3), ("v", "f4", 3)])
+    records["x"] = positions
+    wide = numpy.zeros((len(positions), 5))
+    wide[:, 1:4] = positions
+    for same in (positions.astype(float), numpy.asfortranarray(positions), records["x"], wide[:, 1:4], positions[:, ::-1][:, ::-1]):
+        body.update(limb.positions)
+        body.update(same)
+        assert body.hash() == expected
+    frames = motion.astype(numpy.float32)
+    for same in (frames, numpy.asfortranarray(frames), frames.astype(float), frames[::-1][::-1]):
+        assert numpy.array_equal(body.follow(same), morula.Body(limb, built).follow(frames))
+
+
+def test_back_at_rest_the_spheres_are_those_of_rest(limb, built, motion):
+    body = morula.Body(limb, built)
+    rest = body.hash()
+    body.update(motion[4])
+    assert body.hash() != rest
+    body.update(limb.positions)
+    assert body.hash() == rest
+
+
+def test_what_is_refused_changes_nothing(limb, built, motion):
+    body = morula.Body(limb, built)
+    body.update(motion[2])
+    before = body.hash()
+    broken = numpy.array(motion[3])
+    broken[7, 1] = numpy.nan
+    with pytest.raises(ValueError, match="7"):
+        body.update(broken)
+    assert not body.is_current
+    with pytest.raises(ValueError):
+        body.update(motion[3][:-1])
+    with pytest.raises(ValueError, match=r"positions: an array of float64, shape \(.*, 2\)"):
+        body.update(motion[3][:, :2])
+    with pytest.raises(ValueError, match="frame 1"):
+        body.follow(numpy.stack([motion[2], broken]))
+    assert body.hash() == before
+    body.update(motion[3])
+    assert body.is_current
+
+
+def test_a_view_knows_its_frame(limb, built, motion):
+    body = morula.Body(limb, built)
+    body.update(motion[1])
+    view = body.spheres
+    copied = numpy.array(view)
+    assert copied.shape == view.shape == (len(built), 4) and copied.dtype == numpy.float32
+    assert numpy.allclose(copied[:, :3] + view.origin, body.copy_spheres()[:, :3])
+    assert numpy.array_equal(view[3], copied[3]) and len(view) == len(copied) and view.is_current
+    assert numpy.shares_memory(view.memory, body.spheres.memory)
+    body.update(motion[2])
+    assert not view.is_current and "no longer current" in repr(view)
+    for read in (lambda: numpy.asarray(view), lambda: view[0], lambda: view.origin, lambda: view.memory):
+        with pytest.raises(RuntimeError, match="older frame"):
+            read()
+    # Copies stay.
+    assert (copied[:, 3] > 0).all()
+
+
+def test_a_view_keeps_its_body(limb, built, motion):
+    view = morula.Body(limb, built).spheres
+    memory = morula.Body(limb, built).spheres.memory
+    assert numpy.array_equal(numpy.asarray(view), memory)
+
+
+def test_only_what_moved(limb, built):
+    body, whole = morula.Body(limb, built), morula.Body(limb, built)
+    positions = numpy.array(limb.positions)
+    body.update(positions)
+    positions[10:20] += 0.01
+    part = body.update(positions, changed=[(10, 20)])
+    full = whole.update(positions)
+    assert body.hash() == whole.hash() and part.vertices_read < full.vertices_read
+
+
+def test_modes_and_bones(limb, built):
+    modes = morula.sample_modes(limb.positions)
+    coordinates = morula.sample_coordinates(modes.mode_count, 6)
+    body = morula.Body(limb, built, rules="modal", modes=modes)
+    same = morula.Body(limb, built, rules=["modal"], modes=modes.displacements)
+    moved = body.follow_modal(coordinates)
+    for q, spheres in zip(coordinates, moved):
+        same.update_modal(q)
+        assert numpy.array_equal(same.copy_spheres(), spheres)
+        assert same.certify(morula.move_by_modes(modes, limb.positions, q))
+    # The formula, written again.
+    by_hand = limb.positions + numpy.einsum("j,jvd->vd", coordinates[3], modes.displacements)
+    assert numpy.allclose(morula.move_by_modes(modes, limb.positions, coordinates[3]), by_hand)
+    with pytest.raises(ValueError):
+        body.update(limb.positions)
+
+    skin = morula.sample_skin(limb.positions)
+    bones = morula.sample_bones(limb.positions, 5)
+    skinned = morula.Body(limb, built, rules="exact", skin=skin)
+    follower = morula.Body(limb, built)
+    for transforms in bones:
+        skinned.update_skinned(transforms)
+        follower.update(morula.move_by_skin(skin, limb.positions, transforms))
+        assert skinned.hash() == follower.hash()
+
+
+def test_a_rebuilding_body_covers_through_swaps(limb, built):
+    body = morula.RebuiltBody(limb, built, thread="caller", rebuild_every=3, gain=-1e9)
+    swapped = 0
+    for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=12, and_back=False):
+        swapped += body.update(positions).swapped
+        assert morula.certify(body.cover, positions, body.copy_spheres())
+    assert swapped == body.report.swapped > 0 and body.epoch == swapped
+
+
+def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, built):
+    body = morula.RebuiltBody(limb, built, thread="caller", rebuild_every=3, gain=-1e9)
+    collider = morula.Collider(body)
+    for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=8, and_back=False):
+        body.update(positions)
+    with pytest.raises(RuntimeError, match="another Collider"):
+        morula.overlap(collider, collider)
+    assert morula.overlap(body, body)
+
+
+def test_lazy_updates_reach_the_same_spheres(limb, built, motion):
+    lazy, whole = morula.Body(limb, built), morula.Body(limb, built)
+    whole.update(motion[4])
+    lazy.update_lazily(motion[4], 0)
+    assert not lazy.is_complete
+    for node in range(len(built)):
+        if not built.tree.is_leaf(node):
+            lazy.reach(node)
+    assert lazy.is_complete and numpy.array_equal(lazy.copy_spheres(), whole.copy_spheres())
+
+
+def test_copies_are_independent(limb, built, motion):
+    body = morula.Body(limb, built)
+    body.update(motion[2])
+    other = copy.copy(body)
+    assert other.hash() == body.hash()
+    other.update(motion[4])
+    assert other.hash() != body.hash()
+
+
+def test_boxes_of_a_kdop_tree_hold_their_vertices(limb, built, motion):
+    tree = morula.KDopTree(limb, built, 14)
+    tree.update(motion[4])
+    along = (motion[4] - numpy.array(tree.origin)) @ tree.directions.T
+    assert (along.min(axis=0) >= tree.lower[0]).all() and (along.max(axis=0) <= tree.upper[0]).all()
+
+
+def test_two_threads_update_two_bodies(limb, built, motion):
+    expected = morula.Body(limb, built).follow(motion)
+    results = [None, None]
+
+    def work(i):
+        body = morula.Body(limb, built)
+        for _ in range(5):
+            results[i] = body.follow(motion)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(numpy.array_equal(result, expected) for result in results)
+
+
+def test_threads_that_share_a_body_take_turns(limb, built, motion):
+    body = morula.Body(limb, built)
+    hashes = set()
+    for positions in motion:
+        one = morula.Body(limb, built)
+        one.update(positions)
+        hashes.add(one.hash())
+    faults = []
+
+    def work(offset):
+        for i in range(60):
+            try:
+                body.update(motion[(i + offset) % len(motion)])
+                morula.overlap(body, body)
+                body.copy_spheres()
+            except Exception as fault:  # noqa: BLE001
+                faults.append(fault)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not faults and body.frame == 180 and body.hash() in hashes
+
+
+def test_other_threads_run_while_a_tree_is_built():
+    mesh = morula.sample_body("limb", 48)
+    counted = [0]
+    done = threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    before = counted[0]
+    morula.build(mesh, quality="fast")
+    gained = counted[0] - before
+    done.set()
+    counter.join()
+    assert gained >= 5
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_ends_a_build():
+    script = textwrap.dedent(
+        """
+        import morula, sys
+        mesh = morula.sample_body("limb", 200)
+        print("ready", flush=True)
+        try:
+            morula.build(mesh, quality="best")
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+            sys.exit(5)
+        """
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    said, _ = child.communicate(timeout=120)
+    assert said == "interrupted\n" and child.returncode == 5

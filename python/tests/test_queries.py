@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Contacts, crossings, distance, rays, insides; measures; pairs of features: against formulas and brute force."""
+
+import datetime
+import itertools
+
+import numpy
+import pytest
+
+import morula
+
+
+@pytest.fixture(scope="module")
+def pair(limb):
+    """A limb and a tool that crosses it."""
+    tool = morula.sample_body("tool", 16)
+    a = morula.Collider(morula.Body(limb, morula.build(limb, method="grid", depth=2)))
+    b = morula.Collider(morula.Body(tool, morula.build(tool, method="grid", depth=2)))
+    b.place((0.0, 0.4, 0.0))
+    return a, b
+
+
+def triangles_meet(a, b):
+    """By signs of volumes, for triangles in general position."""
+
+    def side(p, q, r, s):
+        return numpy.linalg.det(numpy.array([q - p, r - p, s - p])) > 0
+
+    def crosses(p, q, t):
+        if side(*t, p) == side(*t, q):
+            return False
+        return len({side(p, q, t[i], t[(i + 1) % 3]) for i in range(3)}) == 1
+
+    return any(crosses(a[i], a[(i + 1) % 3], b) for i in range(3)) or any(crosses(b[i], b[(i + 1) % 3], a) for i in range(3))
+
+
+def brute_crossings(mesh_a, at_a, mesh_b, at_b):
+    boxes = [(at[mesh.facets].min(axis=1), at[mesh.facets].max(axis=1)) for mesh, at in ((mesh_a, at_a), (mesh_b, at_b))]
+    near = ((boxes[0][0][:, None] <= boxes[1][1][None]) & (boxes[1][0][None] <= boxes[0][1][:, None])).all(axis=2)
+    return [
+        (int(f), int(g)) for f, g in zip(*numpy.nonzero(near)) if triangles_meet(at_a[mesh_a.facets[f]], at_b[mesh_b.facets[g]])
+    ]
+
+
+def test_crossings_are_those_of_brute_force(limb, pair):
+    tool = morula.sample_body("tool", 16)
+    found = morula.crossings(*pair)
+    expected = brute_crossings(limb, limb.positions, tool, tool.positions + [0.0, 0.4, 0.0])
+    assert list(zip(found.facet_a.tolist(), found.facet_b.tolist())) == expected and len(found) > 10
+    exact = morula.collide(*pair, exact=True)
+    assert exact.crossings == found
+
+
+def test_contacts_are_columns(pair):
+    contacts = morula.collide(*pair, surfaces=True)
+    assert len(contacts) == len(contacts.depth) > 0 and contacts.is_finished and contacts.finished.all()
+    assert contacts.point.shape == contacts.normal.shape == (len(contacts), 3)
+    assert numpy.allclose(numpy.linalg.norm(contacts.normal, axis=1), 1.0)
+    row = contacts[0]
+    assert row["depth"] == contacts.depth[0] and (row["point"] == contacts.point[0]).all()
+    deep = contacts[contacts.depth > 0]
+    assert len(deep["depth"]) == (contacts.depth > 0).sum()
+    assert set(contacts[:2]) == {"pair", "node_a", "node_b", "finished", "point", "normal", "depth", "lens_volume", "error_bound"}
+    assert contacts.to_dict()["surfaces"]["depth"].shape == (len(contacts),)
+    depth = contacts.depth
+    del contacts
+    assert numpy.isfinite(depth).all()
+
+
+def test_contacts_agree_with_their_spheres(limb, pair):
+    contacts = morula.collide(*pair)
+    body = morula.Body(limb, morula.build(limb, method="grid", depth=2))
+    tool = morula.sample_body("tool", 16)
+    other = morula.Body(tool, morula.build(tool, method="grid", depth=2))
+    a, b = body.copy_spheres()[contacts.node_a], other.copy_spheres()[contacts.node_b]
+    gap = numpy.linalg.norm(a[:, :3] - b[:, :3] - [0.0, 0.4, 0.0], axis=1)
+    depth = numpy.minimum(a[:, 3] + b[:, 3] - gap, 2 * numpy.minimum(a[:, 3], b[:, 3]))
+    assert numpy.allclose(contacts.depth, depth, atol=1e-5)
+
+
+def test_budgets_end_a_query_and_it_goes_on(pair):
+    whole = morula.collide(*pair)
+    query = morula.ContactQuery(budget=100)
+    query.add(*pair)
+    contacts = query.start()
+    assert not contacts.is_finished
+    for _ in range(1000):
+        if contacts.is_finished:
+            break
+        contacts = query.resume()
+    assert sorted(zip(contacts.node_a, contacts.node_b)) == sorted(zip(whole.node_a, whole.node_b))
+    for budget in ("1s", datetime.timedelta(seconds=1), 10**9, None):
+        assert len(morula.collide(*pair, budget=budget)) == len(whole)
+    with pytest.raises(TypeError, match="budget: '5 minutes'"):
+        morula.collide(*pair, budget="5 minutes")
+    with pytest.raises(ValueError, match="budget: -1"):
+        morula.collide(*pair, budget=-1)
+
+
+def test_a_walk_sees_every_contact(pair):
+    seen = []
+    tests = morula.walk_pairs(*pair, lambda a, b, final: seen.append((a, b)) if final else None)
+    contacts = morula.collide(*pair)
+    assert sorted(seen) == sorted(zip(contacts.node_a.tolist(), contacts.node_b.tolist())) and tests > 0
+    with pytest.raises(ZeroDivisionError):
+        morula.walk_pairs(*pair, lambda a, b, final: 1 / 0)
+
+
+def test_distance_lies_between_its_bounds(limb, built):
+    tool = morula.sample_body("tool", 12)
+    a, b = morula.Collider(morula.Body(limb, built)), morula.Collider(morula.Body(tool, morula.build(tool, quality="fast")))
+    b.place((0.0, 2.5, 0.0))
+    bounds = morula.distance(a, b)
+    points = morula.TriangleBvh(limb).closest_points(tool.positions + [0.0, 2.5, 0.0])
+    assert bounds.lower <= bounds.upper <= points.distances.min() + 1e-12
+    assert numpy.isclose(numpy.linalg.norm(numpy.subtract(bounds.a.point, bounds.b.point)), bounds.upper)
+    assert morula.DistanceQuery().run(a, b).upper == bounds.upper and not morula.overlap(a, b)
+    assert bounds.certified and bounds.complete and not bounds.crossing
+
+
+def test_a_box_is_where_it_is():
+    bar = morula.sample_body("bar", 8)
+    body = morula.Body(bar, morula.build(bar, quality="fast"))
+    lower, upper = map(numpy.array, morula.bounding_box(bar))
+    top = upper[2]
+    hit = morula.first_hit(body, (0.01, 0.02, 10.0), (0.0, 0.0, -1.0))
+    assert hit and numpy.isclose(hit.first.t, 10.0 - top) and numpy.allclose(hit.first.normal, (0, 0, 1))
+    assert not morula.first_hit(body, (100.0, 0.0, 10.0), (0.0, 0.0, -1.0))
+    hits = morula.first_hits(body, numpy.array([[0.01, 0.02, 10.0], [100.0, 0.0, 0.0]]), numpy.array([[0, 0, -1.0], [0, 0, 1.0]]))
+    assert numpy.isclose(hits.t[0], 10.0 - top) and numpy.isinf(hits.t[1]) and hits.facet[1] == morula.no_node
+
+    touch = morula.touch(body, morula.HalfSpace((0, 0, -1), -top + 0.1))
+    assert touch.touches and numpy.isclose(touch.deepest.depth, 0.1)
+    assert morula.touch(body, (0.0, 0.0, top + 1.0, 0.5)).clear
+    assert morula.touch(body, morula.Capsule((0, 0, top + 1.0), (0, 0, top + 2.0), 1.01)).touches
+    with pytest.raises(TypeError, match="shape"):
+        morula.touch(body, "floor")
+
+    points = numpy.random.default_rng(5).uniform(lower - 0.5, upper + 0.5, (300, 3))
+    inside = ((points >= lower) & (points <= upper)).all(axis=1)
+    query = morula.InsideQuery(body)
+    assert numpy.array_equal(query.inside(points), inside)
+    assert query.locate(points[0]).inside == inside[0] and query.probe((0, 0, 0, 0.1)).inside
+    distances = morula.SignedDistance(bar)(points)
+    outside = numpy.linalg.norm(numpy.maximum(numpy.maximum(lower - points, points - upper), 0), axis=1)
+    assert numpy.array_equal(distances < 0, inside) and numpy.allclose(distances[~inside], outside[~inside])
+    with pytest.raises(ValueError, match="directions"):
+        morula.first_hits(body, points, points[:3])
+
+
+def test_measures_of_a_ball_are_those_of_formulas():
+    """One sphere of twice the radius around a ball has looseness 7."""
+    capsule = morula.sample_body("capsule", 48)
+    volume = morula.signed_volume(capsule)
+    measured = morula.measure_spheres(capsule, numpy.array([[0.0, 0.0, 0.0, 2.0]]))
+    expected = 4 / 3 * numpy.pi * 8 / volume - 1
+    assert abs(measured.looseness.looseness - expected) < 0.02 * expected
+    assert measured.coverage.covered and measured.coverage.bare_area == 0
+    bare = morula.coverage(capsule, numpy.array([[0.0, 0.0, 0.0, 0.1]]))
+    assert not bare.covered and bare.bare_area > 0.99 and bare.gap <= bare.gap_upper
+
+
+def test_measures_are_those_of_the_command(command, tmp_path):
+    import json
+
+    command("sample", "limb", "--resolution", "12", "-o", "limb.obj")
+    command("build", "limb.obj", "-o", "limb.morula", "--method", "grid", "--depth", "2")
+    theirs = json.loads(command("measure", "limb.obj", "limb.morula", "--json"))
+    mesh = morula.read_mesh(tmp_path / "limb.obj")
+    ours = morula.measure(mesh, morula.read_tree(tmp_path / "limb.morula").tree)
+    text = json.dumps(theirs)
+    assert len(ours) == 3
+    for level in ours:
+        assert repr(level.looseness.looseness)[:12] in text
+
+
+def test_pairs_of_features_are_those_of_brute_force():
+    plate = morula.sample_body("plate", 6)
+    surface = morula.SurfaceTree(plate)
+    other = morula.SurfaceTree(plate)
+    lifted = plate.positions + [0.13, 0.11, 0.07]
+    other.update(lifted)
+    found = morula.proximity(surface, other, distance=0.08)
+    near = set()
+    for vertex, facet in itertools.product(range(plate.vertex_count), range(plate.facet_count)):
+        triangle = morula.TriangleBvh((lifted, plate.facets[facet : facet + 1]))
+        if triangle.closest_points(plate.positions[vertex : vertex + 1]).distances[0] <= 0.08:
+            near.add((vertex, facet))
+    of_kind = found.kind == int(morula.PairKind.vertex_facet)
+    assert set(zip(found.a[of_kind].tolist(), found.b[of_kind].tolist())) == near and near
+    assert numpy.allclose(numpy.linalg.norm(found.point_b - found.point_a, axis=1), found.distance)
+    # A filter in Python, and one that fails.
+    chosen = morula.proximity(surface, other, distance=0.08, keeps=lambda kind, a, b: a == 0)
+    assert set(chosen.a.tolist()) <= {0}
+    with pytest.raises(ZeroDivisionError):
+        morula.proximity(surface, other, distance=0.08, keeps=lambda kind, a, b: 1 / 0)
+
+
+def test_swept_pairs_come_no_later_than_they_touch():
+    a_from, a_to = numpy.array([[0.2, 0.2, 1.0]]), numpy.array([[0.2, 0.2, -1.0]])
+    triangle = numpy.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    time = morula.time_of_impact(a_from, a_to, triangle, triangle)
+    assert 0.49 < time <= 0.5
+    bar = morula.sample_body("bar", 4)
+    falling, floor = morula.SurfaceTree(bar), morula.SurfaceTree(bar)
+    falling.update(bar.positions + [0, 0, 3.0], bar.positions + [0, 0, 0.5])
+    pairs = morula.swept(falling, floor)
+    height = bar.positions[:, 2].max() - bar.positions[:, 2].min()
+    expected = (3.0 - height) / 2.5
+    assert len(pairs) > 0 and expected - 0.01 < pairs.time.min() <= expected + 1e-12
+
+
+def test_a_folded_surface_crosses_itself(limb):
+    surface = morula.SurfaceTree(limb)
+    assert len(morula.surface_crossings(surface)) == 0
+    bent = numpy.array(limb.positions)
+    bent[:, 0] = numpy.abs(bent[:, 0] - bent[:, 0].mean())
+    surface.update(bent)
+    found = morula.surface_crossings(surface)
+    assert len(found) > 0 and (found.a < found.b).all()
+
+
+def test_medial_balls_hold_no_surface():
+    capsule = morula.sample_body("capsule", 24)
+    shape = morula.SignedDistance(capsule)
+    points, facets = morula.sample_surface(capsule, 200)
+    corners = capsule.positions[capsule.facets[facets]]
+    normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= numpy.linalg.norm(normals, axis=1)[:, None]
+    balls = morula.shrinking_balls(shape, points, normals).balls
+    assert len(balls) > 50 and (-shape(numpy.array(balls[:, :3])) >= balls[:, 3] - 1e-6).all()
+    tree = morula.tree_over_balls(numpy.array(balls))
+    assert tree.leaf_count == len(balls) and tree.validate() == []
+
+
+def test_posed_spheres_are_asked_as_bodies_are(built):
+    spheres = morula.PosedSpheres(built.tree)
+    collider = morula.Collider(spheres)
+    assert morula.overlap(collider, collider) and not collider.has_surface
+    far = numpy.array(built.tree.spheres)
+    far[:, 0] += 100
+    other = morula.PosedSpheres(built.tree)
+    other.set(far)
+    assert not morula.overlap(collider, other)
+    with pytest.raises(ValueError):
+        morula.crossings(collider, other)
