@@ -90,6 +90,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_medial(app, run);
   add_info(app, run);
   add_repair(app, run);
+  add_robot(app, run);
   add_sample(app, run);
   add_convert(app, run);
   add_demo(app, run);
