@@ -1,18 +1,29 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 
-# What find_package(morula) finds: component `development`. The command: component `runtime`.
+# What find_package(morula) and pkg-config find: components `library` (what programs in C need to run) and `development`.
+# The command: component `runtime`.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(morula_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/morula")
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/morula" "${PROJECT_BINARY_DIR}/include/morula"
-  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development FILES_MATCHING PATTERN "*.hpp")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT development)
-# Notices of what is compiled in have to go where the code goes, be it the library or the command.
-foreach(component development runtime)
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/licenses" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT ${component})
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "morula.h")
+# The licence and the notices of what is compiled in go where the code goes. Each component has a folder of its own, named
+# as its package is: two packages may not have the same file.
+set(morula_package_of_development libmorula-dev)
+set(morula_package_of_library "libmorula${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
+set(morula_package_of_runtime morula)
+set(morula_components development runtime)
+if(TARGET morula_c)
+  list(APPEND morula_components library)
+endif()
+foreach(component IN LISTS morula_components)
+  set(documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/${morula_package_of_${component}}")
+  install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${documents}" RENAME copyright COMPONENT ${component})
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/licenses" DESTINATION "${documents}" COMPONENT ${component})
 endforeach()
 
 set(morula_installed_targets morula_core morula)
@@ -30,6 +41,32 @@ install(TARGETS ${morula_installed_targets} EXPORT morula_targets
 install(EXPORT morula_targets NAMESPACE morula:: FILE MorulaTargets.cmake
   DESTINATION "${morula_package_dir}" COMPONENT development)
 
+if(TARGET morula_c)
+  install(TARGETS morula_c EXPORT morula_targets
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library NAMELINK_COMPONENT development
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT library)
+endif()
+
+# For those who ask pkg-config: morula for C, morula-cpp for C++.
+file(RELATIVE_PATH MORULA_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" MORULA_PC_PREFIX "${MORULA_PC_PREFIX}")
+set(MORULA_PC_LIBS "")
+foreach(library study page io core)
+  if(TARGET morula_${library})
+    string(APPEND MORULA_PC_LIBS "-lmorula_${library} ")
+  endif()
+endforeach()
+string(APPEND MORULA_PC_LIBS "-lpthread")
+set(morula_pc_files morula-cpp)
+if(TARGET morula_c)
+  list(APPEND morula_pc_files morula)
+endif()
+foreach(file IN LISTS morula_pc_files)
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/${file}.pc.in" "${PROJECT_BINARY_DIR}/cmake/${file}.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/cmake/${file}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+    COMPONENT development)
+endforeach()
+
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/MorulaConfig.cmake.in"
   "${PROJECT_BINARY_DIR}/cmake/morula-config.cmake" INSTALL_DESTINATION "${morula_package_dir}"
   NO_SET_AND_CHECK_MACRO)
@@ -41,4 +78,24 @@ install(FILES "${PROJECT_BINARY_DIR}/cmake/morula-config.cmake" "${PROJECT_BINAR
 
 if(TARGET morula_app)
   install(TARGETS morula_app RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+  if(NOT CMAKE_CROSSCOMPILING)
+    # What shells complete by, and the manual page: the command prints them.
+    set(morula_printed "")
+    foreach(kind bash zsh fish man)
+      set(printed "${PROJECT_BINARY_DIR}/completion/${kind}")
+      add_custom_command(OUTPUT "${printed}" COMMAND morula_app completion ${kind} > "${printed}" DEPENDS morula_app VERBATIM)
+      list(APPEND morula_printed "${printed}")
+    endforeach()
+    file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/completion")
+    add_custom_target(morula_completion ALL DEPENDS ${morula_printed})
+    set(share "${CMAKE_INSTALL_DATAROOTDIR}")
+    install(FILES "${PROJECT_BINARY_DIR}/completion/bash" RENAME morula
+      DESTINATION "${share}/bash-completion/completions" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/zsh" RENAME _morula
+      DESTINATION "${share}/zsh/vendor-completions" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/fish" RENAME morula.fish
+      DESTINATION "${share}/fish/vendor_completions.d" COMPONENT runtime)
+    install(FILES "${PROJECT_BINARY_DIR}/completion/man" RENAME morula.1
+      DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT runtime)
+  endif()
 endif()

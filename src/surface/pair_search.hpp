@@ -109,7 +109,7 @@ class PairSearch {
 
 template <class Find>
 void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& find) const {
-  const auto [a, b] = pair;
+  const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
   const bool with_itself = b_ == nullptr, one_block = with_itself && a == b;
   const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };

@@ -9,8 +9,10 @@ file(REMOVE_RECURSE "${FOLDER}/prefix")
 
 set(configuration -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 if(WAY STREQUAL find_package)
-  execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${FOLDER}/prefix" --component development
-    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  foreach(component library development)
+    execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${FOLDER}/prefix" --component ${component}
+      OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
 
   # The example of README, as it stands there, on meshes of those names.
   file(READ "${SOURCE}/README.md" readme)

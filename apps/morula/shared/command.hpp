@@ -59,5 +59,6 @@ void add_sample(CLI::App& app, Run& run);
 void add_convert(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_study(CLI::App& app, Run& run);
+void add_completion(CLI::App& app, Run& run);
 
 }  // namespace morula::cli

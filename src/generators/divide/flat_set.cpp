@@ -119,15 +119,21 @@ class FlatSet {
     return *middle < much_nearer;
   }
 
-  // The leaves of a tree of as many levels as the number of spheres allows; none when that is one.
-  Set last_level(std::size_t most) const {
-    Set set = only_root();
+  // The leaves of a tree of as many levels as the number of spheres allows; the root where that is one, or where they
+  // are too many.
+  Set last_level(std::size_t most) {
     // Trees seldom use all their places: one that could have a few leaves too many may have few enough.
     const std::size_t about = most + most / 4;
     int depth = 0;
     for (std::size_t leaves = 1; leaves <= about / static_cast<std::size_t>(run_.branching); ++depth)
       leaves *= static_cast<std::size_t>(run_.branching);
-    if (depth < 2) return set;
+    if (depth < 2) return only_root();
+    if (tree_depth_ != depth) tree_ = leaves_of_tree(depth), tree_depth_ = depth;
+    return tree_.leaves.size() > most ? only_root() : tree_;
+  }
+
+  Set leaves_of_tree(int depth) const {
+    Set set = only_root();
     const Divider divide = by_.levels(depth);
     std::vector<BuildNode> finished;  // cannot be divided further
     for (int level = 0; level < depth; ++level) {
@@ -153,7 +159,6 @@ class FlatSet {
       set.leaves = std::move(next);
     }
     std::move(finished.begin(), finished.end(), std::back_inserter(set.leaves));
-    if (set.leaves.size() > most) return only_root();
     set.outside = outside(set.leaves);
     return set;
   }
@@ -299,6 +304,8 @@ class FlatSet {
   Divider halve_;
   double too_small_;
   BuildNode root_;
+  Set tree_;  // leaves of a tree of tree_depth_ levels
+  int tree_depth_ = 0;
   BuildReport report_;
 };
 

@@ -26,8 +26,8 @@ struct FlatSetBy {
 /// The tree whose leaves are at most run.spheres spheres. lines: what sets are compared by.
 ///
 /// On slender bodies, where spheres cut slabs, the leaves of a tree are tried, too. Sets are compared by the volume of
-/// their union outside the object. A set of N is never looser than one of 1, 2, 3, 4, 6 or 8 spheres, or of 16, 32, 64 …
-/// below N. Where more spheres would be looser, fewer are returned.
+/// their union outside the object. A set of N is never looser than one of 1, 2, 3, 4, 6 or 8 spheres, or of 16, 32, 64
+/// … below N. Where more spheres would be looser, fewer are returned.
 CoveredTree flat_set(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by,
                      Workers& workers);
 /// Whether flat_set makes this run's tree.

@@ -32,8 +32,7 @@ void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<cons
 class Service {
  public:
   Service(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses, Workers& workers)
-      : mesh_(mesh),
-        poses_(poses),
+      : poses_(poses),
         workers_(workers),
         estimator_(mesh),
         home_(built.tree.level_count()),
@@ -76,7 +75,6 @@ class Service {
     }
   }
 
-  const Mesh& mesh_;
   std::span<const NamedPose> poses_;
   Workers& workers_;
   LoosenessEstimator estimator_;

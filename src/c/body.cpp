@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Bodies of the C interface.
+#include "c/handles.hpp"
+
+using namespace morula;
+using namespace morula::detail;
+
+namespace {
+
+std::vector<Rule> rules_from(std::string_view names) {
+  std::vector<Rule> rules;
+  while (true) {
+    const std::size_t comma = names.find(',');
+    const std::string_view one = names.substr(0, comma);
+    const std::optional<Rule> rule = rule_from_name(one);
+    if (!rule || traits(*rule).follows != RuleTraits::Follows::positions)
+      throw std::invalid_argument("rules: \"" + std::string(one) + "\" is no rule that follows positions");
+    rules.push_back(*rule);
+    if (comma == std::string_view::npos) return rules;
+    names.remove_prefix(comma + 1);
+  }
+}
+
+template <class Scalar>
+PositionView view_of(const Scalar* positions, std::size_t vertex_count, std::size_t stride_bytes) {
+  constexpr std::size_t packed = 3 * sizeof(Scalar);
+  if (vertex_count != 0) require_pointer(positions, "positions");
+  if (stride_bytes != 0 && stride_bytes < packed)
+    throw std::invalid_argument("stride_bytes is " + std::to_string(stride_bytes) + ": a vertex takes " +
+                                std::to_string(packed));
+  return PositionView::strided(positions, vertex_count, stride_bytes == 0 ? packed : stride_bytes);
+}
+
+template <class Scalar>
+morula_status update(morula_body* body, const Scalar* positions, std::size_t vertex_count, std::size_t stride_bytes) {
+  return guarded([&] {
+    require_pointer(body, "body");
+    return told(body->body.update(view_of(positions, vertex_count, stride_bytes), body->workers));
+  });
+}
+
+}  // namespace
+
+void morula_body_options_init(morula_body_options* options) {
+  if (options == nullptr) return;
+  *options = {};
+  options->size = sizeof *options;
+  options->rules = "exact";
+  options->threads = 1;
+}
+
+morula_status morula_body_create(const morula_mesh* mesh, const morula_model* model, const morula_body_options* options,
+                                 morula_body** body) {
+  return guarded([&] {
+    require_pointer(body, "body");
+    *body = nullptr;
+    require_pointer(mesh, "mesh");
+    require_pointer(model, "model");
+    const morula_body_options wanted = over_defaults(options, &morula_body_options_init);
+    require_pointer(wanted.rules, "rules");
+    *body =
+        new morula_body(*mesh, *model, {.rules = rules_from(wanted.rules), .conservative = wanted.conservative != 0},
+                        thread_count(wanted.threads));
+    return MORULA_OK;
+  });
+}
+
+void morula_body_destroy(morula_body* body) {
+  delete body;
+}
+
+morula_status morula_body_update_double(morula_body* body, const double* positions, size_t vertex_count,
+                                        size_t stride_bytes) {
+  return update(body, positions, vertex_count, stride_bytes);
+}
+morula_status morula_body_update_float(morula_body* body, const float* positions, size_t vertex_count,
+                                       size_t stride_bytes) {
+  return update(body, positions, vertex_count, stride_bytes);
+}
+
+morula_status morula_body_place(morula_body* body, const double* rotation, const double* translation) {
+  return guarded([&] {
+    require_pointer(body, "body");
+    require_pointer(rotation, "rotation");
+    require_pointer(translation, "translation");
+    RigidTransform placement;
+    for (std::size_t row = 0; row < 3; ++row)
+      placement.rows[row] = {rotation[3 * row], rotation[3 * row + 1], rotation[3 * row + 2]};
+    placement.translation = {translation[0], translation[1], translation[2]};
+    body->collider.place(placement);
+    return MORULA_OK;
+  });
+}
+
+size_t morula_body_node_count(const morula_body* body) {
+  return body == nullptr ? 0 : body->body.spheres().size();
+}
+
+morula_status morula_body_spheres(const morula_body* body, morula_sphere* spheres) {
+  return guarded([&] {
+    require_pointer(body, "body");
+    require_pointer(spheres, "spheres");
+    for (std::uint32_t node = 0; node < body->body.spheres().size(); ++node) {
+      const Sphere sphere = body->body.sphere(node);
+      spheres[node] = {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius};
+    }
+    return MORULA_OK;
+  });
+}
+
+morula_status morula_body_certify(const morula_body* body, const double* positions, size_t vertex_count, int* covered) {
+  return guarded([&] {
+    require_pointer(covered, "covered");
+    *covered = 0;
+    require_pointer(body, "body");
+    if (vertex_count != body->body.vertex_count())
+      throw std::invalid_argument("positions: " + std::to_string(vertex_count) + " vertices, but the mesh has " +
+                                  std::to_string(body->body.vertex_count()));
+    std::vector<Sphere> spheres;
+    body->body.copy_spheres(spheres);
+    *covered = certify(body->body.cover(), view_of(positions, vertex_count, 0), spheres).covered ? 1 : 0;
+    return MORULA_OK;
+  });
+}
