@@ -90,6 +90,19 @@ TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   bench.expect_refused("robot gripper.urdf -o out --package-path nowhere", "there is no such folder");
   bench.expect_refused("robot gripper.urdf -o gripper.urdf", "is a file; name a folder");
   bench.expect_refused("robot gripper.urdf -o out --srdf lost.srdf", "lost.srdf");
+  for (const char* value : {"nan", "inf", "-1", "0x10", "1%%", "%"}) {
+    bench.expect_refused(std::string("robot gripper.urdf -o out --max-protrusion=") + value, "--max-protrusion");
+  }
+}
+
+TEST(RobotCommand, never_replaces_what_it_reads) {
+  Workbench bench;
+  with_gripper(bench);
+  bench.require("robot gripper.urdf -o out --spheres 2");
+  bench.expect_refused("robot out/gripper_spherized.urdf -o out", "is also what is read");
+  bench.expect_refused("robot gripper.urdf -o out --keep out/spheres.json --refit palm", "is also what is read");
+  bench.expect_refused("robot gripper.urdf -o out --srdf out/gripper.srdf", "is also what is read");
+  bench.require("robot gripper.urdf -o other --spheres 2 --srdf out/gripper.srdf");
 }
 
 }  // namespace

@@ -165,14 +165,40 @@ std::vector<fs::path> package_paths(const Options& o) {
   return paths;
 }
 
+std::string tree_name(const robot::Robot& robot, std::size_t link) {
+  std::string name = robot.links[link].name;
+  for (char& c : name) {
+    if (c == '/' || c == '\\' || c == '.') c = '_';
+  }
+  return name;
+}
+
+/// No file that is written may be one that is read: asked before the work begins.
+void require_inputs_stay(const Options& o, const robot::Robot& robot,
+                         const std::vector<const robot::OutputFormat*>& formats) {
+  std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
+  for (const robot::Link& link : robot.links) {
+    for (const auto* shapes : {&link.collision, &link.visual}) {
+      for (const robot::Shape& shape : *shapes) inputs.push_back(shape.file);
+    }
+  }
+  // The names do not depend on the spheres.
+  const robot::OutputOptions output{.folder = o.output, .tool_frames = o.tools};
+  for (const robot::OutputFormat* format : formats) {
+    for (const robot::OutputFile& file : format->write({robot, {}, {}, output})) {
+      require_not_input(fs::path(o.output) / file.name, inputs);
+    }
+  }
+  for (std::size_t link = 0; o.trees && link < robot.links.size(); ++link) {
+    require_not_input(fs::path(o.output) / "trees" / (tree_name(robot, link) + ".ply"), inputs);
+  }
+}
+
 void write_trees(const fs::path& folder, const robot::Robot& robot, const robot::RobotSpheres& spheres) {
   fs::create_directories(folder / "trees");
   for (const robot::LinkSpheres& link : spheres.links) {
     if (link.tree == nullptr) continue;
-    std::string file = robot.links[link.link].name;
-    for (char& c : file) {
-      if (c == '/' || c == '\\' || c == '.') c = '_';
-    }
+    const std::string file = tree_name(robot, link.link);
     write_tree(folder / "trees" / (file + ".morula"), *link.tree);
     write_mesh(folder / "trees" / (file + ".ply"), link.surface.mesh);
   }
@@ -185,6 +211,7 @@ int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
   const robot::Robot robot =
       robot::read_robot(o.robot, {.package_paths = package_paths(o), .visual = o.geometry == "visual"});
   robot::FitOptions fit = fit_options(o, robot);
+  require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given;
   if (!o.srdf.empty()) given = robot::read_ignored_pairs(o.srdf);
   const double read_seconds = watch.lap();
