@@ -95,6 +95,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_convert(app, run);
   add_demo(app, run);
   add_study(app, run);
+  add_batch(app, run);
   add_completion(app, run);
 
   if (argc < 2) {

@@ -60,5 +60,6 @@ void add_convert(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_study(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
+void add_batch(CLI::App& app, Run& run);
 
 }  // namespace morula::cli
