@@ -197,6 +197,7 @@ TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
   const std::vector<std::array<std::string, 2>> cases{
       {"<link name='a'>", "is no well-formed XML"},
       {"<link/>", "<link> has no name"},
+      {"<link name='a'/><xacro:arm/>", "run xacro on the file first"},
       {two + two, "there are two links a"},
       {two, "both carried by no joint"},
       {two + joint("j", "a", "c"), "there is no link c"},

@@ -236,6 +236,11 @@ Robot read_robot(const std::filesystem::path& path, const ReadOptions& options) 
     for (const XMLElement* at = xml.root().FirstChildElement(name); at != nullptr; at = at->NextSiblingElement(name))
       read(*at);
   };
+  for (const XMLElement* at = xml.root().FirstChildElement(); at != nullptr; at = at->NextSiblingElement()) {
+    if (std::string_view(at->Name()).starts_with("xacro:")) {
+      xml.fail(*at, fmt::format("<{}> is not expanded: run xacro on the file first", at->Name()));
+    }
+  }
   each("link", [&](const XMLElement& at) { reader.add_link(at); });
   if (reader.robot.links.empty()) xml.fail(xml.root(), "there is no link");
   each("joint", [&](const XMLElement& at) { reader.add_joint(at); });

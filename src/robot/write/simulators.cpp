@@ -57,8 +57,9 @@ std::array<double, 6> turned_inertia(const Inertial& inertial) {
   return {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
 }
 
-bool has_range(const Joint& joint) {
-  return joint.lower < joint.upper;
+/// Of MJCF: a joint without a range would be without limits, so it is none.
+bool is_written(const Joint& joint) {
+  return joint.moves() && joint.lower < joint.upper;
 }
 
 class Mjcf {
@@ -85,7 +86,7 @@ class Mjcf {
     }
     XMLElement* equality = add_element(root, "equality");
     for (const Joint& joint : d_.robot.joints) {
-      if (!joint.mimic || !joint.moves() || !d_.robot.joints[joint.mimic->joint].moves()) continue;
+      if (!joint.mimic || !is_written(joint) || !is_written(d_.robot.joints[joint.mimic->joint])) continue;
       XMLElement* at = add_element(equality, "joint");
       set(at, "joint1", joint.name);
       set(at, "joint2", d_.robot.joints[joint.mimic->joint].name);
@@ -111,8 +112,7 @@ class Mjcf {
       const auto q = quaternion(joint.origin);
       set(body, "pos", words(joint.origin.translation));
       set(body, "quat", fmt::format("{} {} {} {}", q[0], q[1], q[2], q[3]));
-      // A joint without a range would be without limits.
-      moves = joint.moves() && has_range(joint);
+      moves = is_written(joint);
       if (moves) add_joint(body, joint);
     }
     add_inertial(body, link, moves);
@@ -173,11 +173,23 @@ void add_pose(XMLElement* parent, const RigidTransform& pose, const std::string&
   at->SetText(pose_words(pose).c_str());
 }
 
+/// SDF has no joint of this kind: its link stands where it does at rest and is held by none.
+bool is_free(const Joint& joint) {
+  return joint.kind == Joint::Kind::floating || joint.kind == Joint::Kind::planar;
+}
+
 void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
   XMLElement* at = add_element(model, "link");
   const Link& own = d.robot.links[link];
   set(at, "name", own.name);
-  if (own.joint != none) add_pose(at, {}, d.robot.joints[own.joint].name);
+  if (own.joint != none) {
+    const Joint& joint = d.robot.joints[own.joint];
+    if (is_free(joint)) {
+      add_pose(at, joint.origin, d.robot.links[joint.parent].name);
+    } else {
+      add_pose(at, {}, joint.name);
+    }
+  }
   if (const std::optional<Inertial> inertial = usable_inertial(d, link)) {
     XMLElement* mass = add_element(at, "inertial");
     add_pose(mass, {.translation = inertial->origin.translation}, "");
@@ -198,7 +210,8 @@ void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
 }
 
 void add_sdf_joint(XMLElement* model, const Description& d, const Joint& joint) {
-  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic", "ball", "fixed"};
+  if (is_free(joint)) return;
+  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic"};
   XMLElement* at = add_element(model, "joint");
   set(at, "name", joint.name);
   set(at, "type", kinds[static_cast<std::size_t>(joint.kind)]);
