@@ -33,6 +33,9 @@ endif()
 if(MORULA_STUDY)
   list(APPEND morula_installed_targets morula_page morula_study)
 endif()
+if(MORULA_ROBOT)
+  list(APPEND morula_installed_targets morula_robot)
+endif()
 install(TARGETS ${morula_installed_targets} EXPORT morula_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
 install(EXPORT morula_targets NAMESPACE morula:: FILE MorulaTargets.cmake

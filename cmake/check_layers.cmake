@@ -29,6 +29,7 @@ set(height_surface 9)
 set(height_scene 9)
 set(height_c 9)
 set(height_page 9)
+set(height_robot 9)
 set(height_study 10)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
@@ -36,6 +37,7 @@ set(wings_generators fit driver divide reduce)
 set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
 set(wings_study svg run claims output)
+set(wings_robot read fit write)
 set(wings_io array gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_study json numbers words)

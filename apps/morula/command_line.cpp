@@ -90,6 +90,9 @@ int run(int argc, char** argv, bool parse_only) {
   add_medial(app, run);
   add_info(app, run);
   add_repair(app, run);
+#ifdef MORULA_HAS_ROBOT
+  add_robot(app, run);
+#endif
   add_sample(app, run);
   add_convert(app, run);
   add_demo(app, run);

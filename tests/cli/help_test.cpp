@@ -10,9 +10,9 @@
 namespace morula::test {
 namespace {
 
-const std::vector<std::string> all_commands{"build", "measure", "deform", "update",    "collide", "pairs",
-                                            "view",  "medial",  "info",   "repair",    "sample",  "convert",
-                                            "demo",  "study",   "batch",  "completion"};
+const std::vector<std::string> all_commands{"build",   "measure", "deform", "update", "collide",   "pairs",
+                                            "view",    "medial",  "info",   "repair", "robot",     "sample",
+                                            "convert", "demo",    "study",  "batch",  "completion"};
 
 TEST(Help, lists_the_commands_that_exist_and_no_others) {
   const Workbench bench;

@@ -162,7 +162,7 @@ TEST(Messages, missing_folders_and_fractions_are_named_like_everything_else) {
 TEST(Messages, every_command_takes_threads) {
   const Bench bench;
   for (const std::string command : {"build", "measure", "deform", "update", "collide", "view", "medial", "info",
-                                    "repair", "sample", "convert", "demo", "study", "pairs"})
+                                    "repair", "robot", "sample", "convert", "demo", "study", "pairs"})
     EXPECT_NE(bench.require(command + " --help").out.find("--threads"), std::string::npos) << command;
   bench.require("deform bar.obj -o a.npy --twist 3 --threads 1");
   bench.require("sample bar -o b.obj --threads 2");

@@ -54,6 +54,7 @@ void add_view(CLI::App& app, Run& run);
 void add_medial(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_repair(CLI::App& app, Run& run);
+void add_robot(CLI::App& app, Run& run);
 void add_sample(CLI::App& app, Run& run);
 void add_convert(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);

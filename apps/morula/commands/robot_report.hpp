@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What morula robot says of the links: a table, and JSON.
+#pragma once
+
+#include <morula/robot/output.hpp>
+#include <string>
+
+#include "shared/report.hpp"
+
+namespace morula::cli {
+
+/// Per link: spheres, gap, protrusion, volumes, mass.
+std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& spheres);
+Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres);
+/// "12 of 55 pairs: 10 neighbours, 2 never met in 2000 samples".
+std::string ignored_text(const robot::SelfCollision& self_collision);
+Json ignored_json(const robot::Robot& robot, const robot::SelfCollision& self_collision);
+
+}  // namespace morula::cli

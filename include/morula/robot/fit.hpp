@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Spheres for a robot: a set for every link that covers its shapes, proven for the very numbers that files hold.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <morula/generators/build.hpp>
+#include <morula/robot/robot.hpp>
+#include <set>
+
+namespace morula::robot {
+
+struct FitOptions {
+  std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
+  /// Not 0: most of the whole robot, shared so that the next sphere goes where it takes away most outside volume.
+  std::size_t total = 0;
+  std::map<std::string, std::size_t> link_spheres{};  ///< most of single links, instead of these two
+  double max_protrusion = 0;         ///< not 0: as few as needed to stick out by at most so much, mesh units
+  double max_protrusion_share = 0;   ///< not 0: the same as a share of the diagonal of each link's box
+  double padding = 0;                ///< added to every radius, 0 or more
+  double min_radius = 0;             ///< smaller ones are enlarged
+  double max_radius = 0;             ///< not 0: as many spheres as it takes for none to be larger
+  bool visual = false;               ///< the visual shapes, not those of collision
+  std::set<std::string> left_out{};  ///< links that get none
+  std::map<std::string, std::vector<Sphere>> kept{};  ///< links that keep these, which are certified anew
+  Method method = Method::morula;
+  Quality quality = Quality::fast;
+  std::uint64_t seed = 1;
+  double density = 1000;  ///< of links without a mass, mass over mesh units cubed
+  std::stop_token stop{};
+  std::function<void(double share, const std::string& link)> progress{};  ///< on any thread, one call at a time
+};
+
+/// Of a set of spheres as one solid of density 1, each point counted once.
+struct UnionMass {
+  double volume = 0;
+  Vec3 center{};
+  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the centre
+};
+/// Columns along z are exact, and as many as `resolution` lie across the longer side: within some tenths of a percent.
+UnionMass union_mass(std::span<const Sphere> spheres, int resolution = 160);
+
+struct LinkFigures {
+  std::size_t facets = 0;
+  bool covered = false;  ///< proven: every point of the shapes is in a sphere, also when numbers are read as float
+  double gap = 0;        ///< largest distance of a point of the shapes from the spheres; 0 when covered
+  double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;  ///< over spheres, of (r + φ(c))⁺: upper bounds
+  std::optional<double> object_volume;   ///< nothing: the shapes tell no inside from outside, or overlap with spheres
+  std::optional<double> outside_volume;  ///< inside the spheres and outside the shapes
+  UnionMass solid{};
+  double mass = 0;  ///< the robot's own where it gives one, else density × volume of the union
+};
+
+struct LinkSpheres {
+  std::size_t link = none;
+  std::vector<Sphere> spheres;  ///< in the link's axes, in decimals that files hold
+  std::size_t alike = none;     ///< the link whose shapes are the same, where there was one before
+  LinkSurface surface;
+  std::shared_ptr<const CoveredTree> tree;  ///< whose leaves became these, without padding; none for spheres alone
+  LinkFigures figures;
+  std::vector<std::string> notes;
+};
+
+struct RobotSpheres {
+  std::vector<LinkSpheres> links;  ///< those with shapes and not left out, in the robot's order
+  std::size_t sphere_count() const;
+  bool covered() const;
+  const LinkSpheres* of(std::size_t link) const;
+};
+
+/// Throws std::invalid_argument for options out of range and links that are not there, FileError for meshes that cannot
+/// be used, BuildStopped. The same bits for any number of workers.
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, Workers& workers = serial_workers());
+
+}  // namespace morula::robot

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/box.hpp>
+#include <morula/robot/fit.hpp>
+
+namespace morula::robot {
+
+namespace {
+
+struct Interval {
+  double lower, upper;
+  bool operator<(const Interval& other) const { return lower < other.lower; }
+};
+
+struct Moments {
+  double volume = 0;
+  Vec3 first{};
+  double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+
+  /// A column of cross-section `area` and side `edge` about (x, y).
+  void add(double x, double y, double area, double edge, const Interval& z) {
+    const double height = z.upper - z.lower, mass = area * height, middle = 0.5 * (z.lower + z.upper);
+    const double spread = edge * edge / 12;
+    volume += mass;
+    first += mass * Vec3{x, y, middle};
+    xx += mass * (x * x + spread);
+    yy += mass * (y * y + spread);
+    zz += mass * (middle * middle + height * height / 12);
+    xy += mass * x * y;
+    xz += mass * x * middle;
+    yz += mass * y * middle;
+  }
+};
+
+}  // namespace
+
+UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
+  Box box;
+  for (const Sphere& s : spheres) {
+    box.add(s.center - Vec3{s.radius, s.radius, s.radius});
+    box.add(s.center + Vec3{s.radius, s.radius, s.radius});
+  }
+  UnionMass result;
+  const double side = box.is_empty() ? 0 : std::max(box.extent().x, box.extent().y);
+  if (!(side > 0)) return result;
+  const double edge = side / resolution;
+  // About the middle, so that what is far from the origin loses nothing.
+  const Vec3 middle = box.center();
+  const auto columns_x = static_cast<int>(std::ceil(box.extent().x / edge)),
+             columns_y = static_cast<int>(std::ceil(box.extent().y / edge));
+  Moments moments;
+  std::vector<std::vector<Interval>> row(static_cast<std::size_t>(std::max(1, columns_x)));
+  for (int j = 0; j < columns_y; ++j) {
+    const double y = box.lower.y + (j + 0.5) * edge;
+    for (auto& column : row) column.clear();
+    for (const Sphere& s : spheres) {
+      const double across = s.radius * s.radius - (y - s.center.y) * (y - s.center.y);
+      if (!(across > 0)) continue;
+      const double reach = std::sqrt(across);
+      const int begin = std::max(0, static_cast<int>((s.center.x - reach - box.lower.x) / edge) - 1);
+      const int end = std::min(columns_x, static_cast<int>((s.center.x + reach - box.lower.x) / edge) + 2);
+      for (int i = begin; i < end; ++i) {
+        const double dx = box.lower.x + (i + 0.5) * edge - s.center.x, deep = across - dx * dx;
+        if (deep > 0)
+          row[static_cast<std::size_t>(i)].push_back({s.center.z - std::sqrt(deep), s.center.z + std::sqrt(deep)});
+      }
+    }
+    for (int i = 0; i < columns_x; ++i) {
+      auto& column = row[static_cast<std::size_t>(i)];
+      if (column.empty()) continue;
+      std::sort(column.begin(), column.end());
+      const double x = box.lower.x + (i + 0.5) * edge - middle.x;
+      Interval open = column.front();
+      const auto close = [&] {
+        moments.add(x, y - middle.y, edge * edge, edge, {open.lower - middle.z, open.upper - middle.z});
+      };
+      for (const Interval& next : column) {
+        if (next.lower > open.upper) {
+          close();
+          open = next;
+        } else {
+          open.upper = std::max(open.upper, next.upper);
+        }
+      }
+      close();
+    }
+  }
+  if (!(moments.volume > 0)) return result;
+  const Vec3 c = moments.first / moments.volume;
+  const double v = moments.volume;
+  const double xx = moments.xx - v * c.x * c.x, yy = moments.yy - v * c.y * c.y, zz = moments.zz - v * c.z * c.z;
+  result.volume = v;
+  result.center = middle + c;
+  result.inertia = {yy + zz, -(moments.xy - v * c.x * c.y), -(moments.xz - v * c.x * c.z),
+                    xx + zz, -(moments.yz - v * c.y * c.z), xx + yy};
+  return result;
+}
+
+}  // namespace morula::robot

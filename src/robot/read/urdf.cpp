@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <morula/robot/robot.hpp>
+#include <numbers>
+
+#include "robot/read/xml.hpp"
+
+namespace morula::robot {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+struct Reader {
+  const Xml& xml;
+  const ReadOptions& options;
+  Robot robot;
+  std::map<std::string, std::size_t, std::less<>> link_of, joint_of;
+
+  RigidTransform origin(const XMLElement& of) const {
+    const XMLElement* at = of.FirstChildElement("origin");
+    if (at == nullptr) return {};
+    return from_roll_pitch_yaw(xml.vector(*at, "rpy", {}), xml.vector(*at, "xyz", {}));
+  }
+
+  double above_zero(const XMLElement& at, const char* attribute) const {
+    const double value = xml.number(at, attribute);
+    if (!(value > 0)) xml.fail(at, fmt::format("{}=\"{}\" of <{}> is not above 0", attribute, value, at.Name()));
+    return value;
+  }
+
+  Shape shape(const XMLElement& of, bool needed) const {
+    Shape shape{.origin = origin(of), .file_name = {}, .file = {}, .line = of.GetLineNum()};
+    const XMLElement* geometry = of.FirstChildElement("geometry");
+    const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
+    if (at == nullptr) xml.fail(of, fmt::format("<{}> has no geometry", of.Name()));
+    const std::string kind = at->Name();
+    if (kind == "mesh") {
+      shape.file_name = xml.text(*at, "filename");
+      shape.scale = xml.vector(*at, "scale", {1, 1, 1});
+      if (shape.scale.x == 0 || shape.scale.y == 0 || shape.scale.z == 0) {
+        xml.fail(*at, "a mesh is scaled by 0, which leaves nothing of it");
+      }
+      if (needed) shape.file = find_mesh(shape.file_name, xml.file(), options.package_paths, at->GetLineNum());
+    } else if (kind == "box") {
+      shape.kind = Shape::Kind::box;
+      xml.text(*at, "size");
+      shape.size = xml.vector(*at, "size", {});
+      if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) xml.fail(*at, "a box has an edge not above 0");
+    } else if (kind == "sphere") {
+      shape.kind = Shape::Kind::sphere;
+      shape.radius = above_zero(*at, "radius");
+    } else if (kind == "cylinder" || kind == "capsule") {
+      shape.kind = kind == "cylinder" ? Shape::Kind::cylinder : Shape::Kind::capsule;
+      shape.radius = above_zero(*at, "radius");
+      shape.length = above_zero(*at, "length");
+    } else {
+      xml.fail(*at,
+               fmt::format("<{}> is no geometry that is known: mesh, box, sphere, cylinder and capsule are", kind));
+    }
+    return shape;
+  }
+
+  void add_link(const XMLElement& at) {
+    Link link{.name = xml.text(at, "name"), .collision = {}, .visual = {}, .inertial = {}, .line = at.GetLineNum()};
+    if (!link_of.emplace(link.name, robot.links.size()).second) {
+      xml.fail(at, fmt::format("there are two links {}", link.name));
+    }
+    for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
+      const std::string_view name = it->Name();
+      if (name == "collision") link.collision.push_back(shape(*it, !options.visual));
+      if (name == "visual") link.visual.push_back(shape(*it, options.visual));
+      if (name == "inertial") link.inertial = inertial(*it);
+    }
+    robot.links.push_back(std::move(link));
+  }
+
+  Inertial inertial(const XMLElement& of) const {
+    Inertial result{.origin = origin(of)};
+    if (const XMLElement* mass = of.FirstChildElement("mass")) result.mass = xml.number(*mass, "value");
+    if (const XMLElement* at = of.FirstChildElement("inertia")) {
+      constexpr std::array names{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+      for (std::size_t i = 0; i < 6; ++i) result.inertia[i] = xml.number(*at, names[i], 0);
+    }
+    return result;
+  }
+
+  Joint::Kind kind(const XMLElement& at) const {
+    const std::string type = xml.text(at, "type");
+    constexpr std::array names{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (type == names[i]) return static_cast<Joint::Kind>(i);
+    }
+    xml.fail(at,
+             fmt::format("a joint is {}: fixed, revolute, continuous, prismatic, floating and planar are known", type));
+  }
+
+  std::size_t link_at(const XMLElement& joint, const char* side) const {
+    const XMLElement* at = joint.FirstChildElement(side);
+    if (at == nullptr) xml.fail(joint, fmt::format("joint {} has no {}", xml.text(joint, "name"), side));
+    const std::string name = xml.text(*at, "link");
+    const auto found = link_of.find(name);
+    if (found == link_of.end()) xml.fail(*at, fmt::format("there is no link {}", name));
+    return found->second;
+  }
+
+  void add_joint(const XMLElement& at) {
+    Joint joint{.name = xml.text(at, "name"), .kind = kind(at), .origin = origin(at), .line = at.GetLineNum()};
+    if (!joint_of.emplace(joint.name, robot.joints.size()).second) {
+      xml.fail(at, fmt::format("there are two joints {}", joint.name));
+    }
+    joint.parent = link_at(at, "parent");
+    joint.child = link_at(at, "child");
+    Link& child = robot.links[joint.child];
+    if (child.joint != none) {
+      xml.fail(at, fmt::format("link {} is carried by two joints, {} and {}: a robot is a tree", child.name,
+                               robot.joints[child.joint].name, joint.name));
+    }
+    child.joint = robot.joints.size();
+    if (const XMLElement* axis = at.FirstChildElement("axis")) {
+      joint.axis = xml.vector(*axis, "xyz", {1, 0, 0});
+      if (joint.moves() && !(length(joint.axis) > 0)) {
+        xml.fail(*axis, fmt::format("joint {} has an axis of length 0", joint.name));
+      }
+      joint.axis = normalized(joint.axis);
+    }
+    limits(at, joint);
+    robot.joints.push_back(std::move(joint));
+  }
+
+  void limits(const XMLElement& at, Joint& joint) {
+    const XMLElement* limit = at.FirstChildElement("limit");
+    if (limit != nullptr) {
+      joint.lower = xml.number(*limit, "lower", 0);
+      joint.upper = xml.number(*limit, "upper", 0);
+      joint.velocity = xml.number(*limit, "velocity", 0);
+      joint.effort = xml.number(*limit, "effort", 0);
+    } else if (joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic) {
+      robot.notes.push_back(
+          fmt::format("joint {} (line {}) has no limits and is taken to stay at 0", joint.name, joint.line));
+    }
+    if (joint.kind == Joint::Kind::continuous) joint.lower = -std::numbers::pi, joint.upper = std::numbers::pi;
+    if (joint.lower > joint.upper) {
+      robot.notes.push_back(
+          fmt::format("joint {} (line {}) has its limits the wrong way round: exchanged", joint.name, joint.line));
+      std::swap(joint.lower, joint.upper);
+    }
+  }
+
+  /// Once all joints are known.
+  void add_mimic(const XMLElement& at) {
+    const XMLElement* mimic = at.FirstChildElement("mimic");
+    if (mimic == nullptr) return;
+    const std::string name = xml.text(*mimic, "joint");
+    const auto found = joint_of.find(name);
+    if (found == joint_of.end()) {
+      robot.notes.push_back(fmt::format("joint {} (line {}) follows {}, which is not there: it moves by itself",
+                                        xml.text(at, "name"), at.GetLineNum(), name));
+      return;
+    }
+    robot.joints[joint_of.find(xml.text(at, "name"))->second].mimic =
+        Joint::Mimic{found->second, xml.number(*mimic, "multiplier", 1), xml.number(*mimic, "offset", 0)};
+  }
+
+  void require_no_mimic_circle() const {
+    for (const Joint& joint : robot.joints) {
+      std::size_t steps = 0;
+      for (const Joint* at = &joint; at->mimic; at = &robot.joints[at->mimic->joint]) {
+        if (++steps > robot.joints.size()) {
+          fail_at(xml.file(), joint.line, fmt::format("joint {} follows itself through others", joint.name));
+        }
+      }
+    }
+  }
+
+  void arrange() {
+    for (std::size_t link = 0; link < robot.links.size(); ++link) {
+      if (robot.links[link].joint != none) continue;
+      if (robot.root != none) {
+        fail_at(xml.file(), robot.links[link].line,
+                fmt::format("links {} and {} are both carried by no joint: a robot has one root; join them",
+                            robot.links[robot.root].name, robot.links[link].name));
+      }
+      robot.root = link;
+    }
+    if (robot.root == none) fail_at(xml.file(), xml.root().GetLineNum(), "every link is carried by another: a circle");
+    std::vector<std::vector<std::size_t>> below(robot.links.size());
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) below[robot.joints[i].parent].push_back(i);
+    std::vector<std::size_t> waiting(below[robot.root].rbegin(), below[robot.root].rend());
+    while (!waiting.empty()) {
+      const std::size_t joint = waiting.back();
+      waiting.pop_back();
+      robot.order.push_back(joint);
+      const auto& next = below[robot.joints[joint].child];
+      waiting.insert(waiting.end(), next.rbegin(), next.rend());
+    }
+    if (robot.order.size() != robot.joints.size()) {
+      std::vector<bool> met(robot.joints.size());
+      for (const std::size_t joint : robot.order) met[joint] = true;
+      const auto lost = static_cast<std::size_t>(std::find(met.begin(), met.end(), false) - met.begin());
+      fail_at(xml.file(), robot.joints[lost].line,
+              fmt::format("joint {} is part of a circle of links: a robot is a tree", robot.joints[lost].name));
+    }
+    for (const std::size_t joint : robot.order) {
+      if (robot.joints[joint].moves() && !robot.joints[joint].mimic) robot.own.push_back(joint);
+    }
+  }
+};
+
+}  // namespace
+
+std::size_t Robot::find_link(std::string_view wanted) const {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i].name == wanted) return i;
+  }
+  return none;
+}
+
+std::size_t Robot::find_joint(std::string_view wanted) const {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].name == wanted) return i;
+  }
+  return none;
+}
+
+Robot read_robot(const std::filesystem::path& path, const ReadOptions& options) {
+  const Xml xml(path, "robot");
+  Reader reader{xml, options, {}, {}, {}};
+  reader.robot.file = path;
+  reader.robot.name = xml.text(xml.root(), "name");
+  const auto each = [&](const char* name, const auto& read) {
+    for (const XMLElement* at = xml.root().FirstChildElement(name); at != nullptr; at = at->NextSiblingElement(name))
+      read(*at);
+  };
+  for (const XMLElement* at = xml.root().FirstChildElement(); at != nullptr; at = at->NextSiblingElement()) {
+    if (std::string_view(at->Name()).starts_with("xacro:")) {
+      xml.fail(*at, fmt::format("<{}> is not expanded: run xacro on the file first", at->Name()));
+    }
+  }
+  each("link", [&](const XMLElement& at) { reader.add_link(at); });
+  if (reader.robot.links.empty()) xml.fail(xml.root(), "there is no link");
+  each("joint", [&](const XMLElement& at) { reader.add_joint(at); });
+  each("joint", [&](const XMLElement& at) { reader.add_mimic(at); });
+  reader.require_no_mimic_circle();
+  reader.arrange();
+  return std::move(reader.robot);
+}
+
+}  // namespace morula::robot

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "robot/read/xml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <morula/geometry/trigonometry.hpp>
+#include <morula/io/mesh_file.hpp>
+
+namespace morula::robot {
+
+namespace {
+
+constexpr std::uintmax_t most_bytes = 64u << 20;
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw FileError(fmt::format("{}: there is no such file", file.string()));
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw FileError(fmt::format("{}: is no file; name the robot's description", file.string()));
+  }
+  if (std::filesystem::file_size(file, error) > most_bytes) {
+    throw FileError(fmt::format("{}: is larger than 64 MiB, which no description of a robot is", file.string()));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) throw FileError(fmt::format("{}: cannot be read; look at its permissions", file.string()));
+  return bytes;
+}
+
+int line_of(std::string_view bytes, std::size_t at) {
+  return 1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+}  // namespace
+
+void fail_at(const std::filesystem::path& file, int line, const std::string& text) {
+  throw FileError(fmt::format("{}:{}: {}", file.string(), line, text));
+}
+
+Xml::Xml(const std::filesystem::path& file, std::string_view root) : file_(file) {
+  const std::string bytes = bytes_of(file);
+  if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
+    fail_at(file, line_of(bytes, at),
+            "entities are declared, and none are expanded here: write out what they stand for");
+  }
+  if (const std::size_t at = bytes.find('\0'); at != std::string::npos) {
+    fail_at(file, line_of(bytes, at), "is no text: there is a byte of 0 in it");
+  }
+  if (document_.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
+    fail_at(file, std::max(1, document_.ErrorLineNum()),
+            fmt::format("is no well-formed XML ({})", document_.ErrorName()));
+  }
+  if (document_.RootElement() == nullptr) throw FileError(fmt::format("{}: holds no element", file.string()));
+  if (this->root().Name() != root) {
+    std::string remedy;
+    if (std::string_view(this->root().Name()).find("xacro") != std::string_view::npos) remedy = "; expand xacro first";
+    fail(this->root(), fmt::format("begins with <{}>, not with <{}>{}", this->root().Name(), root, remedy));
+  }
+}
+
+void Xml::fail(const tinyxml2::XMLElement& at, const std::string& text) const {
+  fail_at(file_, at.GetLineNum(), text);
+}
+
+std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) const {
+  const char* value = at.Attribute(attribute);
+  if (value == nullptr || *value == '\0') fail(at, fmt::format("<{}> has no {}", at.Name(), attribute));
+  return value;
+}
+
+double Xml::number(const tinyxml2::XMLElement& at, const char* attribute) const {
+  std::vector<double> numbers;
+  const std::string value = text(at, attribute);
+  if (!read_numbers(value, numbers) || numbers.size() != 1) {
+    fail(at, fmt::format("{}=\"{}\" of <{}> is no number", attribute, value, at.Name()));
+  }
+  return numbers[0];
+}
+
+double Xml::number(const tinyxml2::XMLElement& at, const char* attribute, double fallback) const {
+  return at.Attribute(attribute) == nullptr ? fallback : number(at, attribute);
+}
+
+Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const {
+  const char* value = at.Attribute(attribute);
+  if (value == nullptr) return fallback;
+  std::vector<double> numbers;
+  if (!read_numbers(value, numbers) || numbers.size() != 3) {
+    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers", attribute, value, at.Name()));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+bool read_numbers(std::string_view text, std::vector<double>& numbers) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (;;) {
+    while (at != end && is_blank(*at)) ++at;
+    if (at == end) return true;
+    if (*at == '+') ++at;
+    double value = 0;
+    const std::from_chars_result read = std::from_chars(at, end, value);
+    if (read.ec == std::errc::result_out_of_range && read.ptr != at) {
+      // Too small for a double is 0, as every reader has it; too large is no number.
+      const std::string_view word(at, static_cast<std::size_t>(read.ptr - at));
+      if (word.find("e-") == std::string_view::npos && word.find("E-") == std::string_view::npos) return false;
+      value = 0;
+    } else if (read.ec != std::errc()) {
+      return false;
+    }
+    if (!std::isfinite(value) || (read.ptr != end && !is_blank(*read.ptr))) return false;
+    numbers.push_back(value);
+    at = read.ptr;
+  }
+}
+
+RigidTransform from_roll_pitch_yaw(const Vec3& angles, const Vec3& translation) {
+  const SinCos x = sin_cos(angles.x), y = sin_cos(angles.y), z = sin_cos(angles.z);
+  return {.rows = {Vec3{z.cos * y.cos, z.cos * y.sin * x.sin - z.sin * x.cos, z.cos * y.sin * x.cos + z.sin * x.sin},
+                   Vec3{z.sin * y.cos, z.sin * y.sin * x.sin + z.cos * x.cos, z.sin * y.sin * x.cos - z.cos * x.sin},
+                   Vec3{-y.sin, y.cos * x.sin, y.cos * x.cos}},
+          .translation = translation};
+}
+
+Vec3 roll_pitch_yaw(const RigidTransform& pose) {
+  const auto& r = pose.rows;
+  const double across = std::sqrt(r[0].x * r[0].x + r[1].x * r[1].x);
+  const double pitch = angle_of(-r[2].x, across);
+  // Straight up or down only the difference of the other two counts.
+  if (across < 1e-12) return {angle_of(-r[1].z, r[1].y), pitch, 0};
+  return {angle_of(r[2].y, r[2].z), pitch, angle_of(r[1].x, r[0].x)};
+}
+
+RigidTransform composed(const RigidTransform& a, const RigidTransform& b) {
+  RigidTransform result;
+  for (int column = 0; column < 3; ++column) {
+    const Vec3 turned = a.turn({b.rows[0][column], b.rows[1][column], b.rows[2][column]});
+    for (int row = 0; row < 3; ++row) result.rows[static_cast<std::size_t>(row)][column] = turned[row];
+  }
+  result.translation = a(b.translation);
+  return result;
+}
+
+}  // namespace morula::robot

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// XML with messages that name file and line. Nothing is expanded: a document that declares entities is refused.
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <filesystem>
+#include <morula/geometry/rigid_transform.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace morula::robot {
+
+/// Throws FileError "FILE:LINE: …".
+[[noreturn]] void fail_at(const std::filesystem::path& file, int line, const std::string& text);
+
+class Xml {
+ public:
+  /// Throws FileError: unreadable, broken, larger than 64 MiB, with entities, or with another root element.
+  Xml(const std::filesystem::path& file, std::string_view root);
+
+  const std::filesystem::path& file() const { return file_; }
+  tinyxml2::XMLDocument& document() { return document_; }
+  const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }
+
+  [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& text) const;
+  /// Throws where it is missing.
+  std::string text(const tinyxml2::XMLElement& at, const char* attribute) const;
+  /// `fallback` where it is missing; throws for what is no finite number.
+  double number(const tinyxml2::XMLElement& at, const char* attribute, double fallback) const;
+  double number(const tinyxml2::XMLElement& at, const char* attribute) const;
+  Vec3 vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const;
+
+ private:
+  std::filesystem::path file_;
+  tinyxml2::XMLDocument document_;
+};
+
+/// Finite numbers apart by blanks; nothing where something else is among them.
+bool read_numbers(std::string_view text, std::vector<double>& numbers);
+
+/// By roll, pitch, yaw about the fixed axes x, y, z, as URDF and SDF have it.
+RigidTransform from_roll_pitch_yaw(const Vec3& angles, const Vec3& translation);
+Vec3 roll_pitch_yaw(const RigidTransform& pose);
+/// First a, then b on top: x → a(b(x)).
+RigidTransform composed(const RigidTransform& a, const RigidTransform& b);
+
+}  // namespace morula::robot

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// MJCF and SDF: the robot as simulators take it, with masses that the spheres do not change.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "robot/read/xml.hpp"
+#include "robot/write/text.hpp"
+
+namespace morula::robot {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// w, x, y, z.
+std::array<double, 4> quaternion(const RigidTransform& pose) {
+  const auto& r = pose.rows;
+  // The largest of the four is computed first, so that nothing is divided by what is small.
+  const std::array<double, 4> squares{1 + r[0].x + r[1].y + r[2].z, 1 + r[0].x - r[1].y - r[2].z,
+                                      1 - r[0].x + r[1].y - r[2].z, 1 - r[0].x - r[1].y + r[2].z};
+  const auto largest = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
+  const double a = r[2].y - r[1].z, b = r[0].z - r[2].x, c = r[1].x - r[0].y;
+  const double d = r[1].x + r[0].y, e = r[0].z + r[2].x, f = r[2].y + r[1].z;
+  std::array<double, 4> q{};
+  switch (largest) {
+    case 0:
+      q = {squares[0], a, b, c};
+      break;
+    case 1:
+      q = {a, squares[1], d, e};
+      break;
+    case 2:
+      q = {b, d, squares[2], f};
+      break;
+    default:
+      q = {c, e, f, squares[3]};
+      break;
+  }
+  double norm = 0;
+  for (const double part : q) norm += part * part;
+  for (double& part : q) part /= std::sqrt(norm);
+  return q;
+}
+
+/// About the centre, along the link's axes.
+std::array<double, 6> turned_inertia(const Inertial& inertial) {
+  const auto [xx, xy, xz, yy, yz, zz] = inertial.inertia;
+  const std::array<Vec3, 3> columns{Vec3{xx, xy, xz}, Vec3{xy, yy, yz}, Vec3{xz, yz, zz}};
+  const auto& r = inertial.origin.rows;
+  const auto entry = [&](std::size_t i, std::size_t j) {
+    const Vec3 v{dot(columns[0], r[j]), dot(columns[1], r[j]), dot(columns[2], r[j])};
+    return dot(r[i], v);
+  };
+  return {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+}
+
+/// Of MJCF: a joint without a range would be without limits, so it is none.
+bool is_written(const Joint& joint) {
+  return joint.moves() && joint.lower < joint.upper;
+}
+
+class Mjcf {
+ public:
+  explicit Mjcf(const Description& d) : d_(d), below_(d.robot.links.size()) {
+    for (const std::size_t i : d.robot.order) below_[d.robot.joints[i].parent].push_back(i);
+  }
+
+  std::string text() {
+    tinyxml2::XMLDocument document;
+    XMLElement* root = add_element(&document, "mujoco");
+    set(root, "model", d_.robot.name);
+    XMLElement* compiler = add_element(root, "compiler");
+    set(compiler, "angle", "radian");
+    set(compiler, "autolimits", "true");
+    set(compiler, "balanceinertia", "true");
+    add_body(add_element(root, "worldbody"), d_.robot.root);
+    root->InsertEndChild(document.NewComment(fmt::format(" {} ", ignored_note(d_)).c_str()));
+    XMLElement* contact = add_element(root, "contact");
+    for (const IgnoredPair& pair : d_.self_collision.ignored) {
+      XMLElement* exclude = add_element(contact, "exclude");
+      set(exclude, "body1", body_name(pair.a));
+      set(exclude, "body2", body_name(pair.b));
+    }
+    XMLElement* equality = add_element(root, "equality");
+    for (const Joint& joint : d_.robot.joints) {
+      if (!joint.mimic || !is_written(joint) || !is_written(d_.robot.joints[joint.mimic->joint])) continue;
+      XMLElement* at = add_element(equality, "joint");
+      set(at, "joint1", joint.name);
+      set(at, "joint2", d_.robot.joints[joint.mimic->joint].name);
+      set(at, "polycoef", fmt::format("{} {} 0 0 0", joint.mimic->offset, joint.mimic->multiplier));
+    }
+    return xml_text(document);
+  }
+
+ private:
+  /// "world" is the name of what everything stands on.
+  std::string body_name(std::size_t link) const {
+    const std::string& own = d_.robot.links[link].name;
+    return own == "world" ? "world_link" : own;
+  }
+
+  void add_body(XMLElement* parent, std::size_t link) {
+    XMLElement* body = add_element(parent, "body");
+    set(body, "name", body_name(link));
+    const std::size_t carrier = d_.robot.links[link].joint;
+    bool moves = false;
+    if (carrier != none) {
+      const Joint& joint = d_.robot.joints[carrier];
+      const auto q = quaternion(joint.origin);
+      set(body, "pos", words(joint.origin.translation));
+      set(body, "quat", fmt::format("{} {} {} {}", q[0], q[1], q[2], q[3]));
+      moves = is_written(joint);
+      if (moves) add_joint(body, joint);
+    }
+    add_inertial(body, link, moves);
+    if (const LinkSpheres* spheres = d_.spheres.of(link)) {
+      for (const Sphere& s : spheres->spheres) {
+        XMLElement* geom = add_element(body, "geom");
+        set(geom, "type", "sphere");
+        set(geom, "size", fmt::format("{}", s.radius));
+        set(geom, "pos", words(s.center));
+        // Overlapping spheres would weigh what overlaps several times.
+        set(geom, "mass", "0");
+        set(geom, "group", "3");
+      }
+    }
+    for (const std::size_t i : below_[link]) add_body(body, d_.robot.joints[i].child);
+  }
+
+  static void add_joint(XMLElement* body, const Joint& joint) {
+    XMLElement* at = add_element(body, "joint");
+    set(at, "name", joint.name);
+    set(at, "type", joint.kind == Joint::Kind::prismatic ? "slide" : "hinge");
+    set(at, "axis", words(joint.axis));
+    if (joint.kind != Joint::Kind::continuous) set(at, "range", fmt::format("{} {}", joint.lower, joint.upper));
+  }
+
+  void add_inertial(XMLElement* body, std::size_t link, bool moves) const {
+    const std::optional<Inertial> inertial = usable_inertial(d_, link);
+    if (!inertial && !moves) return;
+    XMLElement* at = add_element(body, "inertial");
+    if (!inertial) {
+      // What moves has to weigh something.
+      set(at, "pos", "0 0 0");
+      set(at, "mass", "0.001");
+      set(at, "diaginertia", "1e-06 1e-06 1e-06");
+      return;
+    }
+    const auto [xx, xy, xz, yy, yz, zz] = turned_inertia(*inertial);
+    set(at, "pos", words(inertial->origin.translation));
+    set(at, "mass", fmt::format("{}", inertial->mass));
+    set(at, "fullinertia", fmt::format("{} {} {} {} {} {}", xx, yy, zz, xy, xz, yz));
+  }
+
+  const Description& d_;
+  std::vector<std::vector<std::size_t>> below_;
+};
+
+void add_text(XMLElement* parent, const char* name, const std::string& text) {
+  add_element(parent, name)->SetText(text.c_str());
+}
+
+std::string pose_words(const RigidTransform& pose) {
+  return words(pose.translation) + " " + words(roll_pitch_yaw(pose));
+}
+
+void add_pose(XMLElement* parent, const RigidTransform& pose, const std::string& relative_to) {
+  XMLElement* at = add_element(parent, "pose");
+  if (!relative_to.empty()) set(at, "relative_to", relative_to);
+  at->SetText(pose_words(pose).c_str());
+}
+
+/// SDF has no joint of this kind: its link stands where it does at rest and is held by none.
+bool is_free(const Joint& joint) {
+  return joint.kind == Joint::Kind::floating || joint.kind == Joint::Kind::planar;
+}
+
+void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
+  XMLElement* at = add_element(model, "link");
+  const Link& own = d.robot.links[link];
+  set(at, "name", own.name);
+  if (own.joint != none) {
+    const Joint& joint = d.robot.joints[own.joint];
+    if (is_free(joint)) {
+      add_pose(at, joint.origin, d.robot.links[joint.parent].name);
+    } else {
+      add_pose(at, {}, joint.name);
+    }
+  }
+  if (const std::optional<Inertial> inertial = usable_inertial(d, link)) {
+    XMLElement* mass = add_element(at, "inertial");
+    add_pose(mass, {.translation = inertial->origin.translation}, "");
+    add_text(mass, "mass", fmt::format("{}", inertial->mass));
+    XMLElement* matrix = add_element(mass, "inertia");
+    const std::array<double, 6> entries = turned_inertia(*inertial);
+    constexpr std::array names{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+    for (std::size_t i = 0; i < 6; ++i) add_text(matrix, names[i], fmt::format("{}", entries[i]));
+  }
+  const LinkSpheres* spheres = d.spheres.of(link);
+  for (std::size_t i = 0; spheres != nullptr && i < spheres->spheres.size(); ++i) {
+    XMLElement* collision = add_element(at, "collision");
+    set(collision, "name", fmt::format("{}_sphere_{}", own.name, i));
+    add_pose(collision, {.translation = spheres->spheres[i].center}, "");
+    add_text(add_element(add_element(collision, "geometry"), "sphere"), "radius",
+             fmt::format("{}", spheres->spheres[i].radius));
+  }
+}
+
+void add_sdf_joint(XMLElement* model, const Description& d, const Joint& joint) {
+  if (is_free(joint)) return;
+  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic"};
+  XMLElement* at = add_element(model, "joint");
+  set(at, "name", joint.name);
+  set(at, "type", kinds[static_cast<std::size_t>(joint.kind)]);
+  add_pose(at, joint.origin, d.robot.links[joint.parent].name);
+  add_text(at, "parent", d.robot.links[joint.parent].name);
+  add_text(at, "child", d.robot.links[joint.child].name);
+  if (!joint.moves()) return;
+  XMLElement* axis = add_element(at, "axis");
+  add_text(axis, "xyz", words(joint.axis));
+  if (joint.kind == Joint::Kind::continuous) return;
+  XMLElement* limit = add_element(axis, "limit");
+  add_text(limit, "lower", fmt::format("{}", joint.lower));
+  add_text(limit, "upper", fmt::format("{}", joint.upper));
+}
+
+}  // namespace
+
+std::vector<OutputFile> write_mjcf(const Description& d) {
+  return {{identifier(d.robot.name) + ".mjcf.xml", Mjcf(d).text()}};
+}
+
+std::vector<OutputFile> write_sdf(const Description& d) {
+  tinyxml2::XMLDocument document;
+  XMLElement* root = add_element(&document, "sdf");
+  set(root, "version", "1.9");
+  XMLElement* model = add_element(root, "model");
+  set(model, "name", d.robot.name);
+  for (std::size_t i = 0; i < d.robot.links.size(); ++i) add_sdf_link(model, d, i);
+  for (const std::size_t i : d.robot.order) add_sdf_joint(model, d, d.robot.joints[i]);
+  return {{identifier(d.robot.name) + ".sdf", xml_text(document)}};
+}
+
+}  // namespace morula::robot

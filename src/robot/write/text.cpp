@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "robot/write/text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <morula/version.hpp>
+
+#include "robot/read/xml.hpp"
+
+namespace morula::robot {
+
+std::string json_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string decimal(double value) {
+  char digits[400];  // the longest double without an exponent takes some 330 characters
+  const std::to_chars_result written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed);
+  std::string text(digits, written.ptr);
+  if (text.find('.') == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string decimals(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", decimal(v.x), decimal(v.y), decimal(v.z));
+}
+
+std::string words(const Vec3& v) {
+  return fmt::format("{} {} {}", v.x, v.y, v.z);
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string quoted_list(std::span<const std::string> names) {
+  std::vector<std::string> all;
+  for (const std::string& name : names) all.push_back(quoted(name));
+  return fmt::format("[{}]", fmt::join(all, ", "));
+}
+
+std::string identifier(const std::string& text) {
+  std::string result = text;
+  for (char& c : result) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  if (result.empty() || std::isdigit(static_cast<unsigned char>(result[0])) != 0) result.insert(0, "_");
+  return result;
+}
+
+std::string xml_text(tinyxml2::XMLDocument& document) {
+  if (document.FirstChild() == nullptr || document.FirstChild()->ToDeclaration() == nullptr) {
+    document.InsertFirstChild(document.NewDeclaration());
+  }
+  document.InsertAfterChild(document.FirstChild(),
+                            document.NewComment(fmt::format(" Spheres by morula {} ", version).c_str()));
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
+tinyxml2::XMLElement* add_element(tinyxml2::XMLNode* parent, const char* name) {
+  tinyxml2::XMLElement* element = parent->GetDocument()->NewElement(name);
+  parent->InsertEndChild(element);
+  return element;
+}
+
+void set(tinyxml2::XMLElement* at, const char* attribute, const std::string& value) {
+  at->SetAttribute(attribute, value.c_str());
+}
+
+std::string guess_tool(const Robot& robot) {
+  std::vector<std::size_t> chain(robot.links.size(), 0);
+  std::size_t best = robot.root;
+  for (const std::size_t i : robot.order) {
+    const Joint& joint = robot.joints[i];
+    chain[joint.child] = chain[joint.parent] + (joint.moves() && !joint.mimic ? 1 : 0);
+    if (chain[joint.child] > chain[best]) best = joint.child;
+  }
+  return robot.links[best].name;
+}
+
+std::vector<std::string> tool_frames(const Description& d) {
+  return d.options.tool_frames.empty() ? std::vector{guess_tool(d.robot)} : d.options.tool_frames;
+}
+
+std::vector<std::string> own_joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const std::size_t joint : robot.own) names.push_back(robot.joints[joint].name);
+  return names;
+}
+
+std::map<std::string, std::vector<std::string>> ignored_by_link(const Description& d) {
+  std::map<std::string, std::vector<std::string>> result;
+  for (const IgnoredPair& pair : d.self_collision.ignored) {
+    result[d.robot.links[pair.a].name].push_back(d.robot.links[pair.b].name);
+  }
+  return result;
+}
+
+std::string ignored_note(const Description& d) {
+  const auto count = [&](IgnoreReason reason) {
+    return std::count_if(d.self_collision.ignored.begin(), d.self_collision.ignored.end(),
+                         [&](const IgnoredPair& pair) { return pair.reason == reason; });
+  };
+  std::string text = fmt::format("Ignored pairs: {} given, {} neighbours, {} that touch at rest",
+                                 count(IgnoreReason::given), count(IgnoreReason::adjacent), count(IgnoreReason::rest));
+  if (d.self_collision.samples == 0) return text + "; no configurations were sampled";
+  return text +
+         fmt::format(", {} apart in each of {} sampled configurations (seed {}), which proves nothing about others",
+                     count(IgnoreReason::never), d.self_collision.samples, d.options.seed);
+}
+
+namespace {
+
+/// Positive definite: what a solid can have, but for the inequality of triangles, which readers mend.
+bool is_solid(const std::array<double, 6>& m) {
+  const auto [xx, xy, xz, yy, yz, zz] = m;
+  const double minor = xx * yy - xy * xy;
+  const double all = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+  return xx > 0 && minor > 0 && all > 1e-12 * xx * yy * zz;
+}
+
+}  // namespace
+
+std::optional<Inertial> usable_inertial(const Description& d, std::size_t link) {
+  const std::optional<Inertial>& own = d.robot.links[link].inertial;
+  if (own && own->mass > 0 && is_solid(own->inertia)) return own;
+  const LinkSpheres* spheres = d.spheres.of(link);
+  if (spheres == nullptr || !(spheres->figures.solid.volume > 0)) return std::nullopt;
+  const UnionMass& solid = spheres->figures.solid;
+  Inertial result{.mass = spheres->figures.mass, .origin = {.translation = solid.center}, .inertia = solid.inertia};
+  for (double& entry : result.inertia) entry *= result.mass / solid.volume;
+  return result;
+}
+
+}  // namespace morula::robot

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What the writers share.
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <morula/robot/output.hpp>
+#include <nlohmann/json.hpp>
+
+namespace morula::robot {
+
+using Json = nlohmann::ordered_json;
+/// Indented; names that are not UTF-8 are replaced.
+std::string json_text(const Json& json);
+
+/// The shortest digits that read back the same, with a point and without an exponent: readers of YAML 1.1 take 1e-05
+/// for a word and 0 for no float.
+std::string decimal(double value);
+/// "[a, b, c]".
+std::string decimals(const Vec3& v);
+/// "a b c".
+std::string words(const Vec3& v);
+/// In double quotes, as JSON and YAML have it.
+std::string quoted(const std::string& text);
+/// "[a, b]" of names in quotes.
+std::string quoted_list(std::span<const std::string> names);
+
+/// Letters, digits and underscores, not beginning with a digit: for names of files, and for C++.
+std::string identifier(const std::string& text);
+
+/// Indented, with a first line and a comment that says what made it.
+std::string xml_text(tinyxml2::XMLDocument& document);
+tinyxml2::XMLElement* add_element(tinyxml2::XMLNode* parent, const char* name);
+void set(tinyxml2::XMLElement* at, const char* attribute, const std::string& value);
+
+std::vector<std::string> tool_frames(const Description& description);
+std::vector<std::string> own_joint_names(const Robot& robot);
+/// Partners of every link that has some, by name, each pair once.
+std::map<std::string, std::vector<std::string>> ignored_by_link(const Description& description);
+/// "Never: apart in all of 2000 configurations …": what the list proves and what not.
+std::string ignored_note(const Description& description);
+/// Of a link: the robot's own where it is one that simulators take, else that of the spheres. Nothing for a link
+/// without either.
+std::optional<Inertial> usable_inertial(const Description& description, std::size_t link);
+
+std::vector<OutputFile> write_curobo(const Description&);
+std::vector<OutputFile> write_curobo_old(const Description&);
+std::vector<OutputFile> write_xrdf_1(const Description&);
+std::vector<OutputFile> write_xrdf_2(const Description&);
+std::vector<OutputFile> write_urdf(const Description&);
+std::vector<OutputFile> write_srdf(const Description&);
+std::vector<OutputFile> write_vamp(const Description&);
+std::vector<OutputFile> write_mjcf(const Description&);
+std::vector<OutputFile> write_sdf(const Description&);
+std::vector<OutputFile> write_foam(const Description&);
+std::vector<OutputFile> write_ballpark(const Description&);
+std::vector<OutputFile> write_morphit(const Description&);
+std::vector<OutputFile> write_bubblify(const Description&);
+std::vector<OutputFile> write_csv(const Description&);
+std::vector<OutputFile> write_json(const Description&);
+
+}  // namespace morula::robot

@@ -1,0 +1,261 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <morula/geometry/random.hpp>
+#include <morula/robot/self_collision.hpp>
+#include <numbers>
+
+namespace morula::test {
+namespace {
+
+const robot::Robot arm_robot = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
+const robot::Robot gripper_robot = robot::read_robot(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
+
+/// Is every one of many points of the surface in a sphere, whose numbers are read as Scalar?
+template <class Scalar>
+void expect_covered(const robot::LinkSpheres& link, std::uint64_t seed) {
+  Random random(seed);
+  const auto is_in = [&](const Vec3& p) {
+    return std::any_of(link.spheres.begin(), link.spheres.end(), [&](const Sphere& s) {
+      const Vector3<Scalar> center(s.center);
+      const auto radius = static_cast<double>(static_cast<Scalar>(s.radius));
+      return distance(Vec3(center), p) <= radius;
+    });
+  };
+  const Mesh& mesh = link.surface.mesh;
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+    const auto [a, b, c] = mesh.corners(f);
+    for (int k = 0; k < 40; ++k) {
+      double u = k < 3 ? (k == 1) : random.uniform(), v = k < 3 ? (k == 2) : random.uniform();
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      EXPECT_TRUE(is_in(a + u * (b - a) + v * (c - a))) << f;
+    }
+  }
+  for (const Sphere& own : link.surface.spheres) {
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 way = normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+      EXPECT_TRUE(is_in(own.center + own.radius * way));
+    }
+  }
+}
+
+void expect_covered(const robot::RobotSpheres& fitted) {
+  EXPECT_TRUE(fitted.covered());
+  for (const robot::LinkSpheres& link : fitted.links) {
+    expect_covered<double>(link, 1);
+    expect_covered<float>(link, 2);
+    EXPECT_EQ(link.figures.gap, 0);
+  }
+}
+
+TEST(FitSpheres, cover_every_link_also_when_numbers_are_read_as_float) {
+  for (const std::size_t count : {1, 2, 7, 24}) {
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = count});
+    ASSERT_EQ(fitted.links.size(), 7u) << "the tool has no shapes";
+    expect_covered(fitted);
+    for (const robot::LinkSpheres& link : fitted.links) {
+      EXPECT_LE(link.spheres.size(), std::max<std::size_t>(count, link.surface.spheres.size() + 1));
+      EXPECT_GE(link.figures.protrusion_max, link.figures.protrusion_p95);
+      EXPECT_GE(link.figures.protrusion_p95, 0);
+    }
+  }
+}
+
+TEST(FitSpheres, a_link_that_is_a_sphere_gets_that_sphere) {
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 16});
+  const robot::LinkSpheres& elbow = *fitted.of(arm_robot.find_link("elbow"));
+  ASSERT_EQ(elbow.spheres.size(), 1u);
+  EXPECT_LT(distance(elbow.spheres[0].center, {0, 0, 0.02}), 1e-9);
+  EXPECT_NEAR(elbow.spheres[0].radius, 0.06, 1e-7);
+  EXPECT_GE(elbow.spheres[0].radius, 0.06);
+}
+
+TEST(FitSpheres, wishes_are_kept) {
+  const robot::FitOptions plain{.spheres = 6};
+  const robot::RobotSpheres base = robot::fit_spheres(gripper_robot, plain);
+  robot::FitOptions o = plain;
+  o.padding = 0.01;
+  const robot::RobotSpheres padded = robot::fit_spheres(gripper_robot, o);
+  for (std::size_t i = 0; i < base.links.size(); ++i) {
+    ASSERT_EQ(padded.links[i].spheres.size(), base.links[i].spheres.size());
+    for (std::size_t k = 0; k < base.links[i].spheres.size(); ++k) {
+      EXPECT_NEAR(padded.links[i].spheres[k].radius, base.links[i].spheres[k].radius + 0.01, 2e-7);
+    }
+  }
+  o = plain;
+  o.min_radius = 0.02;
+  for (const robot::LinkSpheres& link : robot::fit_spheres(gripper_robot, o).links) {
+    for (const Sphere& s : link.spheres) EXPECT_GE(s.radius, 0.02);
+  }
+  o = plain;
+  o.max_radius = 0.02;
+  const robot::RobotSpheres small = robot::fit_spheres(gripper_robot, o);
+  expect_covered(small);
+  for (const robot::LinkSpheres& link : small.links) {
+    for (const Sphere& s : link.spheres) EXPECT_LE(s.radius, 0.02 + 1e-6);
+  }
+  o = plain;
+  o.left_out = {"palm"};
+  o.link_spheres = {{"left", 2}};
+  const robot::RobotSpheres some = robot::fit_spheres(gripper_robot, o);
+  EXPECT_EQ(some.of(gripper_robot.find_link("palm")), nullptr);
+  EXPECT_LE(some.of(gripper_robot.find_link("left"))->spheres.size(), 2u);
+  EXPECT_EQ(some.of(gripper_robot.find_link("right"))->spheres, base.of(gripper_robot.find_link("right"))->spheres);
+}
+
+TEST(FitSpheres, protrusion_asked_for_is_reached) {
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 0, .max_protrusion = 0.01});
+  expect_covered(fitted);
+  for (const robot::LinkSpheres& link : fitted.links) EXPECT_LE(link.figures.protrusion_max, 0.01 + 1e-6);
+}
+
+TEST(FitSpheres, a_common_budget_is_kept_and_goes_where_it_helps) {
+  for (const std::size_t total : {7, 40, 90}) {
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.total = total});
+    EXPECT_LE(fitted.sphere_count(), std::max<std::size_t>(total, 8))
+        << "one each, and the flange has a sphere of its own";
+    EXPECT_GE(fitted.sphere_count(), total * 7 / 10);
+    expect_covered(fitted);
+  }
+  const robot::RobotSpheres shared = robot::fit_spheres(arm_robot, {.total = 60});
+  const robot::RobotSpheres even = robot::fit_spheres(arm_robot, {.spheres = 60 / 7});
+  const auto volume = [](const robot::RobotSpheres& fitted) {
+    double sum = 0;
+    for (const robot::LinkSpheres& link : fitted.links) sum += link.figures.solid.volume;
+    return sum;
+  };
+  EXPECT_LT(volume(shared), volume(even));
+}
+
+TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
+  const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 5});
+  const robot::LinkSpheres &left = *fitted.of(gripper_robot.find_link("left")),
+                           &right = *fitted.of(gripper_robot.find_link("right"));
+  EXPECT_EQ(right.alike, left.link);
+  EXPECT_EQ(right.spheres, left.spheres);
+  robot::FitOptions o{.spheres = 9};
+  for (const robot::LinkSpheres& link : fitted.links) {
+    if (gripper_robot.links[link.link].name != "left") o.kept[gripper_robot.links[link.link].name] = link.spheres;
+  }
+  const robot::RobotSpheres again = robot::fit_spheres(gripper_robot, o);
+  for (std::size_t i = 0; i < again.links.size(); ++i) {
+    const bool refitted = again.links[i].link == left.link;
+    EXPECT_EQ(again.links[i].spheres == fitted.links[i].spheres, !refitted);
+  }
+  // What is kept is judged by the shapes, not believed.
+  o.kept["palm"] = {Sphere{{0, 0, 0}, 0.01}};
+  const robot::RobotSpheres bare = robot::fit_spheres(gripper_robot, o);
+  EXPECT_FALSE(bare.covered());
+  EXPECT_NEAR(bare.of(gripper_robot.find_link("palm"))->figures.gap,
+              std::sqrt(0.05 * 0.05 + 0.03 * 0.03 + 0.02 * 0.02) - 0.01, 1e-6);
+}
+
+TEST(FitSpheres, same_bits_for_any_number_of_workers) {
+  Workers three(3);
+  const robot::RobotSpheres one = robot::fit_spheres(arm_robot, {.total = 50}),
+                            many = robot::fit_spheres(arm_robot, {.total = 50}, three);
+  ASSERT_EQ(one.links.size(), many.links.size());
+  for (std::size_t i = 0; i < one.links.size(); ++i) EXPECT_EQ(one.links[i].spheres, many.links[i].spheres);
+}
+
+TEST(FitSpheres, refuses_what_makes_no_sense) {
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.left_out = {"nobody"}}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.link_spheres = {{"base", 0}}}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.padding = -1}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.spheres = 0}), std::invalid_argument);
+}
+
+TEST(UnionMass, agrees_with_formulas_of_balls_and_lenses) {
+  const double pi = std::numbers::pi;
+  const Sphere ball{{3, -2, 5}, 0.7};
+  const robot::UnionMass one = robot::union_mass(std::span(&ball, 1));
+  const double volume_of_ball = 4 * pi * 0.7 * 0.7 * 0.7 / 3;
+  EXPECT_NEAR(one.volume, volume_of_ball, 2e-3 * volume_of_ball);
+  EXPECT_LT(distance(one.center, ball.center), 1e-12);
+  for (const std::size_t axis : {0, 3, 5})
+    EXPECT_NEAR(one.inertia[axis], 0.4 * volume_of_ball * 0.49, 5e-3 * 0.4 * volume_of_ball * 0.49);
+  for (const std::size_t mixed : {1, 2, 4}) EXPECT_NEAR(one.inertia[mixed], 0, 1e-12);
+  // Two unit balls, centres 1 apart along x: their lens has the volume 5 pi / 12.
+  const std::vector<Sphere> pair{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, 0, 0}, 0.3}};
+  const robot::UnionMass two = robot::union_mass(pair);
+  const double expected = 8 * pi / 3 - 5 * pi / 12;
+  EXPECT_NEAR(two.volume, expected, 2e-3 * expected);
+  EXPECT_LT(distance(two.center, {0.5, 0, 0}), 1e-3);
+  EXPECT_EQ(robot::union_mass({}).volume, 0);
+}
+
+/// All pairs of all spheres, nothing left out.
+bool touch_anyhow(const robot::LinkSpheres& a, const robot::LinkSpheres& b, const std::vector<RigidTransform>& poses) {
+  for (const Sphere& s : a.spheres) {
+    for (const Sphere& t : b.spheres) {
+      if (distance(poses[a.link](s.center), poses[b.link](t.center)) <= s.radius + t.radius) return true;
+    }
+  }
+  return false;
+}
+
+TEST(SelfCollision, lists_neighbours_what_touches_at_rest_and_what_never_met) {
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 8});
+  const robot::SelfCollision found =
+      robot::find_ignored(arm_robot, fitted, {.samples = 300, .seed = 5, .given = {{"base", "flange"}, {"x", "y"}}});
+  EXPECT_EQ(found.pairs, 21u);
+  std::map<std::pair<std::size_t, std::size_t>, robot::IgnoreReason> reasons;
+  for (const robot::IgnoredPair& pair : found.ignored) {
+    EXPECT_LT(pair.a, pair.b);
+    EXPECT_TRUE(reasons.emplace(std::pair(pair.a, pair.b), pair.reason).second) << "no pair twice";
+  }
+  const auto reason = [&](const char* a, const char* b) {
+    const auto at = reasons.find(std::minmax(arm_robot.find_link(a), arm_robot.find_link(b)));
+    return at == reasons.end() ? std::string_view("none") : robot::name(at->second);
+  };
+  EXPECT_EQ(reason("base", "flange"), "User");
+  EXPECT_EQ(reason("base", "shoulder"), "Adjacent");
+  EXPECT_EQ(reason("forearm", "wrist"), "Adjacent");
+  // The same configurations, drawn again and tested without any shortcut.
+  Random random(5);
+  std::vector<std::vector<RigidTransform>> poses;
+  for (int k = 0; k < 300; ++k) {
+    std::vector<double> values;
+    for (const std::size_t joint : arm_robot.own)
+      values.push_back(random.uniform(arm_robot.joints[joint].lower, arm_robot.joints[joint].upper));
+    poses.push_back(robot::link_poses(arm_robot, values));
+  }
+  const std::vector<RigidTransform> rest = robot::link_poses(arm_robot, robot::rest_values(arm_robot));
+  std::size_t never = 0, tested = 0;
+  for (const robot::LinkSpheres& a : fitted.links) {
+    for (const robot::LinkSpheres& b : fitted.links) {
+      if (a.link >= b.link) continue;
+      const auto at = reasons.find({a.link, b.link});
+      const bool met =
+          std::any_of(poses.begin(), poses.end(), [&](const auto& pose) { return touch_anyhow(a, b, pose); });
+      if (at == reasons.end()) {
+        EXPECT_TRUE(met && !touch_anyhow(a, b, rest));
+        ++tested;
+      } else if (at->second == robot::IgnoreReason::never) {
+        EXPECT_FALSE(met || touch_anyhow(a, b, rest));
+        ++never;
+      } else if (at->second == robot::IgnoreReason::rest) {
+        EXPECT_TRUE(touch_anyhow(a, b, rest));
+      }
+    }
+  }
+  EXPECT_GT(tested, 0u);
+  EXPECT_GT(never + tested, 3u);
+}
+
+TEST(SelfCollision, links_without_spheres_do_not_part_neighbours) {
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 2, .left_out = {"elbow"}});
+  const robot::SelfCollision found = robot::find_ignored(arm_robot, fitted, {.samples = 0});
+  const bool listed = std::any_of(found.ignored.begin(), found.ignored.end(), [&](const robot::IgnoredPair& pair) {
+    return pair.a == arm_robot.find_link("upper") && pair.b == arm_robot.find_link("forearm") &&
+           pair.reason == robot::IgnoreReason::adjacent;
+  });
+  EXPECT_TRUE(listed);
+  for (const robot::IgnoredPair& pair : found.ignored) EXPECT_NE(pair.reason, robot::IgnoreReason::never);
+}
+
+}  // namespace
+}  // namespace morula::test

@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/random.hpp>
+#include <morula/robot/robot.hpp>
+#include <support/scratch_folder.hpp>
+
+namespace morula::test {
+namespace {
+
+const std::string robots_folder = MORULA_ROBOTS;
+const std::string arm_file = robots_folder + "/arm_description/urdf/arm.urdf";
+const std::string gripper_file = robots_folder + "/gripper_description/urdf/gripper.urdf";
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// "" when nothing is thrown.
+std::string refusal(const std::filesystem::path& path, const robot::ReadOptions& options = {}) {
+  try {
+    const robot::Robot read = robot::read_robot(path, options);
+    for (const robot::Link& link : read.links) robot::surface_of(path, link.collision);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ReadRobot, links_joints_and_what_moves_by_itself) {
+  const robot::Robot read = robot::read_robot(arm_file);
+  EXPECT_EQ(read.name, "arm");
+  EXPECT_EQ(read.links.size(), 8u);
+  EXPECT_EQ(read.joints.size(), 7u);
+  EXPECT_EQ(read.links[read.root].name, "base");
+  std::string order;
+  for (const std::size_t joint : read.order) order += read.joints[joint].name + " ";
+  EXPECT_EQ(order, "turn lift bend reach weld roll tip ");
+  std::string own;
+  for (const std::size_t joint : read.own) own += read.joints[joint].name + " ";
+  EXPECT_EQ(own, "turn lift bend reach roll ");
+  EXPECT_EQ(read.joints[read.find_joint("lift")].axis, (Vec3{0, 1, 0})) << "axes become unit";
+  EXPECT_EQ(read.links[0].inertial->mass, 4);
+  EXPECT_EQ(robot::read_robot(gripper_file).own.size(), 1u) << "what follows another is no coordinate";
+}
+
+TEST(ReadRobot, a_mesh_is_scaled_first_and_placed_then) {
+  const robot::Robot read = robot::read_robot(arm_file);
+  const Mesh mesh = robot::surface_of(arm_file, read.links[read.find_link("shoulder")].collision).mesh;
+  // Turned by 90 degrees about z, then shifted: (x, y, z) of the file goes to (0.05 - y/10, -0.05 + x/10, 0.1 + z/10).
+  const std::vector<Vec3> expected{{0.05, -0.05, 0.1},  {0.05, 0.15, 0.1},  {-0.05, 0.15, 0.1},
+                                   {-0.05, -0.05, 0.1}, {0.05, -0.05, 0.2}, {-0.05, -0.05, 0.25}};
+  ASSERT_EQ(mesh.positions.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_LT(distance(mesh.positions[i], expected[i]), 1e-15) << i;
+  }
+}
+
+TEST(ReadRobot, facets_of_a_mirrored_mesh_still_look_outward) {
+  const robot::Robot read = robot::read_robot(arm_file);
+  const MeshReport plain = inspect(read_mesh(robots_folder + "/arm_description/meshes/wedge.obj"));
+  const MeshReport mirrored = inspect(robot::surface_of(arm_file, read.links[read.find_link("upper")].collision).mesh);
+  ASSERT_TRUE(plain.has_volume());
+  ASSERT_TRUE(mirrored.has_volume());
+  EXPECT_GT(plain.volume, 0);
+  EXPECT_NEAR(mirrored.volume, plain.volume * 0.1 * 0.1 * 0.2, 1e-15);
+}
+
+TEST(ReadRobot, collada_scenes_are_placed_in_metres_and_axes_stay_as_written) {
+  const Mesh mesh = robot::read_collada(robots_folder + "/arm_description/meshes/wrist.dae");
+  ASSERT_EQ(mesh.positions.size(), 8u);
+  // First turned about z, then shifted, in centimetres; the second is mirrored.
+  const std::vector<Vec3> expected{{0.01, 0.02, 0.03}, {0.01, 0.06, 0.03}, {-0.02, 0.02, 0.03}, {0.01, 0.02, 0.08},
+                                   {0, 0, 0.1},        {-0.04, 0, 0.1},    {0, 0.03, 0.1},      {0, 0, 0.15}};
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_LT(distance(mesh.positions[i], expected[i]), 1e-15) << i;
+  const MeshReport report = inspect(mesh);
+  ASSERT_TRUE(report.has_volume());
+  EXPECT_NEAR(report.volume, 2 * 0.04 * 0.03 * 0.05 / 6, 1e-15) << "both look outward";
+}
+
+TEST(ReadRobot, round_primitives_are_polyhedra_that_contain_the_true_shapes) {
+  Random random(3);
+  for (int round = 0; round < 20; ++round) {
+    const double radius = random.uniform(0.01, 2), length = random.uniform(0.01, 3);
+    for (const auto kind : {robot::Shape::Kind::cylinder, robot::Shape::Kind::capsule}) {
+      robot::Shape shape;
+      shape.kind = kind;
+      shape.radius = radius;
+      shape.length = length;
+      const Mesh mesh = robot::surface_of(arm_file, std::span(&shape, 1)).mesh;
+      const MeshReport report = inspect(mesh);
+      ASSERT_TRUE(report.has_volume());
+      EXPECT_GT(report.volume, 0);
+      // Convex and around the origin: a shape is inside when the farthest point along each facet's normal is not
+      // beyond.
+      for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+        const auto [a, b, c] = mesh.corners(f);
+        const Vec3 n = normalized(cross(b - a, c - a));
+        const double across = std::sqrt(n.x * n.x + n.y * n.y);
+        const double farthest = kind == robot::Shape::Kind::capsule ? radius + std::abs(n.z) * length / 2
+                                                                    : radius * across + std::abs(n.z) * length / 2;
+        EXPECT_GE(dot(n, a), farthest * (1 - 1e-14));
+      }
+      for (const Vec3& p : mesh.positions) {
+        const double beyond = kind == robot::Shape::Kind::capsule ? std::max(0.0, std::abs(p.z) - length / 2) : 0.0;
+        EXPECT_LE(std::sqrt(p.x * p.x + p.y * p.y + beyond * beyond), 1.003 * radius) << "as close as is said";
+      }
+    }
+  }
+}
+
+TEST(ReadRobot, a_box_is_exact_and_a_sphere_is_itself) {
+  const robot::Robot read = robot::read_robot(gripper_file);
+  const MeshReport box = inspect(robot::surface_of(gripper_file, read.links[0].collision).mesh);
+  EXPECT_NEAR(box.volume, 0.1 * 0.06 * 0.04, 1e-18);
+  EXPECT_EQ(box.box.upper, (Vec3{0.05, 0.03, 0.02}));
+  const robot::Robot other = robot::read_robot(arm_file);
+  const robot::LinkSurface elbow = robot::surface_of(arm_file, other.links[other.find_link("elbow")].collision);
+  EXPECT_TRUE(elbow.mesh.facets.empty());
+  EXPECT_EQ(elbow.spheres, std::vector({Sphere{{0, 0, 0.02}, 0.06}}));
+}
+
+TEST(Kinematics, poses_are_those_worked_out_by_hand) {
+  const robot::Robot read = robot::read_robot(arm_file);
+  // turn = 90 degrees, reach = 0.1, everything else 0.
+  const std::vector<RigidTransform> poses = robot::link_poses(read, std::vector{std::acos(0.0), 0.0, 0.0, 0.1, 0.0});
+  const auto at = [&](const char* link, const Vec3& p) { return poses[read.find_link(link)](p); };
+  EXPECT_LT(distance(at("shoulder", {0.1, 0, 0}), {0, 0.1, 0.16}), 1e-15);
+  EXPECT_LT(distance(at("upper", {0, 0, 0}), {-0.1, 0, 0.41}), 1e-15);
+  EXPECT_LT(distance(at("forearm", {0, 0, 0}), {-0.1, 0, 0.41 + 0.35 + 0.05 + 0.1}), 1e-15);
+  EXPECT_LT(distance(at("wrist", {0, 0, 0.1}), {-0.1, 0, 0.91 + 0.3 - 0.1}), 1e-15) << "upside down";
+}
+
+TEST(Kinematics, joints_follow_through_others) {
+  const robot::Robot read = robot::read_robot(gripper_file);
+  const std::vector<RigidTransform> poses = robot::link_poses(read, std::vector{0.03});
+  EXPECT_LT(distance(poses[read.find_link("left")].translation, {0.035, 0, 0.02}), 1e-15);
+  EXPECT_LT(distance(poses[read.find_link("right")].translation, {-0.035, 0, 0.02}), 1e-15);
+  // hook_turn = 0.5 - 10 * 0.03 = 0.2 about y.
+  const Vec3 up = poses[read.find_link("hook")].turn({0, 0, 1});
+  EXPECT_LT(distance(up, {std::sin(0.2), 0, std::cos(0.2)}), 1e-15);
+  EXPECT_THROW(robot::link_poses(read, {}), std::invalid_argument);
+}
+
+TEST(FindMesh, package_by_convention_and_by_search_path) {
+  const ScratchFolder scratch;
+  const std::string body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const auto text = [](const std::string& file) {
+    return "<robot name='r'><link name='l'><collision><geometry><mesh filename='" + file +
+           "'/></geometry></collision></link></robot>";
+  };
+  write(scratch.path() / "ws/pkg/meshes/a.obj", body);
+  write(scratch.path() / "ws/pkg/urdf/r.urdf", text("package://pkg/meshes/a.obj"));
+  EXPECT_EQ(refusal(scratch.path() / "ws/pkg/urdf/r.urdf"), "");
+  write(scratch.path() / "ws/renamed/meshes/a.obj", body);
+  write(scratch.path() / "ws/renamed/urdf/r.urdf", text("package://lost/meshes/a.obj"));
+  EXPECT_EQ(refusal(scratch.path() / "ws/renamed/urdf/r.urdf"), "")
+      << "next to the file once the package is struck off";
+  write(scratch.path() / "far/r.urdf", text("package:///pkg/meshes/a.obj"));
+  EXPECT_NE(refusal(scratch.path() / "far/r.urdf"), "");
+  EXPECT_EQ(refusal(scratch.path() / "far/r.urdf", {.package_paths = {scratch.path() / "ws"}}), "");
+  EXPECT_EQ(refusal(scratch.path() / "far/r.urdf", {.package_paths = {scratch.path() / "ws/pkg"}}), "");
+}
+
+TEST(FindMesh, what_is_missing_is_named_with_every_place_searched) {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "ws/pkg/urdf/r.urdf";
+  write(file,
+        "<robot name='r'>\n<link name='l'><collision><geometry>\n<mesh filename='package://pkg/meshes/no.stl'/>"
+        "</geometry></collision></link></robot>");
+  const std::string text = refusal(file, {.package_paths = {scratch.path() / "elsewhere"}});
+  EXPECT_EQ(text.rfind(file.string() + ":3: mesh \"package://pkg/meshes/no.stl\" is missing; searched: ", 0), 0u)
+      << text;
+  for (const char* place : {"elsewhere/pkg/meshes/no.stl", "ws/pkg/urdf/pkg/meshes/no.stl", "ws/pkg/meshes/no.stl"}) {
+    EXPECT_NE(text.find((scratch.path() / place).string()), std::string::npos) << text;
+  }
+  EXPECT_NE(text.find("--package-path"), std::string::npos);
+}
+
+TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "a/b/c/r.urdf";
+  const std::string two = "<link name='a'/><link name='b'/>";
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child,
+                        const std::string& more = "") {
+    return "<joint name='" + name + "' type='revolute'><parent link='" + parent + "'/><child link='" + child + "'/>" +
+           more + "</joint>";
+  };
+  const auto collision = [](const std::string& geometry) {
+    return "<link name='a'><collision><geometry>" + geometry + "</geometry></collision></link>";
+  };
+  const std::vector<std::array<std::string, 2>> cases{
+      {"<link name='a'>", "is no well-formed XML"},
+      {"<link/>", "<link> has no name"},
+      {"<link name='a'/><xacro:arm/>", "run xacro on the file first"},
+      {two + two, "there are two links a"},
+      {two, "both carried by no joint"},
+      {two + joint("j", "a", "c"), "there is no link c"},
+      {two + joint("j", "a", "b") + joint("j", "a", "b"), "there are two joints j"},
+      {two + joint("i", "a", "b") + joint("j", "a", "b"), "carried by two joints"},
+      {two + joint("i", "a", "b") + joint("j", "b", "a"), "a circle"},
+      {two + "<link name='c'/>" + joint("i", "a", "b") + joint("j", "b", "a"), "circle"},
+      {two + "<joint name='j' type='hinge'/>", "a joint is hinge"},
+      {two + joint("j", "a", "b", "<axis xyz='0 0 0'/>"), "an axis of length 0"},
+      {two + joint("j", "a", "b", "<axis xyz='0 nan 0'/>"), "is not three numbers"},
+      {two + joint("j", "a", "b", "<limit lower='1e999'/>"), "is no number"},
+      {two + joint("j", "a", "b", "<mimic joint='j'/>"), "follows itself"},
+      {collision("<sphere radius='0'/>"), "is not above 0"},
+      {collision("<sphere radius='0x10'/>"), "is no number"},
+      {collision("<box size='1 1'/>"), "is not three numbers"},
+      {collision("<box size='1 -1 1'/>"), "an edge not above 0"},
+      {collision("<torus/>"), "<torus> is no geometry"},
+      {collision(""), "has no geometry"},
+      {collision("<mesh filename='x.stl' scale='1 0 1'/>"), "scaled by 0"},
+      {collision("<mesh filename='http://host/x.stl'/>"), "is not on this disk"},
+      {collision("<mesh filename='package://pkg/../../../etc/passwd'/>"), "leaves its package"},
+      {collision("<mesh filename='/dev/null'/>"), "is missing"},
+      {collision("<mesh filename='file:///etc/hostname'/>"), "lies outside the robot's folders"},
+      {collision("<mesh filename='../../../r.obj'/>"), "lies outside the robot's folders"},
+      {collision("<mesh filename='empty.obj'/>"), "empty.obj"},
+  };
+  write(scratch.path() / "r.obj", "");
+  write(scratch.path() / "a/b/c/empty.obj", "");
+  if (!std::filesystem::exists("/etc/hostname")) GTEST_SKIP() << "no /etc/hostname here";
+  for (const auto& [body, words] : cases) {
+    write(file, "<robot name='r'>\n" + body + "\n</robot>");
+    const std::string text = refusal(file);
+    EXPECT_NE(text.find(words), std::string::npos) << body << "\n" << text;
+    EXPECT_EQ(text.rfind(file.string() + ":", 0), 0u) << text;
+  }
+  write(file, "<!DOCTYPE r [\n<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;\">]>\n<robot name='&b;'/>");
+  EXPECT_NE(refusal(file).find("r.urdf:2: entities are declared"), std::string::npos) << refusal(file);
+  write(file, "<xacro:macro/>");
+  EXPECT_NE(refusal(file).find("expand xacro first"), std::string::npos) << refusal(file);
+  EXPECT_NE(refusal(scratch.path() / "none.urdf").find("there is no such file"), std::string::npos);
+}
+
+TEST(ReadRobot, text_nested_without_end_and_cut_short_is_refused_not_followed) {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "r.urdf";
+  std::string deep = "<robot name='r'>";
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  write(file, deep);
+  EXPECT_NE(refusal(file), "");
+  std::ifstream stream(arm_file);
+  const std::string whole{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  for (std::size_t end = 0; end < whole.size() - 8; end += 97) {
+    write(file, whole.substr(0, end));
+    EXPECT_NE(refusal(file), "") << end;
+  }
+}
+
+TEST(ReadRobot, collada_refuses_what_leads_nowhere) {
+  const ScratchFolder scratch;
+  std::ifstream stream(robots_folder + "/arm_description/meshes/wrist.dae");
+  const std::string whole{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const std::vector<std::array<std::string, 3>> changes{
+      {"url=\"#tetra\"", "url=\"#nothing\"", "there is nothing called"},
+      {"url=\"#tetra\"", "url=\"http://x\"", "is in another file"},
+      {"0 2 0 1 0 0", "0 2 0 9 0 0", "there is no vertex 9"},
+      {"<vcount>3", "<vcount>333", "more corners than there are"},
+      {"<vcount>3", "<vcount>-3", "which is no index"},
+      {"0 0 0 4", "0 0 x 4", "does not hold"},
+      {"<rotate>0 0 1 90", "<rotate>0 0 1", "does not hold 4 numbers"},
+      {"meter=\"0.01\"", "meter=\"0\"", "is not above 0"},
+      {"<instance_geometry url=\"#tetra\"/></node>\n      <node>", "</node><node id=\"n\"><instance_node url=\"#n\"/>",
+       "in a circle"},
+  };
+  for (const auto& [old, fresh, words] : changes) {
+    std::string text = whole;
+    const std::size_t at = text.find(old);
+    ASSERT_NE(at, std::string::npos) << old;
+    text.replace(at, old.size(), fresh);
+    write(scratch.path() / "x.dae", text);
+    try {
+      robot::read_collada(scratch.path() / "x.dae");
+      ADD_FAILURE() << old << " -> " << fresh;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace morula::test
