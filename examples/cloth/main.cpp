@@ -13,10 +13,10 @@ constexpr int cells = 24;
 constexpr double thickness = 0.02, step = 0.01, stiffness = 0.6;
 
 /// The ball, which stands still, and the sheet above it, in one mesh.
-struct Scene {
+struct ClothOnBall {
   Mesh mesh = sample_body("blob", 10);
   std::size_t still;  ///< vertices of the ball
-  Scene() {
+  ClothOnBall() {
     const Box box = bounding_box(mesh);
     for (Vec3& p : mesh.positions) p = (p - box.center()) / box.extent().z;
     still = mesh.positions.size();
@@ -50,7 +50,7 @@ std::size_t count_crossings(const Mesh& mesh, const std::vector<Vec3>& at) {
 }  // namespace
 
 int main() {
-  const Scene scene;
+  const ClothOnBall scene;
   std::vector<Vec3> at = scene.mesh.positions, velocity(at.size());
   SurfaceTree tree(scene.mesh);
   // Neighbours are as near at rest, and of no interest.
