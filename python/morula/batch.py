@@ -4,7 +4,7 @@
 
 >>> rows = morula.batch.run("meshes", {"quality": "fast"}, output="trees", jobs=2)          # doctest: +SKIP
 
-On a command line, and so in job arrays: python -m morula.batch meshes -o trees --jobs 2 --shard 0/16 --quality fast
+On a command line, and so in job arrays: python -m morula.batch meshes -o trees --jobs 2 --shard 1/16 --quality fast
 
 A result is kept under a key of the mesh file's content, the options and the version, each file written whole or not at all. So a
 run that was killed goes on where it ended, with the same table in the end, and shards may share a folder.
@@ -161,7 +161,7 @@ def run(
     output: str | os.PathLike[str],
     jobs: int = 1,
     executor: concurrent.futures.Executor | None = None,
-    shard: tuple[int, int] = (0, 1),
+    shard: tuple[int, int] = (1, 1),
     time_limit: float | None = None,
     memory_limit_mb: int | None = None,
     retry: bool = False,
@@ -174,7 +174,7 @@ def run(
         jobs: so many processes at once.
         executor: anything that behaves as concurrent.futures does, in the place of `jobs`: of Dask
             (`client.get_executor()`), mpi4py.futures, submitit. Workers need this package and the same file system.
-        shard: (i, n): every n-th mesh from the i-th on; its table is table-i-of-n.
+        shard: (i, n): the i-th of n parts, from 1: every n-th mesh from the i-th on; its table is table-i-of-n.
         time_limit: seconds a mesh may take. memory_limit_mb: address space it may have (not on Windows).
         retry: meshes that failed are tried again; else their rows stay.
         progress: called with meshes done, all of them, and the seconds left, estimated.
@@ -182,13 +182,13 @@ def run(
     trees/KEY.morula are the trees, rows/KEY.json the rows with their times.
     """
     index, count = shard
-    if not 0 <= index < count:
-        raise ValueError(f"shard: {index}/{count}, but 0/{count} to {count - 1}/{count} are needed")
+    if not 1 <= index <= count:
+        raise ValueError(f"shard: {index}/{count}, but 1/{count} to {count}/{count} are needed")
     folder = pathlib.Path(output)
     (folder / "trees").mkdir(parents=True, exist_ok=True)
     (folder / "rows").mkdir(exist_ok=True)
     options = dict(options or {})
-    meshes = meshes_of(manifest)[index::count]
+    meshes = meshes_of(manifest)[index - 1 :: count]
     keys = [key_of(mesh, options) for mesh in meshes]
 
     rows: dict[str, Row] = {}
@@ -232,7 +232,7 @@ def main() -> int:
     parser.add_argument("manifest", help="a folder, a text file with a path per line, or a .csv with a column `mesh`")
     parser.add_argument("-o", "--output", required=True, help="folder for trees, rows and the table")
     parser.add_argument("--jobs", type=int, default=1, help="processes at once")
-    parser.add_argument("--shard", default="0/1", help="i/n: every n-th mesh from the i-th on")
+    parser.add_argument("--shard", default="1/1", help="i/n: the i-th of n parts, from 1")
     parser.add_argument("--time-limit", type=float, help="seconds a mesh may take")
     parser.add_argument("--memory-limit", type=int, help="megabytes of address space it may have")
     parser.add_argument("--retry", action="store_true", help="try again what failed; what is done stays in any case")

@@ -89,7 +89,7 @@ TEST(Stranger, in_games) {
                   {"repair soup.obj -o whole.obj", 0, {"merged"}, {"whole.obj"}},
                   {"info whole.obj --json", 0, {"\"closed\""}},
                   {"collide crate.obj crate.obj --place-b 0.5,0.2,0 --exact --budget 200us", 0, {"contacts"}},
-                  {"collide crate.obj", 2, {"B"}},
+                  {"collide crate.obj", 2, {"name another one", "--self"}},
                   {"collide crate.obj missing.obj", 2, {"missing.obj", "no such file"}},
                   {"build crate.obj -o no/such/folder/crate.morula", 2, {"no/such/folder"}},
                   {"build crate.obj -o crate.morula --branching 8.5", 2, {"8.5", "whole number"}},
