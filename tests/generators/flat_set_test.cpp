@@ -112,7 +112,7 @@ TEST_P(FlatSetBits, are_the_same_for_any_number_of_workers) {
 INSTANTIATE_TEST_SUITE_P(Quick, FlatSetBits, testing::Values(Method::octree), test::method_name);
 INSTANTIATE_TEST_SUITE_P(Long, FlatSetBits, testing::Values(Method::grid, Method::spawn), test::method_name);
 
-TEST(FlatSet, gets_tighter_with_more_spheres) {
+TEST(LongFlatSet, gets_tighter_with_more_spheres) {
   const Mesh mesh = sample_body("limb", 16);
   for (const Method method : {Method::octree, Method::grid, Method::spawn}) {
     double before = std::numeric_limits<double>::infinity();
