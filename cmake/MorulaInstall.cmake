@@ -3,7 +3,6 @@
 
 # What find_package(morula) and pkg-config find: components `library` (what programs in C need to run) and `development`.
 # The command: component `runtime`.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(morula_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/morula")
@@ -47,7 +46,7 @@ if(TARGET morula_c)
     RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT library)
 endif()
 
-# For those who ask pkg-config: morula for C, morula-cpp for C++.
+# For those who ask pkg-config: morula for C, morula-cpp for C++, morula-robot for robots in C++.
 file(RELATIVE_PATH MORULA_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 string(REGEX REPLACE "/$" "" MORULA_PC_PREFIX "${MORULA_PC_PREFIX}")
 set(MORULA_PC_LIBS "")
@@ -60,6 +59,9 @@ string(APPEND MORULA_PC_LIBS "-lpthread")
 set(morula_pc_files morula-cpp)
 if(TARGET morula_c)
   list(APPEND morula_pc_files morula)
+endif()
+if(TARGET morula_robot)
+  list(APPEND morula_pc_files morula-robot)
 endif()
 foreach(file IN LISTS morula_pc_files)
   configure_file("${CMAKE_CURRENT_LIST_DIR}/${file}.pc.in" "${PROJECT_BINARY_DIR}/cmake/${file}.pc" @ONLY)
