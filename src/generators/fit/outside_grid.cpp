@@ -169,8 +169,8 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-// Steps over the needed part of lines of row v of an axis, or over what they had and what is needed. Sums run along lines
-// and wait for each other, so four lines are summed side by side: each as if it were alone, in the same order.
+// Steps over the needed part of lines of row v of an axis, or over what they had and what is needed. Sums run along
+// lines and wait for each other, so four lines are summed side by side: each as if it were alone, in the same order.
 void OutsideGrid::refresh(std::size_t axis, int v, std::span<const int> us, Extent needed) {
   const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
   Axis& own = axes_[axis];
@@ -187,7 +187,8 @@ void OutsideGrid::refresh(std::size_t axis, int v, std::span<const int> us, Exte
     if (own.traced[line] == 0) trace(axis, us[k], v, line);
     lines[k] = {&own.outside[line * n], &balls_over_[at(us[k]) * step_[ua] + at(v) * step_[va]], &own.steps[line * n]};
     Extent& current = own.current[line];
-    if (current.begin < current.end) needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
+    if (current.begin < current.end)
+      needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
     current = needed;
   }
   const auto share = [&](const Line& line, std::size_t w) { return shares[line.over[w * along] != 0 ? 1 : 0]; };
