@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <morula/collide/penetration.hpp>
 #include <morula/geometry/box.hpp>
+#include <numbers>
 
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
@@ -29,6 +31,14 @@ struct Cell {
 /// Volume that is neither inside nor outside, as a share of a cell, if the nearer surface is a plane.
 double share_inside(double distance, double half_side) {
   return std::clamp(0.5 - 0.5 * distance / half_side, 0.0, 1.0);
+}
+
+/// Volume that a ball about the middle of a cube, of half side 1, has inside it, or less: the ball less the caps beyond
+/// the six sides, which do not meet within the cube up to the middles of its edges. As if no larger beyond.
+double ball_in_cube(double radius) {
+  constexpr double pi = std::numbers::pi;
+  const double r = std::clamp(radius, 0.0, std::numbers::sqrt2), h = std::max(0.0, r - 1);
+  return 4.0 / 3.0 * pi * r * r * r - 6 * (pi * h * h * (3 * r - h) / 3);
 }
 
 struct Frame {
@@ -60,12 +70,19 @@ struct PenetrationQuery::State {
   Vec3 half;                       // of the first cells
   double pad = 0;                  // what a distance may be off by
   double volume = 0;               // of a first cell
+  double first_volume = 0;         // of all of them
   double sure = 0;                 // of cells inside both
   Vec3 sure_moment;                // times their centres
   std::vector<Cell> cells, parts;  // undecided ones of this level, those before `next` divided already, and of the next
   std::size_t next = 0;
-  double open = 0;                             // what `cells` from `next` on and `parts` may still add
-  std::vector<double> guessed, guessed_parts;  // what share of each of them is thought to be inside
+  /// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside.
+  struct Share {
+    double inside = 0, outside = 0, guess = 0.5;
+  };
+  std::vector<Share> shares, part_shares;  // of each of `cells` and of `parts`
+  double open_inside = 0, open_all = 0;    // of those not divided: what is in them for sure, and may be
+  // The best so far: balls of a cell may tell more than those of its parts.
+  double lower = 0, upper = 0;
 
   double volume_of(std::uint32_t level) const { return std::ldexp(volume, -3 * static_cast<int>(level)); }
 
@@ -81,8 +98,8 @@ struct PenetrationQuery::State {
 
   void start() {
     is_started = true;
-    cells.clear(), parts.clear(), guessed.clear(), guessed_parts.clear();
-    next = 0, sure = 0, sure_moment = {}, open = 0, volume = 0;
+    cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
+    next = 0, sure = 0, sure_moment = {}, open_inside = open_all = 0, volume = 0, lower = upper = first_volume = 0;
     for (std::size_t i = 0; i < 2; ++i) frames[i] = frame_of(*body[i]);
     const Box a = box_of(*body[0]), b = box_of(*body[1]);
     Box both{max(a.lower, b.lower), min(a.upper, b.upper)};
@@ -107,15 +124,16 @@ struct PenetrationQuery::State {
         for (int z = 0; z < count[2]; ++z) {
           cells.push_back(
               {both.lower + Vec3{(2 * x + 1) * half.x, (2 * y + 1) * half.y, (2 * z + 1) * half.z}, 0, false, false});
-          guessed.push_back(0.5);
-          open += volume;
+          shares.emplace_back();
+          open_all += volume;
         }
+    upper = first_volume = open_all;
   }
 
   struct Verdict {
     Status status;
     enum { undecided, inside, outside } what = undecided;
-    double share = 0;
+    Share share{};
     std::size_t probes = 0;
   };
   /// Asks the bodies that are not known to hold all of the cell.
@@ -124,7 +142,8 @@ struct PenetrationQuery::State {
     const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
     const double reach = length(half) * scale * (1 + 0x1p-40) + pad;
     const double half_side = std::cbrt(volume_of(cell.level)) * 0.5;
-    verdict.share = 1;
+    verdict.share.guess = 1;
+    double radius_inside = std::numeric_limits<double>::infinity(), radius_outside = 0;
     for (std::size_t i = 0; i < 2; ++i) {
       bool& in = i == 0 ? cell.in_a : cell.in_b;
       if (in) continue;
@@ -140,8 +159,14 @@ struct PenetrationQuery::State {
         return verdict;
       }
       in = probe.distance < -reach;
-      verdict.share = std::min(verdict.share, share_inside(probe.distance, half_side));
+      verdict.share.guess = std::min(verdict.share.guess, share_inside(probe.distance, half_side));
+      radius_inside = std::min(radius_inside, -probe.distance - pad);
+      radius_outside = std::max(radius_outside, probe.distance - pad);
     }
+    // Of the largest cube about the centre that is in the cell.
+    const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
+    verdict.share.inside = ball_in_cube(radius_inside / least_half) * cube * (1 - 0x1p-40);
+    verdict.share.outside = ball_in_cube(radius_outside / least_half) * cube * (1 - 0x1p-40);
     if (cell.in_a && cell.in_b) verdict.what = Verdict::inside;
     return verdict;
   }
@@ -160,13 +185,15 @@ struct PenetrationQuery::State {
       return options.budget.is_time() && now() - begin >= options.budget.time();
     };
     const auto is_narrow = [&] {
-      return open <= std::max(options.tolerance * (sure + open), options.volume_tolerance);
+      lower = std::max(lower, sure + open_inside);
+      upper = std::min(upper, sure + open_all);
+      return upper - lower <= std::max(options.tolerance * upper, options.volume_tolerance);
     };
     while (!(result.finished = is_narrow()) && !is_spent()) {
       if (next == cells.size()) {
         if (parts.empty() || parts.front().level >= most_levels) break;
-        cells.swap(parts), guessed.swap(guessed_parts);
-        parts.clear(), guessed_parts.clear();
+        cells.swap(parts), shares.swap(part_shares);
+        parts.clear(), part_shares.clear();
         next = 0;
         continue;
       }
@@ -187,32 +214,34 @@ struct PenetrationQuery::State {
           return result;
         }
       }
+      open_inside -= shares[next].inside;
+      open_all -= volume_of(cell.level) - shares[next].outside;
       ++next;
       for (std::size_t k = 0; k < 8; ++k) {
-        if (verdicts[k].what != Verdict::undecided) open -= part_volume;
         if (verdicts[k].what == Verdict::inside) sure += part_volume, sure_moment += below[k].center * part_volume;
         if (verdicts[k].what != Verdict::undecided) continue;
         parts.push_back(below[k]);
-        guessed_parts.push_back(verdicts[k].share);
+        part_shares.push_back(verdicts[k].share);
+        open_inside += verdicts[k].share.inside;
+        open_all += part_volume - verdicts[k].share.outside;
       }
     }
-    // Sums of volumes of cells are off by 2^-50 of themselves, and the undecided ones are counted anew: differences of
-    // sums would gather what rounding left of them.
-    double left = 0, guess = sure;
+    double guess = sure;
     Vec3 moment = sure_moment;
-    const auto add = [&](const Cell& cell, double share) {
+    const auto add = [&](const Cell& cell, const Share& share) {
       const double part = volume_of(cell.level);
-      left += part;
-      guess += part * share;
-      moment += cell.center * (part * share);
+      guess += part * share.guess;
+      moment += cell.center * (part * share.guess);
     };
-    for (std::size_t i = next; i < cells.size(); ++i) add(cells[i], guessed[i]);
-    for (std::size_t i = 0; i < parts.size(); ++i) add(parts[i], guessed_parts[i]);
-    open = left;
-    result.lower = sure * (1 - 0x1p-30);
-    result.upper = (sure + left) * (1 + 0x1p-30);
-    result.estimate = guess;
+    for (std::size_t i = next; i < cells.size(); ++i) add(cells[i], shares[i]);
+    for (std::size_t i = 0; i < parts.size(); ++i) add(parts[i], part_shares[i]);
     if (guess > 0) result.center = moment / guess;
+    // Sums and differences of a million volumes are off by 2^-30 of the largest.
+    const double rounding = 0x1p-30 * first_volume;
+    const bool is_empty = cells.size() == next && parts.empty() && sure == 0;
+    result.lower = std::max(0.0, lower - rounding);
+    result.upper = is_empty ? 0.0 : upper + rounding;
+    result.estimate = std::clamp(guess, result.lower, result.upper);
     result.certified = body[0]->pose().covers && body[1]->pose().covers;
     return result;
   }

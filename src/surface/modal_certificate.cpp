@@ -11,7 +11,7 @@
 #include "geometry/nearest_pair.hpp"
 #include "geometry/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"
-#include "surface/tree_state.hpp"
+#include "surface/feature_distance.hpp"
 
 namespace morula {
 using namespace detail;
@@ -61,7 +61,10 @@ class ModalCertifier {
  public:
   ModalCertifier(const MeshView& mesh, const Modes& modes, const ModalCertificateOptions& options,
                  std::span<const double> scales)
-      : tree_(make_surface_tree(mesh)), modes_(modes.mode_count), largest_norm_(options.largest_norm) {
+      : tree_(make_surface_tree(mesh)),
+        modes_(modes.mode_count),
+        largest_norm_(options.largest_norm),
+        rest_distance_(options.rest_distance) {
     // Displacements for coordinates of norm 1, vertex by vertex.
     moves_.resize(tree_.rest.size() * modes_);
     double farthest = 0, coordinate = 0;
@@ -205,13 +208,19 @@ class ModalCertifier {
         if (share_a_vertex(f, g)) continue;
         ++facet_pairs;
         const double norm = norm_of_facets(f, g);
-        if (norm < largest_norm_) open(norm, tree_.order[i], tree_.order[k]);
+        if (norm < largest_norm_ && !is_near_at_rest(tree_.order[i], tree_.order[k]))
+          open(norm, tree_.order[i], tree_.order[k]);
       }
+  }
+
+  bool is_near_at_rest(std::uint32_t f, std::uint32_t g) const {
+    return rest_distance_ > 0 &&
+           distance_at_rest(tree_, {PairKind::facet_facet, std::min(f, g), std::max(f, g)}) <= rest_distance_;
   }
 
   SurfaceTreeState tree_;
   std::size_t modes_;
-  double largest_norm_, pad_ = 0;
+  double largest_norm_, rest_distance_, pad_ = 0;
   std::vector<Vec3> moves_, means_;
   std::vector<Node> nodes_;
 };
@@ -227,6 +236,9 @@ ModalCertificate::ModalCertificate(const MeshView& rest, const Modes& modes, con
                                 " is not positive");
   if (!(options.margin >= 0) || !std::isfinite(options.margin))
     throw std::invalid_argument("ModalCertificateOptions::margin " + std::to_string(options.margin) +
+                                " is not a length of 0 or more");
+  if (!(options.rest_distance >= 0) || !std::isfinite(options.rest_distance))
+    throw std::invalid_argument("ModalCertificateOptions::rest_distance " + std::to_string(options.rest_distance) +
                                 " is not a length of 0 or more");
   if (modes.vertex_count != rest.vertex_count() || modes.displacements.size() != modes.mode_count * modes.vertex_count)
     throw std::invalid_argument("modes of " + std::to_string(modes.vertex_count) + " vertices for a mesh of " +

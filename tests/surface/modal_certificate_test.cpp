@@ -100,6 +100,50 @@ TEST(ModalCertificate, is_right_at_random_coordinates_up_to_the_limit) {
   EXPECT_LT(certificate.tested_facet_pairs(), b.mesh.facets.size() * b.mesh.facets.size() / 4);
 }
 
+TEST(ModalCertificate, leaves_out_what_is_near_at_rest_and_nothing_else) {
+  Random random(71);
+  const Bending b = open_ring(12);
+  const double rest_distance = 0.12;
+  const ModalCertificate all(b.mesh, b.modes, {.largest_norm = 1.5}),
+      some(b.mesh, b.modes, {.largest_norm = 1.5, .rest_distance = rest_distance});
+  EXPECT_GT(some.free_norm(), 1.2 * all.free_norm());
+  const std::vector<Vec3>& rest = b.mesh.positions;
+  const auto near_at_rest = [&](const FeaturePair& pair) {
+    const Facet &f = b.mesh.facets[pair.a], &g = b.mesh.facets[pair.b];
+    long double least = 9;
+    for (std::size_t k = 0; k < 3; ++k) {
+      least = std::min(least, test::plain_distance(rest, {f[k]}, {g[0], g[1], g[2]}));
+      least = std::min(least, test::plain_distance(rest, {g[k]}, {f[0], f[1], f[2]}));
+      for (std::size_t l = 0; l < 3; ++l)
+        least = std::min(least, test::plain_distance(rest, {f[k], f[(k + 1) % 3]}, {g[l], g[(l + 1) % 3]}));
+    }
+    return least <= rest_distance;
+  };
+  std::vector<Vec3> at(rest.size());
+  std::size_t left_out = 0, kept = 0;
+  for (int round = 0; round < 40; ++round) {
+    // At the limit, and where the ring closes.
+    std::vector<double> q = random_coordinates({b.scales.data(), 3}, some.free_norm() * 0.4, random);
+    if (round % 2 == 1) q = {random.uniform(1.1, 1.4), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
+    ASSERT_TRUE(some.is_known(q));
+    move_by_modes(b.modes, rest, q, at);
+    std::vector<FeaturePair> expected, found;
+    for (const FeaturePair& pair : crossings_by_brute_force(b.mesh, at)) {
+      if (near_at_rest(pair)) {
+        ++left_out;
+      } else {
+        expected.push_back(pair);
+      }
+    }
+    ASSERT_TRUE(some.crossings(q, at, found));
+    EXPECT_EQ(found, expected);
+    EXPECT_TRUE(!some.is_free(q) || expected.empty());
+    kept += expected.size();
+  }
+  EXPECT_GT(kept, 20u);
+  EXPECT_GT(left_out + kept, kept);
+}
+
 TEST(ModalCertificate, keeps_the_margin) {
   Random random(67);
   const Bending b = open_ring(12);
@@ -159,6 +203,7 @@ TEST(ModalCertificate, refuses_what_it_cannot_know) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ModalCertificate(mesh, modes, {.largest_norm = 0}), std::invalid_argument);
   EXPECT_THROW(ModalCertificate(mesh, modes, {.margin = -1}), std::invalid_argument);
+  EXPECT_THROW(ModalCertificate(mesh, modes, {.rest_distance = nan}), std::invalid_argument);
   EXPECT_THROW(ModalCertificate(mesh, modes, {.scales = {1, 1}}), std::invalid_argument);
   EXPECT_THROW(ModalCertificate(mesh, modes, {.scales = {1, 1, 0, 1}}), std::invalid_argument);
   Modes other = modes;

@@ -12,12 +12,11 @@ namespace morula {
 
 struct PenetrationOptions {
   /// Ends when the bounds are so near each other, as a share of the upper one. Finite, not negative.
-  double tolerance = 0.1;
+  double tolerance = 0.25;
   /// Or this near, mesh units cubed.
   double volume_tolerance = 0;
-  /// In tests: points at which a body is asked for its distance. A gap of a tenth takes some thousand, half a gap four
-  /// times as many.
-  Budget budget{100000};
+  /// In tests: points at which a body is asked for its distance. Half a gap takes four times as many.
+  Budget budget{20000};
   Clock clock{};  ///< of a budget of time
 };
 
@@ -36,9 +35,9 @@ struct Penetration {
 ///
 /// Around a point inside a body, as far away as the surface is, lies a ball that is inside: an inner ball. Around one
 /// outside lies an empty one. A cell of space that is within inner balls of both bodies counts for the lower bound, one
-/// that is within an empty ball of either for nothing, and all others for the upper bound; these are divided into
-/// eight, the largest first. So both bounds hold at every interruption, and more work only narrows them. Bodies deform
-/// and are placed as always; inside is what InsideQuery says.
+/// that is within an empty ball of either for nothing; all others count by the balls about their middles, and are
+/// divided into eight, the largest first. So both bounds hold at every interruption, and more work only narrows them.
+/// Bodies deform and are placed as always; inside is what InsideQuery says.
 class PenetrationQuery {
  public:
   /// Borrows both. Throws std::invalid_argument for an open surface, as InsideQuery does. Cost: O(F log F), once.

@@ -18,6 +18,9 @@ struct ModalCertificateOptions {
   double largest_norm = 1;
   /// Surfaces this near count as contact. Mesh units, finite, not negative.
   double margin = 0;
+  /// Leaves out pairs of facets that are this close at rest, as PairFilter does: neighbours, which bend before they
+  /// touch. They are what limits a certificate of a fine mesh. 0: none.
+  double rest_distance = 0;
   /// What a coordinate is divided by in the norm, one per mode: how far it usually goes. Positive; none: all 1.
   std::vector<double> scales{};
 };
@@ -31,8 +34,8 @@ struct ModalCertificateOptions {
 /// displacements stand for all, and what vertices differ from them is added. A pair of nodes that is apart up to the
 /// largest norm is done; what is left are pairs of facets, each with the norm up to which it is proven apart.
 ///
-/// Pairs that share a vertex are left out, as SurfaceCrossingQuery leaves them out. What rounding does to positions,
-/// here and in move_by_modes(), is paid for by the gap.
+/// Pairs that share a vertex are left out, as SurfaceCrossingQuery leaves them out, and those near each other at rest.
+/// What rounding does to positions, here and in move_by_modes(), is paid for by the gap.
 class ModalCertificate {
  public:
   /// Copies what it needs. Throws std::invalid_argument for options out of range, modes of another number of vertices
@@ -46,7 +49,7 @@ class ModalCertificate {
   /// The root of the sum of squares of q_j / scale_j, rounded up; infinite for coordinates that are not finite or not
   /// one per mode.
   double norm(std::span<const double> coordinates) const;
-  /// No two facets without a common vertex touch, or come as near as the margin, while the norm is at most this. Not
+  /// No two facets that count touch, or come as near as the margin, while the norm is at most this. Not
   /// more than largest_norm.
   double free_norm() const;
   bool is_free(std::span<const double> coordinates) const { return norm(coordinates) <= free_norm(); }
@@ -57,8 +60,9 @@ class ModalCertificate {
   /// first. Of coordinates that are not known, all pairs that are open at largest_norm, and that says nothing.
   std::span<const FeaturePair> open(std::span<const double> coordinates) const;
   /// Adds those of open() that intersect, exactly, where the vertices are now, in the order of (a, b): what
-  /// SurfaceCrossingQuery finds, when positions are those of move_by_modes() at these coordinates. Returns false, with
-  /// nothing added, for coordinates that are not known and for another number of positions. No allocation once warm.
+  /// SurfaceCrossingQuery finds with the same rest distance, when positions are those of move_by_modes() at these
+  /// coordinates. Returns false, with nothing added, for coordinates that are not known and for another number of
+  /// positions. No allocation once warm.
   bool crossings(std::span<const double> coordinates, const PositionView& positions,
                  std::vector<FeaturePair>& pairs) const;
 
