@@ -420,6 +420,23 @@ TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {
   EXPECT_TRUE(scene.pairs().empty());
 }
 
+TEST(Scene, a_pair_that_a_filter_refuses_is_asked_about_once) {
+  Thing a(test::icosphere(1)), b(test::icosphere(1));
+  std::size_t asked = 0;
+  Scene scene({.keeps = [&](BodyId, BodyId) {
+    ++asked;
+    return false;
+  }});
+  scene.add(a.collider);
+  scene.add(b.collider);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(scene.update());
+  EXPECT_EQ(asked, 1u);
+  EXPECT_TRUE(scene.pairs().empty());
+  scene.set_options({});
+  ASSERT_TRUE(scene.update());
+  EXPECT_EQ(scene.pairs().size(), 1u);
+}
+
 TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   Crowd crowd(17);
   Scene scene;
