@@ -51,6 +51,7 @@ std::vector<FileFormat> file_formats() {
   add(".npz", "NumPy", true, true, "spheres of frames");
   add(".ply", "Stanford", true, true, "balls without a tree");
   add(".sph", "SOFA", false, true, "balls without a tree");
+  add(".glb", "glTF 2.0", false, true, "spheres in motion, to look at");
   add(".vtp", "VTK XML", false, true, "spheres, contacts and surfaces with numbers");
   add(".pvd", "ParaView", false, true, "spheres, contacts and surfaces with numbers");
   return formats;

@@ -309,8 +309,8 @@ TEST(MotionWriter, refuses_places_where_frames_would_not_be_read_back) {
   const auto refused = [&](const fs::path& named, const fs::path& path, const std::string& fragment) {
     expect_file_error(named, 0, fragment, [&] { MotionWriter(path, mesh, 2); });
   };
-  refused(folder.path() / "a.obj", folder.path() / "a.obj", "into a folder or a .npy file");
-  refused(folder.file("file", ""), folder.path() / "file", "into a folder or a .npy file");
+  refused(folder.path() / "a.obj", folder.path() / "a.obj", "into a folder or a .npy, .pc2 or .mdd file");
+  refused(folder.file("file", ""), folder.path() / "file", "into a folder or a .npy, .pc2 or .mdd file");
   refused(folder.path() / "file" / "m", folder.path() / "file" / "m", "");
   refused(folder.path() / "missing" / "a.npy", folder.path() / "missing" / "a.npy", "there is no such folder");
   // Made with its parents.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <morula/geometry/used_vertices.hpp>
 #include <morula/io/ball_file.hpp>
+#include <morula/io/gltf_spheres.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/sofa_file.hpp>
@@ -32,6 +33,7 @@ struct Options {
   std::string sph_origin = "none";
   std::optional<std::size_t> frame, level;
   std::string index_map;
+  double frames_per_second = MotionOptions{}.frames_per_second;
   bool nested = false, used_only = false, sofa = false;
   unsigned threads = 0;
   bool json = false;
@@ -129,8 +131,39 @@ int write_sofa(const Options& o) {
   return report(o, fmt::format("{}: {} for SOFA", o.output, counted(spheres.size(), "sphere")), nullptr);
 }
 
+/// One level of every frame, the leaves where none is named, as an animated scene.
+int write_scene(const Options& o) {
+  require_output_place(o.output);
+  std::optional<Mesh> mesh;
+  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  const bool is_motion = file_kind(o.input) == FileKind::sphere_frames;
+  std::optional<SphereFrames> given;
+  if (is_motion) given.emplace(o.input);
+  const std::size_t count = is_motion && !o.frame ? given->frame_count() : 1;
+  std::vector<std::vector<Sphere>> frames;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SphereTree tree = o.frame ? read_frame(o)
+                            : is_motion
+                                ? given->frame(i)
+                                : read_tree(o.input, parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr)).tree;
+    const std::size_t level = o.level.value_or(tree.level_count() - 1);
+    if (level >= tree.level_count()) {
+      throw UsageError(fmt::format("--level {}: {} has levels 0 to {}", level, o.input, tree.level_count() - 1));
+    }
+    frames.push_back(level_set_spheres(tree, level));
+  }
+  write_gltf_spheres(o.output, frames, o.frames_per_second);
+  return report(o, fmt::format("{}: {} in {}", o.output, counted(frames[0].size(), "sphere"), counted(count, "frame")),
+                nullptr);
+}
+
+bool writes_scene(const Options& o) {
+  return extension(o.output) == ".glb";
+}
+
 int convert_tree(const Options& o) {
   if (o.sofa) return write_sofa(o);
+  if (writes_scene(o)) return write_scene(o);
   const bool to_balls = extension(o.output) == ".ply";
   if (to_balls) {
     require_output_place(o.output);
@@ -181,7 +214,9 @@ int convert_command(const Options& o) {
   }
   const bool holds_tree = kind == FileKind::tree || kind == FileKind::balls || kind == FileKind::sphere_frames;
   if (o.sofa && !holds_tree) throw UsageError(fmt::format("{}: --sofa writes the spheres of a tree", o.input));
-  if (o.level && !o.sofa) throw UsageError("--level belongs to --sofa: other formats hold all levels");
+  if (o.level && !o.sofa && !writes_scene(o)) {
+    throw UsageError("--level belongs to --sofa and .glb: other formats hold all levels");
+  }
   if (o.used_only && kind != FileKind::mesh) throw UsageError("--used-only belongs to meshes");
   switch (kind) {
     case FileKind::mesh:
@@ -192,7 +227,7 @@ int convert_command(const Options& o) {
       if (o.nested) throw UsageError(fmt::format("{} is a mesh: --nested is for trees, leave it out", o.input));
       return convert_mesh(o);
     case FileKind::sphere_frames:
-      if (!o.frame && SphereFrames(o.input).frame_count() > 1) {
+      if (!o.frame && !writes_scene(o) && SphereFrames(o.input).frame_count() > 1) {
         throw UsageError(fmt::format("{}: holds the spheres of {} frames: say which one with --frame N", o.input,
                                      SphereFrames(o.input).frame_count()));
       }
@@ -218,7 +253,8 @@ void add_convert(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   add_option(*command, "OUT", o->output,
-             "Mesh (" + writable_mesh_list() + ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves")
+             "Mesh (" + writable_mesh_list() +
+                 ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves, .glb a scene to look at")
       ->required()
       ->type_name("");
   add_option(*command, "--mesh", o->mesh,
@@ -233,9 +269,13 @@ void add_convert(CLI::App& app, Run& run) {
       ->type_name("CSV");
   add_flag(*command, "--sofa", o->sofa,
            "Of a tree: one level as SOFA's SphereLoader reads it, which ends in .sph, too");
-  add_option(*command, "--level", o->level, "With --sofa: which level; without it the leaves")
+  add_option(*command, "--level", o->level, "With --sofa, and of a .glb: which level; without it the leaves")
       ->type_name("N")
       ->transform(whole_number());
+  add_option(*command, "--fps", o->frames_per_second, "Of a .glb: frames a second")
+      ->type_name("X")
+      ->transform(number_above_zero())
+      ->capture_default_str();
   add_flag(*command, "--nested", o->nested, "Of a tree: spheres grow or move until each contains its children's");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);

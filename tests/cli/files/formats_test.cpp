@@ -160,6 +160,24 @@ TEST(SofaFiles, spheres_of_a_level_and_a_scene_that_names_what_there_is) {
   EXPECT_EQ(links.size(), 6u);
 }
 
+TEST(ConvertToScene, spheres_of_all_frames_as_gltf) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
+  bench.require("deform bar.obj -o motion --bend 40 --frames 3");
+  bench.require("update bar.obj bar.morula motion -o spheres.npz");
+  const std::string said = bench.require("convert spheres.npz spheres.glb --level 1 --fps 5").out;
+  EXPECT_NE(said.find("spheres in 3 frames"), std::string::npos) << said;
+  const std::string file = bench.read("spheres.glb");
+  EXPECT_EQ(file.substr(0, 4), "glTF");
+  EXPECT_NE(file.find("\"max\":[0.4]"), std::string::npos);  // two steps of a fifth of a second
+  bench.require("convert spheres.npz one.glb --frame 1");
+  EXPECT_EQ(bench.read("one.glb").find("animations"), std::string::npos);
+  bench.require("convert bar.morula rest.glb");
+  bench.expect_refused("convert spheres.npz x.glb --level 7", "has levels 0 to 1");
+  bench.expect_refused("convert bar.obj x.glb", "meshes are written as");
+}
+
 TEST(ParaviewCommand, writes_surface_spheres_and_contacts_of_every_frame) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 6");
