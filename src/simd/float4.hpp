@@ -76,6 +76,7 @@ class ScalarFloat4 {
     return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(b[0]), static_cast<float>(b[1])};
   }
   void store(LocalPoint& p) const { p = {lane_[0], lane_[1], lane_[2], lane_[3]}; }
+  void store(float* four) const { std::memcpy(four, lane_.data(), sizeof lane_); }
   std::array<float, 4> lanes() const { return lane_; }
   float operator[](int lane) const { return lane_[static_cast<std::size_t>(lane)]; }
 
@@ -245,6 +246,9 @@ class VectorFloat4 {
   }
   void store(LocalPoint& p) const {
     *reinterpret_cast<Aligned*>(&p) = v_;
+  }
+  void store(float* four) const {
+    std::memcpy(four, &v_, sizeof v_);
   }
   std::array<float, 4> lanes() const {
     return std::bit_cast<std::array<float, 4>>(v_);

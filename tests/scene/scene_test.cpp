@@ -477,6 +477,8 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
       touched += found.size();
     };
     compare(ball), compare(capsule), compare(behind);
+    const Vec3 half = Vec3{0.1, 0.2, 0.1} + Vec3{1, 1, 1} * ball.radius;
+    compare(ConvexHull::box({half * -1, half}, RigidTransform::from_axis(behind.normal, 0.1 * i, ball.center)));
   }
   EXPECT_GT(hits, 50u);
   EXPECT_GT(touched, 400u);
@@ -484,6 +486,7 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   EXPECT_EQ(scene.touch(Sphere{{}, -1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(HalfSpace{{0, 0, 0}, 1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(Sphere{}, {.nearest = true}).code, Status::Code::bad_option);
+  EXPECT_EQ(scene.touch(ConvexHull::box({{0, 0, 0}, {1, 1, 1}}), {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.first_hit({{}, {}}).status.code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touches().size(), kept);
   crowd.things[0]->collider.place({.translation = {9, 9, 9}});

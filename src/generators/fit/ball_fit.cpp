@@ -20,26 +20,41 @@ float cube(float x) {
   return x * x * x;
 }
 
-// The square of the largest distance; a maximum does not depend on the order of its terms, so lanes are free.
-float farthest_squared(const GroupPoints& points, const Vec3f& center) {
+float squared_distance_of(const GroupPoints& points, std::size_t i, const Vec3f& center) {
+  const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
+  return dx * dx + dy * dy + dz * dz;
+}
+
+// The square of the largest distance of points [begin, end); a maximum does not depend on the order of its terms, so
+// lanes are free.
+float farthest_squared(const GroupPoints& points, const Vec3f& center, std::size_t begin, std::size_t end) {
   float farthest = 0;
-  const std::size_t n = points.size();
   const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   constexpr std::size_t lanes = 8;
   std::array<float, lanes> most{};
-  std::size_t i = 0;
-  for (; i + lanes <= n; i += lanes)
+  std::size_t i = begin;
+  for (; i + lanes <= end; i += lanes)
     for (std::size_t l = 0; l < lanes; ++l) {
       const float dx = x[i + l] - center.x, dy = y[i + l] - center.y, dz = z[i + l] - center.z;
       const float d = dx * dx + dy * dy + dz * dz;
       most[l] = d > most[l] ? d : most[l];
     }
-  for (; i < n; ++i) {
-    const float dx = x[i] - center.x, dy = y[i] - center.y, dz = z[i] - center.z;
-    farthest = std::max(farthest, dx * dx + dy * dy + dz * dz);
-  }
+  for (; i < end; ++i) farthest = std::max(farthest, squared_distance_of(points, i, center));
   for (const float m : most) farthest = std::max(farthest, m);
   return farthest;
+}
+
+// The first of the points that are farthest away.
+std::size_t farthest_point(const GroupPoints& points, const Vec3f& center) {
+  constexpr std::size_t block = 64;
+  float farthest = -1;
+  std::size_t in_block = 0;
+  for (std::size_t begin = 0; begin < points.size(); begin += block)
+    if (const float d = farthest_squared(points, center, begin, std::min(begin + block, points.size())); d > farthest)
+      farthest = d, in_block = begin;
+  for (std::size_t i = in_block; i < points.size(); ++i)
+    if (squared_distance_of(points, i, center) == farthest) return i;
+  return in_block;  // coordinates that are no numbers
 }
 
 // Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
@@ -50,13 +65,7 @@ Vec3f near_smallest_center(const GroupPoints& points) {
   Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
   constexpr int steps = 16;
   for (int step = 0; step < steps; ++step) {
-    float farthest = -1;
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
-      const float d = dx * dx + dy * dy + dz * dz;
-      if (d > farthest) farthest = d, at = i;
-    }
+    const std::size_t at = farthest_point(points, center);
     const float share = 1.0F / static_cast<float>(step + 3);
     center = center + (points[at] - center) * share;
   }
@@ -66,7 +75,7 @@ Vec3f near_smallest_center(const GroupPoints& points) {
 }  // namespace
 
 float farthest_from(const GroupPoints& points, const Vec3f& center) {
-  return std::sqrt(farthest_squared(points, center));
+  return std::sqrt(farthest_squared(points, center, 0, points.size()));
 }
 
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
@@ -91,12 +100,14 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
                                             Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
   std::size_t first = 0;
   for (float step = first_step; step > last_step; step *= 0.5F) {
+    std::size_t back = directions.size();  // leads to where the last move of this length came from: known, and worse
     for (int moves = 0; moves < 12; ++moves) {
       bool improved = false;
       for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
         const std::size_t d = (first + k) % directions.size();
+        if (d == back) continue;
         const GroupBall trial = evaluate(best.center + directions[d] * (step * smallest), best.cost);
-        if (trial.cost < best.cost) best = trial, first = d, improved = true;
+        if (trial.cost < best.cost) best = trial, first = d, back = d ^ 1, improved = true;
       }
       if (!improved) break;
     }

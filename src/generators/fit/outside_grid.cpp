@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "simd/float4.hpp"
 
@@ -44,7 +45,7 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
   for (std::size_t a = 0; a < 3; ++a) {
     // Lines past the last one are read, and count for nothing, where four are taken at a time.
     const std::size_t n = at(count_[a]), line_count = cells / n;
-    axes_[a].outside.reset(new Outside[cells]);
+    axes_[a].outside.reset(new Outside[cells + 1]);  // four floats of the last one are read
     axes_[a].steps.reset(new Step[cells + 4 * n]);
     std::fill_n(axes_[a].steps.get(), cells + 4 * n, Step{});
     axes_[a].traced.assign(line_count, 0);
@@ -168,23 +169,55 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-// Steps over the needed part of a line, or over what it had and what is needed.
-void OutsideGrid::refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed) {
-  if (axes_[axis].traced[line] == 0) trace(axis, u, v, line);
-  Extent& current = axes_[axis].current[line];
-  if (current.begin < current.end) needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
-  current = needed;
-  const int n = count_[axis];
-  const Outside* const cells = &axes_[axis].outside[line * at(n)];
-  Step* const steps = &axes_[axis].steps[line * at(n)];
-  const std::uint8_t* const over = &balls_over_[at(u) * step_[(axis + 1) % 3] + at(v) * step_[(axis + 2) % 3]];
-  const std::size_t along = step_[axis];
-  float sum = 0;
-  for (int w = needed.begin; w < needed.end; ++w) {
-    const float share = over[at(w) * along] != 0 ? taken_ : 1.0F;
-    const float after = sum + cells[w].total * share;
-    steps[w] = {sum, cells[w].start, cells[w].slope * share, after};
-    sum = after;
+// Steps over the needed part of lines of row v of an axis, or over what they had and what is needed. Sums run along
+// lines and wait for each other, so four lines are summed side by side: each as if it were alone, in the same order.
+void OutsideGrid::refresh(std::size_t axis, int v, std::span<const int> us, Extent needed) {
+  const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
+  Axis& own = axes_[axis];
+  const std::size_t n = at(count_[axis]), along = step_[axis];
+  const std::array<float, 2> shares{1.0F, taken_};
+  struct Line {
+    const Outside* cells;
+    const std::uint8_t* over;
+    Step* steps;
+  };
+  std::array<Line, 4> lines;
+  for (std::size_t k = 0; k < us.size(); ++k) {
+    const std::size_t line = at(v) * at(count_[ua]) + at(us[k]);
+    if (own.traced[line] == 0) trace(axis, us[k], v, line);
+    lines[k] = {&own.outside[line * n], &balls_over_[at(us[k]) * step_[ua] + at(v) * step_[va]], &own.steps[line * n]};
+    Extent& current = own.current[line];
+    if (current.begin < current.end)
+      needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
+    current = needed;
+  }
+  const auto share = [&](const Line& line, std::size_t w) { return shares[line.over[w * along] != 0 ? 1 : 0]; };
+  if (us.size() == 4) {
+    Float4 sum(0.0F);
+    for (std::size_t w = needed.begin; w < needed.end; ++w) {
+      Float4 start = Float4::load(&lines[0].cells[w].start), slope = Float4::load(&lines[1].cells[w].start),
+             total = Float4::load(&lines[2].cells[w].start), after = Float4::load(&lines[3].cells[w].start);
+      Float4::transpose(start, slope, total, after);
+      const Float4 counts(share(lines[0], w), share(lines[1], w), share(lines[2], w), share(lines[3], w));
+      after = sum + total * counts;
+      slope = slope * counts;
+      Float4 before = std::exchange(sum, after);
+      Float4::transpose(before, start, slope, after);
+      before.store(&lines[0].steps[w].before);
+      start.store(&lines[1].steps[w].before);
+      slope.store(&lines[2].steps[w].before);
+      after.store(&lines[3].steps[w].before);
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < us.size(); ++k) {
+    float sum = 0;
+    for (std::size_t w = needed.begin; w < needed.end; ++w) {
+      const Outside& cell = lines[k].cells[w];
+      const float counts = share(lines[k], w), after = sum + cell.total * counts;
+      lines[k].steps[w] = {sum, cell.start, cell.slope * counts, after};
+      sum = after;
+    }
   }
 }
 
@@ -201,9 +234,21 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
     const Extent needed{
         static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
         static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
-    each_line(a, center, reach, [&](int u, int v, std::size_t line) {
-      const Extent& has = axes_[a].current[line];
-      if (has.begin > needed.begin || has.end < needed.end) refresh(a, u, v, line, needed);
+    const std::size_t row_length = at(count_[(a + 1) % 3]);
+    each_row(a, center, reach, [&](int v, int begin, int end, float) {
+      // Lines without any step yet need the same part; the others join it to theirs, each by itself.
+      std::array<int, 4> open;
+      std::size_t count = 0;
+      for (int u = begin; u < end; ++u) {
+        const Extent& has = axes_[a].current[at(v) * row_length + at(u)];
+        if (has.begin >= has.end) {
+          open[count++] = u;
+          if (count == 4) refresh(a, v, std::span(open).first(std::exchange(count, std::size_t{0})), needed);
+        } else if (has.begin > needed.begin || has.end < needed.end) {
+          refresh(a, v, {&u, 1}, needed);
+        }
+      }
+      if (count > 0) refresh(a, v, std::span(open).first(count), needed);
     });
   }
 }

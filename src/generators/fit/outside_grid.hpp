@@ -75,7 +75,7 @@ class OutsideGrid {
   template <class Visit>
   void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
-  void refresh(std::size_t axis, int u, int v, std::size_t line, Extent needed);
+  void refresh(std::size_t axis, int v, std::span<const int> us, Extent needed);
   template <class Visit>
   void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
   template <class Visit>
