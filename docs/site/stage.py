@@ -12,6 +12,8 @@ import re
 import shutil
 import sys
 
+import python_reference
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".cmake": "cmake", ".txt": "cmake", ".bib": "bibtex"}
 
@@ -67,6 +69,9 @@ def main():
         language = LANGUAGES.get(pathlib.Path(target).suffix, "text")
         text = (ROOT / target).read_text()
         (folder / name).write_text(f"# {target}\n\n````{language}\n{text}````\n")
+
+    stub = ROOT / "build/release/python/morula/_morula.pyi"
+    (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
 
     if faults:
         sys.exit("\n".join(faults))

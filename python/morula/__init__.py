@@ -22,9 +22,13 @@ from typing import Any
 from . import _morula
 from ._morula import *  # noqa: F403
 from ._morula import version as __version__
-from .display import Page, page
+# Named twice, for type checkers: these names are the package's.
+from .display import Page as Page
+from .display import page as page
+from .studies import Study as Study
+from .studies import study as study
 
-__all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "__version__", "page"]
+__all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "Study", "__version__", "page", "study"]
 
 _MODULES = ("batch", "ipctk", "plot", "typing")
 

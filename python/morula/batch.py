@@ -20,15 +20,21 @@ import io
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import sys
+import tarfile
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from . import _morula
 
-__all__ = ["Row", "meshes_of", "run"]
+if TYPE_CHECKING:
+    from .typing import MeshLike
+
+__all__ = ["Row", "meshes_of", "run", "tree_of"]
 
 Row = dict[str, Any]
 Manifest = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
@@ -71,9 +77,9 @@ def key_of(mesh: pathlib.Path, options: Mapping[str, Any]) -> str:
     return hashlib.sha256(what.encode()).hexdigest()[:32]
 
 
-def _write_whole(path: pathlib.Path, text: str) -> None:
-    beside = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}")
-    beside.write_text(text, encoding="utf-8")
+def _write_whole(path: pathlib.Path, content: str | bytes) -> None:
+    beside = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.{time.monotonic_ns()}")
+    beside.write_bytes(content.encode() if isinstance(content, str) else content)
     os.replace(beside, path)
 
 
@@ -165,6 +171,7 @@ def run(
     time_limit: float | None = None,
     memory_limit_mb: int | None = None,
     retry: bool = False,
+    archives: bool = False,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> list[Row]:
     """A tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
@@ -173,10 +180,14 @@ def run(
         options: of build(), as a dict.
         jobs: so many processes at once.
         executor: anything that behaves as concurrent.futures does, in the place of `jobs`: of Dask
-            (`client.get_executor()`), mpi4py.futures, submitit. Workers need this package and the same file system.
+            (`client.get_executor()`), mpi4py.futures, submitit. Workers need this package and the same file system. What a
+            worker that dies takes with it is a row with the status `lost`, unless the executor gives it to another; the
+            next run tries it again.
         shard: (i, n): the i-th of n parts, from 1: every n-th mesh from the i-th on; its table is table-i-of-n.
         time_limit: seconds a mesh may take. memory_limit_mb: address space it may have (not on Windows).
         retry: meshes that failed are tried again; else their rows stay.
+        archives: trees are packed into trees/KK.tar in the end, by the first two digits of their keys: for file systems that
+            do not like many files. tree_of() reads them.
         progress: called with meshes done, all of them, and the seconds left, estimated.
 
     trees/KEY.morula are the trees, rows/KEY.json the rows with their times.
@@ -201,17 +212,22 @@ def run(
                 rows[key] = row
         if key not in rows:
             tasks[key] = {
-                "mesh": str(mesh), "options": options, "key": key, "row": str(row_file),
-                "tree": str(folder / "trees" / f"{key}.morula"), "time_limit": time_limit, "memory_limit_mb": memory_limit_mb,
+                # Workers of an executor may stand in another folder.
+                "mesh": os.path.abspath(mesh), "options": options, "key": key, "row": os.path.abspath(row_file),
+                "tree": os.path.abspath(folder / "trees" / f"{key}.morula"), "time_limit": time_limit,
+                "memory_limit_mb": memory_limit_mb,
             }
 
     start, total = time.perf_counter(), len(rows) + len(tasks)
     own = concurrent.futures.ThreadPoolExecutor(max(1, jobs)) if executor is None else None
-    futures = [(own or executor).submit(one, task) for task in tasks.values()]  # type: ignore[union-attr]
+    futures = {(own or executor).submit(one, task): key for key, task in tasks.items()}  # type: ignore[union-attr]
     try:
-        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-            row = future.result()
-            rows[row["key"]] = row
+        for done, future in enumerate(_as_completed(futures), 1):
+            key = futures[future]
+            try:
+                rows[key] = future.result()
+            except Exception as fault:  # noqa: BLE001: a worker that is gone costs its meshes; nothing is kept of that
+                rows[key] = {"status": "lost", "error": f"{type(fault).__name__}: {fault}", "key": key}
             if progress is not None:
                 progress(len(rows), total, (time.perf_counter() - start) / done * (len(tasks) - done))
     finally:
@@ -223,8 +239,70 @@ def run(
     table = [{**rows[key], "mesh": str(mesh)} for mesh, key in zip(meshes, keys)]
     for row in table:
         row.pop("seconds", None)
-    _table(table, folder, "table" if count == 1 else f"table-{index}-of-{count}")
+    part = "" if count == 1 else f"{index}-of-{count}"
+    if archives:
+        _pack(folder / "trees", part, [row["key"] for row in table if row["status"] == "ok"])
+    _table(table, folder, f"table-{part}" if part else "table")
     return table
+
+
+def _as_completed(futures: Iterable[Any]) -> Iterable[Any]:
+    """In the order in which they end; of futures that are none of concurrent.futures, in the order given."""
+    if all(isinstance(future, concurrent.futures.Future) for future in futures):
+        return concurrent.futures.as_completed(futures)
+    return list(futures)
+
+
+def _archive_of(folder: pathlib.Path, part: str, key: str) -> pathlib.Path:
+    return folder / (f"{part}-{key[:2]}.tar" if part else f"{key[:2]}.tar")
+
+
+def _pack(folder: pathlib.Path, part: str, keys: Iterable[str]) -> None:
+    """Moves trees into archives, by the first two digits of their keys. The same bytes however often it was interrupted."""
+    found: dict[pathlib.Path, set[str]] = {}
+    for key in keys:
+        if (folder / f"{key}.morula").exists():
+            found.setdefault(_archive_of(folder, part, key), set()).add(key)
+    for archive, new in found.items():
+        trees = {f"{key}.morula": (folder / f"{key}.morula").read_bytes() for key in new}
+        if archive.exists():
+            with tarfile.open(archive) as old:
+                for member in old:
+                    file = old.extractfile(member)
+                    if file is not None and member.name not in trees:
+                        trees[member.name] = file.read()
+        text = io.BytesIO()
+        with tarfile.open(fileobj=text, mode="w", format=tarfile.USTAR_FORMAT) as packed:
+            for name in sorted(trees):
+                member = tarfile.TarInfo(name)
+                member.size = len(trees[name])
+                packed.addfile(member, io.BytesIO(trees[name]))
+        _write_whole(archive, text.getvalue())
+        for key in new:
+            (folder / f"{key}.morula").unlink()
+
+
+def tree_of(output: str | os.PathLike[str], key: str, mesh: MeshLike) -> _morula.CoveredTree:
+    """The tree of a row, from its file or its archive. mesh: the one that it was built of.
+
+    KeyError where there is no tree of this key.
+    """
+    folder = pathlib.Path(output) / "trees"
+    file = folder / f"{key}.morula"
+    if file.exists():
+        return _morula.read_covered_tree(file, mesh)
+    for archive in sorted(folder.glob(f"*{key[:2]}.tar")):
+        with tarfile.open(archive) as packed:
+            try:
+                member = packed.extractfile(file.name)
+            except KeyError:
+                continue
+            assert member is not None
+            with tempfile.TemporaryDirectory() as scratch:
+                copy = pathlib.Path(scratch) / file.name
+                copy.write_bytes(member.read())
+                return _morula.read_covered_tree(copy, mesh)
+    raise KeyError(key)
 
 
 def main() -> int:
@@ -236,6 +314,7 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, help="seconds a mesh may take")
     parser.add_argument("--memory-limit", type=int, help="megabytes of address space it may have")
     parser.add_argument("--retry", action="store_true", help="try again what failed; what is done stays in any case")
+    parser.add_argument("--archives", action="store_true", help="trees in tar archives, by the first two digits of their keys")
     parser.add_argument("--method", default="morula")
     parser.add_argument("--quality", default="default")
     parser.add_argument("--branching", type=int, default=8)
@@ -250,7 +329,7 @@ def main() -> int:
 
     rows = run(
         given.manifest, options, output=given.output, jobs=given.jobs, shard=(int(index), int(count)), time_limit=given.time_limit,
-        memory_limit_mb=given.memory_limit, retry=given.retry, progress=report,
+        memory_limit_mb=given.memory_limit, retry=given.retry, archives=given.archives, progress=report,
     )
     failed = sum(row["status"] != "ok" for row in rows)
     print(f"{len(rows)} meshes, {failed} of them failed: {pathlib.Path(given.output) / 'table.csv' if count == '1' else given.output}")

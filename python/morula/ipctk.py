@@ -21,6 +21,37 @@ from . import _morula
 __all__ = ["BroadPhase"]
 
 
+class _Known:
+    """Candidates of the last call: most of a frame's are those of the one before, and the toolkit copies what it is given.
+
+    It takes candidates as Python objects only, and making one costs ten times as much as handing it over.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        self._kind = kind
+        self._codes: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
+        self._objects: NDArray[Any] = numpy.empty(0, object)
+
+    def of(self, first: NDArray[Any], second: NDArray[Any]) -> list[Any]:
+        """Candidates (first[i], second[i]), each pair once, in the order of both."""
+        codes = first.astype(numpy.int64) << 32 | second
+        codes.sort()
+        objects = numpy.empty(len(codes), object)
+        if len(self._codes) and len(codes):
+            place = numpy.minimum(numpy.searchsorted(self._codes, codes), len(self._codes) - 1)
+            known = self._codes[place] == codes
+            objects[known] = self._objects[place[known]]
+            new = numpy.flatnonzero(~known)
+        else:
+            new = numpy.arange(len(codes))
+        made = numpy.empty(len(new), object)
+        made[:] = list(map(self._kind, (codes[new] >> 32).tolist(), (codes[new] & 0xFFFFFFFF).tolist()))
+        objects[new] = made
+        self._codes, self._objects = codes, objects
+        found: list[Any] = objects.tolist()
+        return found
+
+
 class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
     """Pairs of edges, and of faces and vertices, whose boxes are near, static or swept.
 
@@ -36,6 +67,8 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
         self._edge_of: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
         self._found: _morula.FeaturePairs | None = None
         self._radius = 0.0
+        self._edge_edge = _Known(ipctk.EdgeEdgeCandidate)
+        self._face_vertex = _Known(ipctk.FaceVertexCandidate)
 
     def name(self) -> str:
         return "Morula"
@@ -90,10 +123,8 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
     def detect_edge_edge_candidates(self) -> list[Any]:
         a, b = self._pairs(_morula.PairKind.edge_edge)
         first, second = self._edge_of[a], self._edge_of[b]
-        return list(
-            map(ipctk.EdgeEdgeCandidate, numpy.minimum(first, second).tolist(), numpy.maximum(first, second).tolist())
-        )
+        return self._edge_edge.of(numpy.minimum(first, second), numpy.maximum(first, second))
 
     def detect_face_vertex_candidates(self) -> list[Any]:
         vertex, face = self._pairs(_morula.PairKind.vertex_facet)
-        return list(map(ipctk.FaceVertexCandidate, face.tolist(), vertex.tolist()))
+        return self._face_vertex.of(face, vertex)

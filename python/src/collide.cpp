@@ -279,7 +279,7 @@ void bind_contact_query(nb::module_& m) {
               self.query.set_options(self.options);
             });
           },
-          nb::arg("budget"), "For the next call.")
+          nb::arg("budget").none(), "For the next call.")
       .def(
           "warm_up",
           [](HeldQuery& self, Threads* workers) {

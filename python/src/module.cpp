@@ -38,10 +38,12 @@ NB_MODULE(_morula, m) {
   bind_shapes(m);
   bind_accuracy(m);
   bind_collide(m);
+  bind_scene(m);
   bind_surface(m);
   bind_io(m);
   bind_page(m);
 #ifdef MORULA_PYTHON_COMMAND
   bind_command(m);
+  bind_study(m);
 #endif
 }

@@ -172,11 +172,14 @@ void bind_scene_results(nb::module_& m) {
            })
       .def(
           "__lt__", [](const BodyId& a, const BodyId& b) { return a < b; }, nb::arg("other"))
-      .def("__reduce__", [](nb::handle self) {
-        const auto& body = nb::cast<const BodyId&>(self);
-        return nb::make_tuple(nb::object(nb::borrow(self.type())), nb::make_tuple(body.place, body.generation));
-      });
-  Record<SceneContacts>(m, "SceneContacts", doc::ScenePair_contacts)
+      .def(
+          "__reduce__",
+          [](nb::handle self) {
+            const auto& body = nb::cast<const BodyId&>(self);
+            return nb::make_tuple(nb::object(nb::borrow(self.type())), nb::make_tuple(body.place, body.generation));
+          },
+          nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
+  Record<SceneContacts>(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.")
       .property("node_a", MORULA_COLUMN(SceneContacts, rows, node_a), "(n,) uint32.")
       .property("node_b", MORULA_COLUMN(SceneContacts, rows, node_b), "(n,) uint32.")
       .property("finished", MORULA_COLUMN(SceneContacts, rows, finished), doc::Contact_finished)
@@ -519,7 +522,7 @@ void bind_scene_class(nb::module_& m) {
               self.scene.set_options(self.options);
             });
           },
-          nb::arg("budget"), "For the next update; other options stay.")
+          nb::arg("budget").none(), "For the next update; other options stay.")
       .def("__repr__", [](const HeldScene& self) {
         const std::size_t count = locked(self, [&] { return self.scene.size(); });
         return "<morula.Scene: " + std::to_string(count) + (count == 1 ? " body>" : " bodies>");

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of features of deforming surfaces: near, swept, crossing.
+#include <algorithm>
 #include <morula/morula.hpp>
 
 #include "holders.hpp"
@@ -89,6 +90,133 @@ SurfaceQueryStatus ask(Query& query, const HeldSurface& a, const HeldSurface* b,
   return status;
 }
 
+/// None, or a tuple (of, with) of bits per facet.
+FacetMasks masks_of(nb::handle given, const char* name) {
+  if (given.is_none()) return {};
+  if (!PyTuple_Check(given.ptr()) || PyTuple_Size(given.ptr()) != 2) {
+    throw nb::type_error(
+        (std::string(name) + ": " + describe(given) + ", but None or a tuple of two arrays, of and with, is needed")
+            .c_str());
+  }
+  return {indices_of(nb::object(given[0]), (std::string(name) + "[0]").c_str()),
+          indices_of(nb::object(given[1]), (std::string(name) + "[1]").c_str())};
+}
+
+/// A query that goes on, the surfaces that it borrows, and the filter that it asks.
+template <class Query, class Options>
+struct HeldSurfaceQuery {
+  Options options;
+  nb::object keeps;
+  Query query;
+  std::shared_ptr<HeldSurface> a, b;
+  std::mutex mutex;
+
+  HeldSurfaceQuery(Options&& given, nb::object filter)
+      : options(std::move(given)), keeps(std::move(filter)), query(options) {}
+
+  /// Asks with surfaces locked. What a filter raises ends the query: there is nothing to resume then.
+  template <class Call>
+  SurfaceQueryStatus ask(Threads* workers, const Call& call) {
+    const SurfaceQueryStatus status = without_gil([&] {
+      CallWorkers threads(workers);
+      std::vector<std::shared_lock<std::shared_mutex>> locks;
+      // One order for everybody.
+      for (HeldSurface* surface : {std::min(a.get(), b.get()), std::max(a.get(), b.get())})
+        if (surface && (locks.empty() || locks.back().mutex() != &surface->mutex)) locks.emplace_back(surface->mutex);
+      try {
+        return call(static_cast<Workers&>(threads));
+      } catch (...) {
+        query = Query(options);
+        throw;
+      }
+    });
+    return status;
+  }
+};
+
+template <class Query, class Options>
+nb::class_<HeldSurfaceQuery<Query, Options>> bind_surface_query(nb::module_& m, const char* name, const char* text,
+                                                                const char* run_text) {
+  using Held = HeldSurfaceQuery<Query, Options>;
+  nb::class_<Held> query(m, name, text);
+  query
+      .def(
+          "run",
+          [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
+            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
+            without_gil([&] { lock.lock(); });
+            std::swap(self.a, a);
+            std::swap(self.b, b);
+            const SurfaceQueryStatus status = self.ask(workers, [&](Workers& call) {
+              return self.b && self.b != self.a ? self.query.run(self.a->tree, self.b->tree, call)
+                                                : self.query.run(self.a->tree, call);
+            });
+            require(status);
+            return status;
+          },
+          nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text)
+      .def(
+          "resume",
+          [](Held& self, Threads* workers) {
+            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
+            without_gil([&] { lock.lock(); });
+            const SurfaceQueryStatus status = self.ask(workers, [&](Workers& call) { return self.query.resume(call); });
+            require(status);
+            return status;
+          },
+          nb::arg("workers") = nb::none(), doc::ProximityQuery_resume)
+      .def(
+          "set_budget",
+          [](Held& self, BudgetGiven budget) {
+            const Budget next = budget_of(budget);
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              Options options = self.options;
+              options.budget = next;
+              self.query.set_options(options);
+              self.options = std::move(options);
+            });
+          },
+          nb::arg("budget").none(), "For the next call.")
+      .def(
+          "open",
+          [](Held& self) {
+            std::vector<std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>> open;
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              for (const OpenFacets& part : self.query.open())
+                open.emplace_back(std::vector<std::uint32_t>(part.a.begin(), part.a.end()),
+                                  std::vector<std::uint32_t>(part.b.begin(), part.b.end()));
+            });
+            nb::list all;
+            for (auto& [of_a, of_b] : open)
+              all.append(nb::make_tuple(own_indices(std::move(of_a)), own_indices(std::move(of_b))));
+            return all;
+          },
+          nb::sig("def open(self) -> list[tuple[numpy.typing.NDArray[numpy.uint32], "
+                  "numpy.typing.NDArray[numpy.uint32]]]"),
+          (std::string("A list of pairs of arrays. ") + doc::OpenFacets).c_str());
+  return query;
+}
+
+/// A copy of what a query found.
+template <class Rows, class Held, class Get>
+Rows found_by(Held& self, const Get& get) {
+  return without_gil([&] {
+    const std::scoped_lock lock(self.mutex);
+    const auto found = get(self.query);
+    return Rows{{found.begin(), found.end()}};
+  });
+}
+
+PairFilter whole_filter(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps,
+                        nb::handle masks_a, nb::handle masks_b) {
+  PairFilter filter = filter_of(rings, rest_distance, same_component, keeps);
+  filter.masks_a = masks_of(masks_a, "masks_a");
+  filter.masks_b = masks_of(masks_b, "masks_b");
+  return filter;
+}
+
 constexpr const char* filter_arguments = R"(
 
 Args:
@@ -98,6 +226,125 @@ Args:
     same_component: pairs of one piece are left out.
     keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow: it holds the
         interpreter's lock.)";
+
+constexpr const char* query_arguments = R"(
+
+Args:
+    rings: pairs of which some two vertices are at most so many edges apart are left out, of one surface with itself.
+    rest_distance: pairs that are this close at rest are left out, mesh units.
+    same_component: pairs of one piece are left out.
+    masks_a: two arrays of bits per facet, of and with: facets i of a and j of b are looked at when of[i] & with[j]
+        and of[j] & with[i] are not 0. masks_b: the same of the other surface.
+    keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
+    budget: box tests, or a time.)";
+
+void bind_queries(nb::module_& m) {
+  Record<SurfaceQueryStatus>(m, "SurfaceQueryStatus", "How far a query came.")
+      .field("finished", &SurfaceQueryStatus::finished)
+      .field("box_tests", &SurfaceQueryStatus::box_tests, doc::SurfaceQueryStatus_box_tests)
+      .field("candidates", &SurfaceQueryStatus::candidates, doc::SurfaceQueryStatus_candidates);
+  using Near = HeldSurfaceQuery<ProximityQuery, ProximityOptions>;
+  bind_surface_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery,
+                                                       doc::ProximityQuery_run)
+      .def(
+          "__init__",
+          [](Near* self, double distance, bool nearest_features_once, std::uint32_t rings, double rest_distance,
+             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Near(ProximityOptions{distance, nearest_features_once, std::move(filter), budget_of(budget), {}},
+                            std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("distance"), nb::arg("nearest_features_once") = false, nb::arg("rings") = 0,
+          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
+          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, distance: float, nearest_features_once: bool = False, rings: int = 0, "
+              "rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string(doc::ProximityQuery_ProximityQuery) + query_arguments).c_str())
+      .def(
+          "pairs",
+          [](Near& self) { return found_by<ProximityPairs>(self, [](ProximityQuery& q) { return q.pairs(); }); },
+          doc::ProximityQuery_pairs)
+      .def(
+          "safe_distances",
+          [](Near& self) {
+            return own_numbers(without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              if (!self.a) throw std::invalid_argument("nothing was asked yet");
+              std::vector<double> distances(self.a->tree.vertex_count());
+              self.query.safe_distances(distances);
+              return distances;
+            }));
+          },
+          doc::ProximityQuery_safe_distances);
+  using Swept = HeldSurfaceQuery<SweptQuery, SweptOptions>;
+  bind_surface_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run)
+      .def(
+          "__init__",
+          [](Swept* self, double distance, bool candidates_only, std::uint32_t rings, double rest_distance,
+             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Swept(SweptOptions{distance, candidates_only, std::move(filter), budget_of(budget), {}},
+                             std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("candidates_only") = false, nb::arg("rings") = 0,
+          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
+          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, distance: float = 0.0, candidates_only: bool = False, rings: int = 0, "
+              "rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string(doc::SweptQuery_SweptQuery) + query_arguments).c_str())
+      .def(
+          "pairs", [](Swept& self) { return found_by<SweptPairs>(self, [](SweptQuery& q) { return q.pairs(); }); },
+          doc::SweptQuery_pairs)
+      .def(
+          "candidates",
+          [](Swept& self) { return found_by<FeaturePairs>(self, [](SweptQuery& q) { return q.candidates(); }); },
+          doc::SweptQuery_candidates)
+      .def(
+          "collision_free_step",
+          [](Swept& self) {
+            return without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              return self.query.collision_free_step();
+            });
+          },
+          doc::SweptQuery_collision_free_step);
+  using Crossing = HeldSurfaceQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
+  bind_surface_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery,
+                                                                   doc::ProximityQuery_run)
+      .def(
+          "__init__",
+          [](Crossing* self, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
+             nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Crossing(SurfaceCrossingOptions{std::move(filter), budget_of(budget), {}}, std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
+          nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),
+          nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string("Pairs of facets that really intersect, as far as a budget reaches.") + query_arguments).c_str())
+      .def(
+          "pairs",
+          [](Crossing& self) {
+            return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); });
+          },
+          doc::SurfaceCrossingQuery_pairs);
+}
 
 }  // namespace
 
@@ -190,6 +437,8 @@ void bind_surface(nb::module_& m) {
         return column<SweptPair>(std::span<const SweptPair>(pairs), pairs.empty() ? nullptr : &pairs[0].time, self);
       },
       doc::SweptPair_time);
+
+  bind_queries(m);
 
   m.def(
       "proximity",

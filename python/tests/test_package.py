@@ -71,6 +71,13 @@ contacts = morula.collide(body, morula.Collider(body), budget="200us")
 deepest: float = float(contacts.depth.max())
 figures = [m.looseness.looseness for m in morula.measure(mesh, built)]
 where: tuple[float, float, float] = body.origin
+scene = morula.Scene(budget="1ms", keeps=lambda a, b: a != b)
+first: morula.BodyId = scene.add(body, user_data=3)
+for pair in scene.pairs():
+    deepest = max(deepest, float(pair.contacts.depth.max()))
+query = morula.ProximityQuery(distance=0.1, budget=1000)
+open_facets = [of_a.tolist() for of_a, of_b in query.open()]
+verdict: str = morula.study(mesh, quick=True).verdict("exact-covers")
 ''',
         encoding="utf-8",
     )

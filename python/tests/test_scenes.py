@@ -210,6 +210,9 @@ def test_filters_decide_who_meets():
     with pytest.raises(ZeroDivisionError):
         scene.update()
     assert touching(scene) == [(0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+    for budget in (0, "1us", None):
+        scene.set_budget(budget)
+        assert len(touching(scene)) == 5
     scene.set_options(keeps=lambda a, b: scene.pairs() is None)
     with pytest.raises(RuntimeError, match="keeps"):
         scene.update()
