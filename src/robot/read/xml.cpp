@@ -44,7 +44,12 @@ bool is_blank(char c) {
 }  // namespace
 
 void fail_at(const std::filesystem::path& file, int line, const std::string& text) {
-  throw FileError(fmt::format("{}:{}: {}", file.string(), line, text));
+  // Names may hold anything; a message is one line.
+  std::string plain = text;
+  for (char& c : plain) {
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  }
+  throw FileError(fmt::format("{}:{}: {}", file.string(), line, plain));
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
