@@ -36,6 +36,7 @@ def declared_name(code: str) -> str:
         return ""
     if code.startswith("enum"):
         return ""
+    code = re.sub(r"std::function<[^;]*>", "Function", code)
     head = re.split(r"[;={]", code)[0]
     if "~" in head:
         return ""

@@ -93,6 +93,9 @@ int run(int argc, char** argv, bool parse_only) {
 #ifdef MORULA_HAS_ROBOT
   add_robot(app, run);
 #endif
+  add_clump(app, run);
+  add_paraview(app, run);
+  add_formats(app, run);
   add_sample(app, run);
   add_convert(app, run);
   add_demo(app, run);

@@ -17,6 +17,7 @@
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/pair_walk.hpp>
+#include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
@@ -37,6 +38,8 @@
 #include <morula/query/sphere_volume.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
+#include <morula/surface/modal_certificate.hpp>
+#include <morula/surface/obstacles.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>

@@ -5,6 +5,7 @@
 #include <morula/morula.hpp>
 #include <optional>
 
+#include "contacts.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -12,33 +13,6 @@
 namespace morula::python {
 
 namespace {
-
-struct Crossings {
-  std::vector<Crossing> pairs;
-};
-
-/// Surfaces of contacts, with both points in columns.
-struct ContactSurfaces {
-  std::vector<ContactSurface> rows;
-};
-
-template <class Rows>
-auto first_of(const Rows& rows) {
-  return rows.empty() ? nullptr : rows.data();
-}
-
-#define MORULA_COLUMN(Holder, rows, member)                                                      \
-  [](nb::handle self) {                                                                          \
-    const auto& all = nb::cast<const Holder&>(self).rows;                                        \
-    using Row = std::remove_cvref_t<decltype(all[0])>;                                           \
-    return column<Row>(std::span<const Row>(all), all.empty() ? nullptr : &all[0].member, self); \
-  }
-#define MORULA_COLUMN3(Holder, rows, member)                                                      \
-  [](nb::handle self) {                                                                           \
-    const auto& all = nb::cast<const Holder&>(self).rows;                                         \
-    using Row = std::remove_cvref_t<decltype(all[0])>;                                            \
-    return column3<Row>(std::span<const Row>(all), all.empty() ? nullptr : &all[0].member, self); \
-  }
 
 void bind_contacts(nb::module_& m) {
   Record<SurfacePoint>(m, "SurfacePoint", doc::SurfacePoint)
@@ -514,21 +488,12 @@ void bind_primitives(nb::module_& m) {
       [](ColliderGiven given, ShapeGiven shape, double margin, bool nearest, bool any, bool list) {
         const auto side = side_of(given, "body");
         const TouchOptions options{margin, nearest, any, list};
-        const auto ask = [&](const auto& s) {
+        return with_shape(shape, [&](const auto& s) {
           return without_gil([&] {
             const Reading reading({side.get()});
             return touch(side->current(), s, options);
           });
-        };
-        if (nb::isinstance<HalfSpace>(shape.object)) return ask(nb::cast<HalfSpace>(shape.object));
-        if (nb::isinstance<Capsule>(shape.object)) return ask(nb::cast<Capsule>(shape.object));
-        Sphere sphere;
-        if (!nb::try_cast(shape.object, sphere)) {
-          throw nb::type_error(("shape: " + describe(shape.object) +
-                                ", but a HalfSpace, a Capsule or a sphere (x, y, z, radius) is needed")
-                                   .c_str());
-        }
-        return ask(sphere);
+        });
       },
       nb::arg("body"), nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
       nb::arg("any") = false, nb::arg("list") = false,

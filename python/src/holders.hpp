@@ -147,6 +147,20 @@ class Reading {
 /// A collider, or a body that becomes one for this call.
 std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name);
 
+/// Calls f with the half space, capsule or sphere that is given. Throws TypeError for anything else.
+template <class F>
+auto with_shape(const ShapeGiven& given, const F& f) {
+  if (nb::isinstance<HalfSpace>(given.object)) return f(nb::cast<HalfSpace>(given.object));
+  if (nb::isinstance<Capsule>(given.object)) return f(nb::cast<Capsule>(given.object));
+  Sphere sphere;
+  if (!nb::try_cast(given.object, sphere)) {
+    throw nb::type_error(
+        ("shape: " + describe(given.object) + ", but a HalfSpace, a Capsule or a sphere (x, y, z, radius) is needed")
+            .c_str());
+  }
+  return f(sphere);
+}
+
 /// None: unlimited; an integer: pair tests; a datetime.timedelta or a text such as "200us": time.
 Budget budget_of(const BudgetGiven& given, const char* name = "budget");
 

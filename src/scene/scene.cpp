@@ -188,6 +188,10 @@ SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options) {
   const StandardFloats standard;
   return state_->touch(shape, options);
 }
+SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options) {
+  const StandardFloats standard;
+  return state_->touch(shape, options);
+}
 std::span<const SceneTouch> Scene::touches() const {
   return state_->touches;
 }

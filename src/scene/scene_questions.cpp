@@ -110,4 +110,14 @@ SceneStatus SceneState::touch(const Capsule& shape, const TouchOptions& touch_op
   return touch_found(shape, touch_options);
 }
 
+SceneStatus SceneState::touch(const ConvexHull& shape, const TouchOptions& touch_options) {
+  if (SceneStatus status = current(); !status) return status;
+  if (!std::isfinite(touch_options.margin) || touch_options.nearest) return refusal({Status::Code::bad_option});
+  if (shape.vertices().empty() || !(touch_options.margin < 0x1p200)) return refusal({Status::Code::bad_shape});
+  Box box;
+  for (const Vec3& p : shape.vertices()) box.add(p);
+  broad.find(grown(box, std::max(0.0, touch_options.margin)), found);
+  return touch_found(shape, touch_options);
+}
+
 }  // namespace morula::detail

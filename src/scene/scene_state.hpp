@@ -53,6 +53,7 @@ struct SceneState {
   SceneStatus touch(const HalfSpace& shape, const TouchOptions& options);
   SceneStatus touch(const Sphere& shape, const TouchOptions& options);
   SceneStatus touch(const Capsule& shape, const TouchOptions& options);
+  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options);
 
  private:
   template <class Shape>

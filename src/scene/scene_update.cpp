@@ -115,7 +115,8 @@ void SceneState::list_near() {
       pair.is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
                        (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
       if (was_wanted && !pair.is_wanted) end(std::exchange(pair, {.a = pair.a, .b = pair.b}));
-      pair.is_new = pair.is_new || (!was_wanted && pair.is_wanted);
+      // Who is not wanted has been asked, and has no roots to look at.
+      pair.is_new = pair.is_wanted && (pair.is_new || !was_wanted);
     }
     if (pair.is_wanted && pair.front == nullptr) {
       pair.front = front_of(id_of(pair.a), id_of(pair.b));

@@ -42,7 +42,8 @@ std::uint32_t boxes_in(const SurfaceTreeState& s, int level, std::uint32_t group
 
 }  // namespace
 
-SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock) : budget_(budget), clock_(&clock) {
+SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests)
+    : budget_(budget), clock_(&clock), tests_(tests) {
   if (budget_.is_time()) start_ = now();
 }
 
@@ -52,7 +53,7 @@ std::chrono::nanoseconds SurfaceMeter::now() const {
 
 bool SurfaceMeter::takes(std::size_t groups) {
   if (is_over_) return false;
-  if (budget_.is_tests()) is_over_ = budget_.tests() < static_cast<std::int64_t>(64 * (groups_tested + groups));
+  if (budget_.is_tests()) is_over_ = budget_.tests() < static_cast<std::int64_t>(tests_ * (groups_tested + groups));
   // Reading a clock takes about as long as a test.
   if (budget_.is_time() && calls_++ % 8 == 0) is_over_ = now() - start_ >= budget_.time();
   if (!is_over_) groups_tested += groups;

@@ -17,7 +17,8 @@ namespace morula::detail {
 /// What of a budget is left.
 class SurfaceMeter {
  public:
-  SurfaceMeter(const Budget& budget, const Clock& clock);
+  /// tests: pairs of boxes that testing one group is.
+  SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
   bool is_unlimited() const { return budget_.is_unlimited(); }
   /// May so many groups of boxes be tested against as many others, 64 pairs each? Once the answer was no it stays no.
   bool takes(std::size_t groups);
@@ -27,6 +28,7 @@ class SurfaceMeter {
   std::chrono::nanoseconds now() const;
   Budget budget_;
   const Clock* clock_;
+  std::size_t tests_;
   std::chrono::nanoseconds start_{};
   std::size_t calls_ = 0;
   bool is_over_ = false;

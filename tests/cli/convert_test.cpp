@@ -54,7 +54,7 @@ TEST(ConvertCommand, does_not_cross_between_meshes_and_trees) {
   EXPECT_EQ(tree.exit_code, 2);
   EXPECT_NE(tree.err.find("morula build makes trees"), std::string::npos) << tree.err;
   EXPECT_EQ(bench.run("convert bar.morula x.obj").exit_code, 2);
-  EXPECT_EQ(bench.run("convert bar.obj x.stl").exit_code, 2);
+  EXPECT_EQ(bench.run("convert bar.obj x.msh").exit_code, 2);
   EXPECT_EQ(bench.listing(), before);
 }
 

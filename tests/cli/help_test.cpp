@@ -10,9 +10,9 @@
 namespace morula::test {
 namespace {
 
-const std::vector<std::string> all_commands{"build",   "measure", "deform", "update", "collide",   "pairs",
-                                            "view",    "medial",  "info",   "repair", "robot",     "sample",
-                                            "convert", "demo",    "study",  "batch",  "completion"};
+const std::vector<std::string> all_commands{"build",  "measure", "deform", "update", "collide", "pairs",     "view",
+                                            "medial", "info",    "repair", "robot",  "clump",   "paraview",  "formats",
+                                            "sample", "convert", "demo",   "study",  "batch",   "completion"};
 
 TEST(Help, lists_the_commands_that_exist_and_no_others) {
   const Workbench bench;
@@ -85,7 +85,7 @@ TEST(BadUse, missing_and_surplus_arguments_are_named) {
 TEST(BadUse, outputs_that_cannot_be_are_refused_before_any_work) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
-  bench.expect_refused("sample bar -o bar.stl", "meshes are written as .obj, .off or .ply");
+  bench.expect_refused("sample bar -o bar.msh", "meshes are written as .obj, .off, .ply, .stl or .vtp");
   bench.expect_refused("sample bar-modes -o bar.obj", "bar.obj: arrays are written as .npy");
   bench.expect_refused("sample bar -o nowhere/bar.obj", "there is no folder nowhere");
   bench.expect_refused("build bar.obj -o bar.tree", "trees are written as .morula");

@@ -28,7 +28,7 @@ struct ViewCommand : ::testing::Test {
     bench.require("sample torus -o probe.obj --resolution 12");
     bench.require("build probe.obj -o probe.morula --method octree --depth 1");
   }
-  const Workbench bench;
+  const Workbench bench{};
 };
 
 TEST_F(ViewCommand, writes_one_page_with_everything_in_it) {

@@ -44,7 +44,7 @@ Specimen::Specimen(std::string_view sample, int resolution, const BuildOptions& 
 
 void Specimen::deform(Random& random, double amplitude) {
   const Vec3 middle = 0.5 * (bounding_box(mesh).lower + bounding_box(mesh).upper);
-  Vec3 stretch, noise;
+  Vec3 stretch;
   for (int axis = 0; axis < 3; ++axis) stretch[axis] = 1 + random.uniform(-4, 4) * amplitude;
   for (std::size_t i = 0; i < positions.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)

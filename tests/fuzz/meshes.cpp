@@ -20,7 +20,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 
 void require_round_trip(const Mesh& mesh) {
   for (const MeshFormat& format : mesh_formats) {
-    if (format.write == nullptr) continue;
+    if (format.write == nullptr || !format.keeps_vertices) continue;
     const std::string bytes = format.write(mesh);
     const std::string name = "again" + std::string(format.extension);
     require(same_bits(mesh_of_bytes(name, bytes), mesh), "a mesh that was written reads back as another one");
@@ -48,7 +48,9 @@ void try_mesh(const std::string& name, std::string_view bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   morula::fuzz::Bytes in(data, size);
-  const auto& format = morula::detail::mesh_formats[in.below(morula::detail::mesh_formats.size())];
+  // '0' is the first, however many there are: seeds stay what they were when formats are added.
+  const auto& formats = morula::detail::mesh_formats;
+  const auto& format = formats[static_cast<std::size_t>(in.byte() + 256 - '0') % formats.size()];
   morula::fuzz::try_mesh("mesh" + std::string(format.extension), in.rest());
   return 0;
 }

@@ -14,6 +14,7 @@
 #include <support/scratch_folder.hpp>
 
 #include "../io/gltf_files.hpp"
+#include "../io/solid_files.hpp"
 #include "io/array/npy.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
@@ -29,7 +30,9 @@ namespace fs = std::filesystem;
 
 class Seeds {
  public:
-  Seeds(const fs::path& folder, const char* name) : folder_(folder / name) { fs::create_directories(folder_); }
+  Seeds(const fs::path& folder, const char* name, int first = 0) : folder_(folder / name), count_(first) {
+    fs::create_directories(folder_);
+  }
   fs::path scratch(const char* name) const { return folder_ / name; }
   void add(const std::string& bytes) {
     const std::string number = std::to_string(count_++);
@@ -39,7 +42,7 @@ class Seeds {
 
  private:
   fs::path folder_;
-  int count_ = 0;
+  int count_;
 };
 
 std::string big_endian(auto value) {
@@ -94,6 +97,17 @@ void add_meshes(Seeds seeds) {
   }
   seeds.add("0v 0 0 0 1\nv +1 0 0\nv 1 \\\n1 0\nv 0 1 0 # c\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1 3//1 -1\n");
   seeds.add("1STCNOFF4 1 0\n0 0 0 1 1\n1 0 0 1 1\n1 1 0 1 1\n0 1 0 1 1\n4 0 1 2 3 255 0 0\n");
+}
+
+void add_solids(Seeds seeds) {
+  const test::Solid solid = test::tetrahedral_cube(1);
+  for (const bool binary : {false, true}) {
+    seeds.add("6" + test::legacy_vtk(solid, binary));
+    seeds.add("9" + test::gmsh_2(solid, binary));
+    seeds.add("9" + test::gmsh_4(solid, binary));
+  }
+  seeds.add("8" + test::xml_vtu(solid));
+  seeds.add("7" + mesh_bytes(".vtp", specimen_mesh()));
 }
 
 void add_trees(Seeds seeds) {
@@ -280,6 +294,7 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path folder = argv[1];
   add_meshes({folder, "meshes"});
+  add_solids({folder, "meshes", 100});
   add_trees({folder, "trees"});
   add_arrays({folder, "arrays"});
   add_command_lines({folder, "command"});

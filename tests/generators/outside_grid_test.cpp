@@ -66,6 +66,11 @@ Vec3 direction(Random& random) {
     if (dot(v, v) > 0.01 && dot(v, v) < 1) return normalized(v);
   }
 }
+// The length first, by statements of its own: within one expression each compiler has an order of its own.
+Vec3 way(Random& random, double least, double most) {
+  const double length = random.uniform(least, most);
+  return direction(random) * length;
+}
 Vec3 surface_point(const Solid& body, Random& random) {
   return sample_surface(body.mesh, 1, random.next())[0].point;
 }
@@ -80,7 +85,7 @@ Sphere random_ball(const Solid& body, Kind kind, Random& random) {
   if (kind == Kind::rim) return {p, body.deep * random.uniform(0.4, 1)};
   if (kind == Kind::outside) return {p + direction(random) * body.deep * 3.0, body.deep * random.uniform(0.4, 1)};
   for (;;) {
-    const Vec3 c = p + direction(random) * body.deep * random.uniform(0.5, 1.2);
+    const Vec3 c = p + way(random, 0.5, 1.2) * body.deep;
     const double depth = -body.shape(c);
     if (depth > 0.6 * body.deep) return {c, depth * random.uniform(1, 1.1)};
   }
@@ -174,7 +179,7 @@ TEST(OutsideGrid, a_ball_taken_in_makes_another_cost_less_by_their_overlap) {
   for (int i = 0; i < 20; ++i) {
     // Far from the object, where overlaps are lenses.
     const GridBall a(grid, {{3, 0, 0}, random.uniform(0.4, 0.8)});
-    const GridBall b(grid, {Vec3{3, 0, 0} + direction(random) * random.uniform(0.5, 0.7), random.uniform(0.3, 0.5)});
+    const GridBall b(grid, {Vec3{3, 0, 0} + way(random, 0.5, 0.7), random.uniform(0.3, 0.5)});
     const double d = distance(a.exact.center, b.exact.center);
     if (d < std::abs(a.exact.radius - b.exact.radius) || d > a.exact.radius + b.exact.radius) continue;
     const double alone = cost_of(grid, a, 0);
@@ -200,7 +205,8 @@ TEST(OutsideGrid, counts_the_union_of_balls_across_the_surface) {
       constexpr int samples = 20000;
       int hits = 0;
       for (int i = 0; i < samples; ++i) {
-        const Vec3 p = a.exact.center + direction(random) * a.exact.radius * std::cbrt(random.uniform());
+        const double out = std::cbrt(random.uniform());
+        const Vec3 p = a.exact.center + direction(random) * a.exact.radius * out;
         hits += distance(p, b.exact.center) > b.exact.radius && !body->shape.is_inside(p);
       }
       EXPECT_NEAR(found / volume(a.exact), static_cast<double>(hits) / samples, 0.02) << body->name;
@@ -314,7 +320,7 @@ TEST(Extremes, decide_the_radius_nearly_as_all_points_do) {
       EXPECT_LE(few.size(), 200u);
       const Sphere around = enclosing_sphere(near);
       for (int i = 0; i < 30; ++i) {
-        const Vec3f c = grid.to_grid(around.center + direction(random) * around.radius * random.uniform());
+        const Vec3f c = grid.to_grid(around.center + way(random, 0, 1) * around.radius);
         worst = std::min(worst, farthest_of(few, c) / farthest_of(all, c));
       }
     }

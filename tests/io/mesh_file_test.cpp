@@ -231,10 +231,10 @@ TEST(MeshFile, a_failed_write_changes_nothing) {
   expect_file_error(occupied, 0, "is a folder", [&] { write_mesh(occupied, small_mesh()); });
   const fs::path nowhere = folder.path() / "missing" / "a.obj";
   expect_file_error(nowhere, 0, "make the folder first", [&] { write_mesh(nowhere, small_mesh()); });
-  const fs::path stl = folder.path() / "a.stl";
-  expect_file_error(stl, 0, "STL is read but not written", [&] { write_mesh(stl, small_mesh()); });
+  const fs::path msh = folder.path() / "a.msh";
+  expect_file_error(msh, 0, "Gmsh's format is read but not written", [&] { write_mesh(msh, small_mesh()); });
   const fs::path unknown = folder.path() / "a.xyz";
-  expect_file_error(unknown, 0, "use .obj, .off or .ply", [&] { write_mesh(unknown, small_mesh()); });
+  expect_file_error(unknown, 0, "use .obj, .off, .ply, .stl or .vtp", [&] { write_mesh(unknown, small_mesh()); });
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.obj", "folder.obj"}));
 }
 

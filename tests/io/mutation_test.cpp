@@ -10,6 +10,7 @@
 #include <morula/io/tree_file.hpp>
 
 #include "files.hpp"
+#include "solid_files.hpp"
 
 namespace morula::test {
 namespace {
@@ -129,6 +130,20 @@ TEST_F(Mutations, meshes_are_refused_or_usable) {
   survive("big.ply", big, use);
   survive("text.stl", solid + "endsolid a\n", use);
   survive("binary.stl", binary, use);
+}
+
+TEST_F(Mutations, solids_are_refused_or_usable) {
+  const auto use = [](const fs::path& path) { require_usable(read_mesh(path)); };
+  const Solid solid = tetrahedral_cube(1);
+  survive("text.vtk", legacy_vtk(solid, false), use);
+  survive("binary.vtk", legacy_vtk(solid, true), use);
+  survive("text.vtu", xml_vtu(solid), use);
+  for (const bool binary : {false, true}) {
+    survive("old.msh", gmsh_2(solid, binary), use);
+    survive("new.msh", gmsh_4(solid, binary), use);
+  }
+  write_mesh(folder.path() / "a.vtp", small_mesh());
+  survive("a.vtp", bytes_of(folder.path() / "a.vtp"), use);
 }
 
 TEST_F(Mutations, motions_are_refused_or_usable) {

@@ -168,25 +168,6 @@ TEST(FitSpheres, refuses_what_makes_no_sense) {
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.spheres = 0}), std::invalid_argument);
 }
 
-TEST(UnionMass, agrees_with_formulas_of_balls_and_lenses) {
-  const double pi = std::numbers::pi;
-  const Sphere ball{{3, -2, 5}, 0.7};
-  const robot::UnionMass one = robot::union_mass(std::span(&ball, 1));
-  const double volume_of_ball = 4 * pi * 0.7 * 0.7 * 0.7 / 3;
-  EXPECT_NEAR(one.volume, volume_of_ball, 2e-3 * volume_of_ball);
-  EXPECT_LT(distance(one.center, ball.center), 1e-12);
-  for (const std::size_t axis : {0, 3, 5})
-    EXPECT_NEAR(one.inertia[axis], 0.4 * volume_of_ball * 0.49, 5e-3 * 0.4 * volume_of_ball * 0.49);
-  for (const std::size_t mixed : {1, 2, 4}) EXPECT_NEAR(one.inertia[mixed], 0, 1e-12);
-  // Two unit balls, centres 1 apart along x: their lens has the volume 5 pi / 12.
-  const std::vector<Sphere> pair{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, 0, 0}, 0.3}};
-  const robot::UnionMass two = robot::union_mass(pair);
-  const double expected = 8 * pi / 3 - 5 * pi / 12;
-  EXPECT_NEAR(two.volume, expected, 2e-3 * expected);
-  EXPECT_LT(distance(two.center, {0.5, 0, 0}), 1e-3);
-  EXPECT_EQ(robot::union_mass({}).volume, 0);
-}
-
 /// All pairs of all spheres, nothing left out.
 bool touch_anyhow(const robot::LinkSpheres& a, const robot::LinkSpheres& b, const std::vector<RigidTransform>& poses) {
   for (const Sphere& s : a.spheres) {

@@ -420,6 +420,23 @@ TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {
   EXPECT_TRUE(scene.pairs().empty());
 }
 
+TEST(Scene, a_pair_that_a_filter_refuses_is_asked_about_once) {
+  Thing a(test::icosphere(1)), b(test::icosphere(1));
+  std::size_t asked = 0;
+  Scene scene({.keeps = [&](BodyId, BodyId) {
+    ++asked;
+    return false;
+  }});
+  scene.add(a.collider);
+  scene.add(b.collider);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(scene.update());
+  EXPECT_EQ(asked, 1u);
+  EXPECT_TRUE(scene.pairs().empty());
+  scene.set_options({});
+  ASSERT_TRUE(scene.update());
+  EXPECT_EQ(scene.pairs().size(), 1u);
+}
+
 TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   Crowd crowd(17);
   Scene scene;
@@ -460,6 +477,8 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
       touched += found.size();
     };
     compare(ball), compare(capsule), compare(behind);
+    const Vec3 half = Vec3{0.1, 0.2, 0.1} + Vec3{1, 1, 1} * ball.radius;
+    compare(ConvexHull::box({half * -1, half}, RigidTransform::from_axis(behind.normal, 0.1 * i, ball.center)));
   }
   EXPECT_GT(hits, 50u);
   EXPECT_GT(touched, 400u);
@@ -467,6 +486,7 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   EXPECT_EQ(scene.touch(Sphere{{}, -1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(HalfSpace{{0, 0, 0}, 1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(Sphere{}, {.nearest = true}).code, Status::Code::bad_option);
+  EXPECT_EQ(scene.touch(ConvexHull::box({{0, 0, 0}, {1, 1, 1}}), {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.first_hit({{}, {}}).status.code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touches().size(), kept);
   crowd.things[0]->collider.place({.translation = {9, 9, 9}});

@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <morula/geometry/used_vertices.hpp>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/motion_file.hpp>
+#include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <morula/tree/nesting.hpp>
 #include <optional>
 
@@ -26,8 +30,9 @@ struct Options {
   std::string output;
   std::string mesh;
   std::string sph_origin = "none";
-  std::optional<std::size_t> frame;
-  bool nested = false;
+  std::optional<std::size_t> frame, level;
+  std::string index_map;
+  bool nested = false, used_only = false, sofa = false;
   unsigned threads = 0;
   bool json = false;
 };
@@ -48,7 +53,22 @@ int report(const Options& o, const std::string& line, const BuildReport* growth)
 
 int convert_mesh(const Options& o) {
   require_mesh_output(o.output);
-  const Mesh mesh = read_mesh(o.input);
+  if (!o.index_map.empty()) {
+    if (!o.used_only) throw UsageError("--index-map belongs to --used-only: without it vertices keep their numbers");
+    require_output_place(o.index_map);
+    require_not_input(o.index_map, {o.input, o.output});
+  }
+  Mesh mesh = read_mesh(o.input);
+  if (o.used_only) {
+    UsedVertices used = used_vertices(mesh);
+    mesh = std::move(used.mesh);
+    if (!o.index_map.empty()) {
+      std::string text = "vertex,index\n";
+      for (std::size_t v = 0; v < used.index.size(); ++v) text += fmt::format("{},{}\n", v, used.index[v]);
+      write_whole(o.index_map, text);
+      note_written(o.index_map);
+    }
+  }
   write_mesh(o.output, mesh);
   return report(o, mesh_line(o.output, mesh), nullptr);
 }
@@ -67,7 +87,50 @@ int write_leaves(const Options& o, std::span<const Sphere> balls) {
   return report(o, fmt::format("{}: {} without a tree", o.output, counted(balls.size(), "ball")), nullptr);
 }
 
+/// Frames from one kind of file to another.
+int convert_motion(const Options& o) {
+  const std::string ending = extension(o.output);
+  const bool is_file = ending == ".npy" || ending == ".pc2" || ending == ".mdd";
+  if (!is_file && !ending.empty()) {
+    throw UsageError(fmt::format("{}: motions are written as .npy, .pc2, .mdd, or into a folder", o.output));
+  }
+  if (o.mesh.empty()) throw UsageError(fmt::format("{}: a motion needs its mesh: add --mesh MESH", o.input));
+  if (is_file) {
+    require_output_place(o.output);
+  } else {
+    require_folder_place(o.output);
+    require_not_input_folder(o.output, {o.input, o.mesh});
+  }
+  const Mesh mesh = read_mesh(o.mesh);
+  const Motion motion(o.input, mesh);
+  MotionWriter writer(o.output, mesh, motion.frame_count());
+  for (std::size_t i = 0; i < motion.frame_count(); ++i) writer.write(motion.frame(i));
+  writer.finish();
+  return report(o,
+                fmt::format("{}: {} of {}", o.output, counted(motion.frame_count(), "frame"),
+                            counted(mesh.vertex_count(), "vertex", "vertices")),
+                nullptr);
+}
+
+/// One level, the leaves where none is named, as SOFA loads spheres.
+int write_sofa(const Options& o) {
+  require_output_place(o.output);
+  if (extension(o.output) != ".sph") throw UsageError(fmt::format("{}: SOFA loads spheres from .sph", o.output));
+  std::optional<Mesh> mesh;
+  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  const SphereTree tree =
+      o.frame ? read_frame(o) : read_tree(o.input, parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr)).tree;
+  const std::size_t level = o.level.value_or(tree.level_count() - 1);
+  if (level >= tree.level_count()) {
+    throw UsageError(fmt::format("--level {}: {} has levels 0 to {}", level, o.input, tree.level_count() - 1));
+  }
+  const std::vector<Sphere> spheres = level_set_spheres(tree, level);
+  write_sofa_spheres(o.output, spheres);
+  return report(o, fmt::format("{}: {} for SOFA", o.output, counted(spheres.size(), "sphere")), nullptr);
+}
+
 int convert_tree(const Options& o) {
+  if (o.sofa) return write_sofa(o);
   const bool to_balls = extension(o.output) == ".ply";
   if (to_balls) {
     require_output_place(o.output);
@@ -116,6 +179,10 @@ int convert_command(const Options& o) {
   if (o.frame && kind != FileKind::sphere_frames) {
     throw UsageError(fmt::format("--frame belongs to the .npz of an update, and {} is none: leave it out", o.input));
   }
+  const bool holds_tree = kind == FileKind::tree || kind == FileKind::balls || kind == FileKind::sphere_frames;
+  if (o.sofa && !holds_tree) throw UsageError(fmt::format("{}: --sofa writes the spheres of a tree", o.input));
+  if (o.level && !o.sofa) throw UsageError("--level belongs to --sofa: other formats hold all levels");
+  if (o.used_only && kind != FileKind::mesh) throw UsageError("--used-only belongs to meshes");
   switch (kind) {
     case FileKind::mesh:
       if (const std::string ending = extension(o.output);
@@ -134,7 +201,8 @@ int convert_command(const Options& o) {
     case FileKind::balls:
       return convert_tree(o);
     case FileKind::motion:
-      throw UsageError(fmt::format("{}: positions of frames; morula deform and numpy write those", o.input));
+    case FileKind::folder:
+      return convert_motion(o);
     default:
       throw UsageError(fmt::format("{}: {}", o.input, known_kinds()));
   }
@@ -144,8 +212,9 @@ int convert_command(const Options& o) {
 
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = add_command(app, "convert", "Convert between mesh formats, or between tree formats");
-  add_option(*command, "IN", o->input, "Mesh or tree file, balls (.ply), or spheres of frames (.npz) with --frame")
+  CLI::App* command = add_command(app, "convert", "Convert between mesh formats, tree formats, or motions");
+  add_option(*command, "IN", o->input,
+             "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh")
       ->required()
       ->type_name("");
   add_option(*command, "OUT", o->output,
@@ -156,6 +225,15 @@ void add_convert(CLI::App& app, Run& run) {
              "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
       ->type_name("MESH");
   add_option(*command, "--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
+      ->type_name("N")
+      ->transform(whole_number());
+  add_flag(*command, "--used-only", o->used_only,
+           "Of a mesh: leave out vertices that no facet uses, as inside a solid");
+  add_option(*command, "--index-map", o->index_map, "With --used-only: a table of what number each vertex had")
+      ->type_name("CSV");
+  add_flag(*command, "--sofa", o->sofa,
+           "Of a tree: one level as SOFA's SphereLoader reads it, which ends in .sph, too");
+  add_option(*command, "--level", o->level, "With --sofa: which level; without it the leaves")
       ->type_name("N")
       ->transform(whole_number());
   add_flag(*command, "--nested", o->nested, "Of a tree: spheres grow or move until each contains its children's");

@@ -77,17 +77,20 @@ int deform_command(const Options& o, const CLI::App& command) {
   if (o.frames < 3 && !o.one_way) {
     throw UsageError("--frames 2, out and back, never leaves rest: give 3 or more, or --one-way");
   }
-  const bool is_npy = extension(o.output) == ".npy" && !std::filesystem::is_directory(o.output);
+  const std::string own = extension(o.output);
+  const bool is_npy = (own == ".npy" || own == ".pc2" || own == ".mdd") && !std::filesystem::is_directory(o.output);
   const FileKind kind = file_kind(o.output);
   if (!is_npy && kind != FileKind::folder && kind != FileKind::unknown) {
-    throw UsageError(fmt::format("{}: a motion is a folder of meshes or a .npy file; name one of these", o.output));
+    throw UsageError(fmt::format(
+        "{}: a motion is a folder of meshes or a .npy file (.pc2 and .mdd, too); name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
   std::vector<std::string> written;
   std::set<std::string> read;
   for (const MeshFileKind& format : mesh_file_kinds()) {
     read.emplace(format.extension);
-    if (format.is_written) written.emplace_back(format.extension.substr(1));
+    // STL frames would lose their vertices.
+    if (format.is_written && format.extension != ".stl") written.emplace_back(format.extension.substr(1));
   }
   check_name("format", o.extension, written);
   if (is_npy) {
@@ -137,7 +140,7 @@ void add_deform(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command = add_command(app, "deform", "Make a motion: stretch, twist, bend, poke, shake or turn a mesh");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  add_option(*command, "-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy file")
+  add_option(*command, "-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy, .pc2 or .mdd file")
       ->type_name("MOTION")
       ->required();
   const auto amounts = [&](const char* name, std::vector<double>& values, const char* unit, const char* help) {
@@ -177,7 +180,7 @@ void add_deform(CLI::App& app, Run& run) {
       ->transform(whole_number(2, 1000000))
       ->capture_default_str();
   add_flag(*command, "--one-way", o->one_way, "End at the full amount instead of going back to rest");
-  add_option(*command, "--format", o->extension, "Of meshes in a folder: the extension of " + writable_mesh_list())
+  add_option(*command, "--format", o->extension, "Of meshes in a folder: obj, off, ply or vtp")
       ->type_name("NAME")
       ->capture_default_str();
   add_threads(*command, o->threads);

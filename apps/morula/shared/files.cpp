@@ -51,7 +51,7 @@ FileKind file_kind(const fs::path& path) {
     return SphereFrames(path).is_motion() ? FileKind::sphere_frames : FileKind::tree;
   }
   if (tree_extensions.count(ending) != 0) return FileKind::tree;
-  if (ending == ".npy") return FileKind::motion;
+  if (ending == ".npy" || ending == ".pc2" || ending == ".mdd") return FileKind::motion;
   if (mesh_kind(ending) != nullptr) return FileKind::mesh;
   return FileKind::unknown;
 }

@@ -9,6 +9,7 @@
 
 #include <limits>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/convex_hull.hpp>
 #include <morula/geometry/surface_point.hpp>
 #include <optional>
 #include <vector>
@@ -68,6 +69,7 @@ class TouchQuery {
   const Touch& run(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
   const Touch& run(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
   const Touch& run(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
+  const Touch& run(const Collider& body, const ConvexHull& shape, const TouchOptions& options = {});
   const Touch& result() const { return result_; }
 
  private:
@@ -77,6 +79,7 @@ class TouchQuery {
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
+Touch touch(const Collider& body, const ConvexHull& shape, const TouchOptions& options = {});
 
 /// The points origin + t direction, 0 <= t <= t_end. A segment from p to q: {p, q - p, 1}.
 struct Ray {

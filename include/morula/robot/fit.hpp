@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <morula/accuracy/union_mass.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/robot/robot.hpp>
 #include <set>
@@ -32,15 +33,6 @@ struct FitOptions {
   std::stop_token stop{};
   std::function<void(double share, const std::string& link)> progress{};  ///< on any thread, one call at a time
 };
-
-/// Of a set of spheres as one solid of density 1, each point counted once.
-struct UnionMass {
-  double volume = 0;
-  Vec3 center{};
-  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the centre
-};
-/// Columns along z are exact, and as many as `resolution` lie across the longer side: within some tenths of a percent.
-UnionMass union_mass(std::span<const Sphere> spheres, int resolution = 160);
 
 struct LinkFigures {
   std::size_t facets = 0;

@@ -50,7 +50,7 @@ class BroadPhase {
   std::span<const BoxPair> pairs() const;
   /// All boxes that have a point in common with this one, ascending: as they were added and moved, updated or not.
   void find(const Box& box, std::vector<std::uint32_t>& found) const;
-  /// Those that reach the half space normal . x <= offset.
+  /// Those that reach the half space normal . x <= offset; none is left out, some that only just miss it may be there.
   void find_behind(const Vec3& normal, double offset, std::vector<std::uint32_t>& found) const;
   /// Those that the points origin + t direction, 0 <= t <= t_end, go through; none in between is left out, some that
   /// are only just missed may be there.

@@ -154,6 +154,7 @@ class Scene {
   SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {});
   SceneStatus touch(const Sphere& shape, const TouchOptions& options = {});
   SceneStatus touch(const Capsule& shape, const TouchOptions& options = {});
+  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options = {});
   std::span<const SceneTouch> touches() const;
 
  private:

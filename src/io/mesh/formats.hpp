@@ -34,8 +34,8 @@ using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes)
 using MeshBytes = std::string(const MeshView& mesh);
 using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::path& path, const MotionOptions& options);
 
-ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf;
-MeshBytes obj_text, off_text, ply_bytes;
+ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf, read_vtk, read_vtp, read_vtu, read_gmsh;
+MeshBytes obj_text, off_text, ply_bytes, stl_bytes, vtp_bytes;
 OpenFrames open_gltf_frames;
 
 /// The balls of a PLY. Throws FileError, also where it holds none.
@@ -45,23 +45,29 @@ struct MeshFormat {
   std::string_view extension;  ///< lower case, with the dot
   ReadMesh* read;
   MeshBytes* write;               ///< none: it is not written
+  bool keeps_vertices;            ///< what is written reads back as the same bits, so frames may be written so
   OpenFrames* open_frames;        ///< none: a file is a single frame
   std::string_view not_written;   ///< why
   std::string_view frame_remedy;  ///< what to do about frames that differ from the mesh; empty: the usual
 };
 /// All that is known of formats; whoever lists, reads or writes them asks here.
 inline constexpr std::array mesh_formats{
-    MeshFormat{".obj", read_obj, obj_text, nullptr, "", ""},
-    MeshFormat{".off", read_off, off_text, nullptr, "", ""},
-    MeshFormat{".ply", read_ply, ply_bytes, nullptr, "", ""},
-    MeshFormat{".stl", read_stl, nullptr, nullptr, "STL is read but not written, since it loses the vertices",
+    MeshFormat{".obj", read_obj, obj_text, true, nullptr, "", ""},
+    MeshFormat{".off", read_off, off_text, true, nullptr, "", ""},
+    MeshFormat{".ply", read_ply, ply_bytes, true, nullptr, "", ""},
+    MeshFormat{".stl", read_stl, stl_bytes, false, nullptr, "",
                "STL frames lose their vertices, write them as another format"},
-    MeshFormat{".gltf", read_gltf, nullptr, open_gltf_frames, "glTF is read but not written", ""},
-    MeshFormat{".glb", read_gltf, nullptr, open_gltf_frames, "glTF is read but not written", ""},
+    MeshFormat{".gltf", read_gltf, nullptr, false, open_gltf_frames, "glTF meshes are read but not written", ""},
+    MeshFormat{".glb", read_gltf, nullptr, false, open_gltf_frames, "glTF meshes are read but not written", ""},
+    MeshFormat{".vtk", read_vtk, nullptr, false, nullptr, "VTK's legacy format is read but not written", ""},
+    MeshFormat{".vtp", read_vtp, vtp_bytes, true, nullptr, "", ""},
+    MeshFormat{".vtu", read_vtu, nullptr, false, nullptr, "VTK's unstructured grids are read but not written", ""},
+    MeshFormat{".msh", read_gmsh, nullptr, false, nullptr, "Gmsh's format is read but not written", ""},
 };
 /// Nothing where the extension is of no format.
 const MeshFormat* mesh_format(std::string_view extension);
-bool is_writable_mesh_extension(std::string_view extension);
+/// Of a format in which frames may be written.
+bool is_frame_extension(std::string_view extension);
 
 /// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
 Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes);

@@ -87,9 +87,9 @@ const MeshFormat* detail::mesh_format(std::string_view extension) {
   return nullptr;
 }
 
-bool detail::is_writable_mesh_extension(std::string_view extension) {
+bool detail::is_frame_extension(std::string_view extension) {
   const MeshFormat* const format = mesh_format(extension);
-  return format != nullptr && format->write != nullptr;
+  return format != nullptr && format->write != nullptr && format->keeps_vertices;
 }
 
 std::string detail::mesh_bytes(std::string_view extension, const MeshView& mesh) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
+#include <cmath>
 #include <unordered_map>
 
 #include "io/byte_reader.hpp"
@@ -136,6 +137,25 @@ Mesh read_stl(const std::filesystem::path& path, std::string_view bytes) {
                 bytes.find('\0') != std::string_view::npos;
   }
   return is_binary ? read_binary(path, bytes) : read_text(path, bytes);
+}
+
+std::string stl_bytes(const MeshView& mesh) {
+  // Not "solid", by which text begins.
+  std::string bytes = "binary STL of triangles";
+  bytes.resize(80, ' ');
+  store(bytes, static_cast<std::uint32_t>(mesh.facet_count()));
+  for (const Facet& facet : mesh.facets) {
+    const Vec3 a = mesh.positions[facet[0]], b = mesh.positions[facet[1]], c = mesh.positions[facet[2]];
+    const Vec3 up = cross(b - a, c - a);
+    const double size = length(up);
+    const bool has_normal = size > 0 && std::isfinite(size);
+    const Vec3 normal = has_normal ? up / size : Vec3{};
+    for (const Vec3& v : {normal, a, b, c}) {
+      for (int axis = 0; axis < 3; ++axis) store(bytes, static_cast<float>(v[axis]));
+    }
+    bytes += std::string(2, '\0');
+  }
+  return bytes;
 }
 
 }  // namespace morula::detail

@@ -12,6 +12,7 @@
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/motion/array_motion.hpp"
+#include "io/motion/point_cache.hpp"
 #include "io/whole_file.hpp"
 
 namespace morula {
@@ -84,18 +85,20 @@ Motion::Motion(const fs::path& path, const Mesh& mesh, const MotionOptions& opti
   } else {
     const std::string extension = lower_extension(path);
     const MeshFormat* const format = mesh_format(extension);
-    const bool is_array = extension == ".npy" || extension == ".npz";
+    const bool is_array = extension == ".npy" || extension == ".npz" || is_point_cache(extension);
     if (!is_array && format == nullptr) {
       if (!fs::exists(path, ignored))
         throw FileError(path.string() + ": there is no such folder, and no file of this name; check the name, or " +
                         "where you are");
       throw FileError(path.string() +
                       ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
-                      "ending in .npy .npz " + readable_mesh_extensions());
+                      "ending in .npy .npz .pc2 .mdd " + readable_mesh_extensions());
     }
     size_of_file(path);
     files_ = {path};
-    if (is_array)
+    if (is_point_cache(extension))
+      source_ = open_point_cache(path, mesh);
+    else if (is_array)
       source_ = std::make_shared<ArrayFrames>(extension == ".npz" ? motion_in_archive(path) : ByteSource(path), mesh);
     else if (format->open_frames != nullptr)
       source_ = format->open_frames(path, options);
@@ -181,15 +184,17 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
     : path_(path), extension_(extension), mesh_(mesh), frame_count_(frame_count) {
   require_usable(mesh);
   if (frame_count == 0) throw std::invalid_argument("a motion has at least one frame");
-  if (!is_writable_mesh_extension(extension))
-    throw std::invalid_argument("frames are written as " + writable_mesh_list() + ", not as " + in_quotes(extension));
+  if (!is_frame_extension(extension))
+    throw std::invalid_argument("frames are written as .obj, .off, .ply or .vtp, not as " + in_quotes(extension));
   const std::string own_extension = lower_extension(path);
   std::error_code error;
-  if (own_extension == ".npy") {
+  if (own_extension == ".npy" || is_point_cache(own_extension)) {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error)) throw FileError(path.string() + ": there is no such folder; make it first");
-    const std::string start = npy_start("<f8", std::array{frame_count, mesh.vertex_count(), std::size_t{3}});
-    const std::uint64_t frame_bytes = 24 * std::uint64_t{mesh.vertex_count()};
+    const bool is_npy = own_extension == ".npy";
+    const std::string start = is_npy ? npy_start("<f8", std::array{frame_count, mesh.vertex_count(), std::size_t{3}})
+                                     : point_cache_start(own_extension, mesh.vertex_count(), frame_count);
+    const std::uint64_t frame_bytes = (is_npy ? 24 : 12) * std::uint64_t{mesh.vertex_count()};
     if (frame_count > (std::uint64_t{1} << 62) / frame_bytes)
       throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames are too many for any disk");
     require_room(path, start.size() + frame_bytes * frame_count);
@@ -198,7 +203,8 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
     return;
   }
   if (fs::exists(path, error) ? !fs::is_directory(path, error) : mesh_format(own_extension) != nullptr)
-    throw FileError(path.string() + ": a motion is written into a folder or a .npy file, not into one mesh file");
+    throw FileError(path.string() +
+                    ": a motion is written into a folder or a .npy, .pc2 or .mdd file, not into one mesh file");
   // Frames of a longer motion that was here before would be read as part of this one.
   for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename().string();
@@ -224,8 +230,13 @@ void MotionWriter::write(std::span<const Vec3> positions) {
 
   if (npy_) {
     chunk_.clear();
-    for (const Vec3& p : positions)
-      for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
+    const std::string extension = lower_extension(path_);
+    if (is_point_cache(extension)) {
+      append_point_cache_frame(chunk_, extension, positions);
+    } else {
+      for (const Vec3& p : positions)
+        for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
+    }
     npy_->write(chunk_);
   } else {
     const std::string bytes = mesh_bytes(extension_, {positions, mesh_.facets});

@@ -302,6 +302,11 @@ void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t
   }
 }
 
+// Of a copy: Clang 14 takes the first lane for every lane that it is asked to cast in its place.
+inline std::int32_t bits_of(float x) {
+  return __builtin_bit_cast(std::int32_t, x);
+}
+
 // Three floats of each vertex, and the one after them.
 inline Wide loose_triples(const float* packed, const std::uint32_t* vertices) {
   const auto at = [&](int k) { return packed + 3 * std::size_t{vertices[k]}; };
@@ -341,7 +346,7 @@ std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, 
     const Four p = Four{one[0], one[1], one[2], 0} - Four{origin.x, origin.y, origin.z, 0};
     *reinterpret_cast<Four*>(out + i) = p;
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t magnitude = __builtin_bit_cast(std::int32_t, p[k]) & 0x7fffffff;
+      const std::int32_t magnitude = bits_of(p[k]) & 0x7fffffff;
       largest = magnitude > largest ? magnitude : largest;
     }
   }
@@ -380,7 +385,7 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
     const Four p = Four{packed[3 * i], packed[3 * i + 1], packed[3 * i + 2], 0} - one;
     *reinterpret_cast<Four*>(out + i) = p;
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t magnitude = __builtin_bit_cast(std::int32_t, p[k]) & 0x7fffffff;
+      const std::int32_t magnitude = bits_of(p[k]) & 0x7fffffff;
       largest = magnitude > largest ? magnitude : largest;
     }
   }

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <morula/accuracy/union_mass.hpp>
 #include <morula/geometry/box.hpp>
-#include <morula/robot/fit.hpp>
+#include <vector>
 
-namespace morula::robot {
+namespace morula {
 
 namespace {
 
@@ -98,4 +99,23 @@ UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
   return result;
 }
 
-}  // namespace morula::robot
+ConvergedMass converged_union_mass(std::span<const Sphere> spheres, double tolerance) {
+  constexpr int coarsest = 80, finest = 2560;
+  ConvergedMass result{union_mass(spheres, coarsest), 0};
+  for (int resolution = 2 * coarsest; resolution <= finest; resolution *= 2) {
+    const UnionMass finer = union_mass(spheres, resolution);
+    const auto share = [](double change, double of) { return of > 0 ? std::abs(change) / of : 0.0; };
+    // All entries against the largest: those off the diagonal may be 0.
+    double largest = 0;
+    for (const std::size_t axis : {0, 3, 5}) largest = std::max(largest, finer.inertia[axis]);
+    double change = share(finer.volume - result.solid.volume, finer.volume);
+    for (std::size_t i = 0; i < finer.inertia.size(); ++i) {
+      change = std::max(change, share(finer.inertia[i] - result.solid.inertia[i], largest));
+    }
+    result = {finer, change};
+    if (change <= tolerance) break;
+  }
+  return result;
+}
+
+}  // namespace morula

@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <morula/collide/penetration.hpp>
+#include <morula/geometry/box.hpp>
+#include <numbers>
+
+#include "collide/require.hpp"
+#include "parallel/float_environment.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+/// Sides of the first cells: so many along the longest side of the box that both bodies are in.
+constexpr double first_cells = 4;
+/// Halvings of the first cells: then cells are 10^-6 of the box, and the coordinates of bodies far from the origin have
+/// no finer ones.
+constexpr std::uint32_t most_levels = 18;
+
+struct Cell {
+  Vec3 center;
+  std::uint32_t level;
+  /// Known to be inside a, inside b: so are all parts.
+  bool in_a, in_b;
+};
+
+/// Volume that is neither inside nor outside, as a share of a cell, if the nearer surface is a plane.
+double share_inside(double distance, double half_side) {
+  return std::clamp(0.5 - 0.5 * distance / half_side, 0.0, 1.0);
+}
+
+/// Volume that a ball about the middle of a cube, of half side 1, has inside it, or less: the ball less the caps beyond
+/// the six sides, which do not meet within the cube up to the middles of its edges. As if no larger beyond.
+double ball_in_cube(double radius) {
+  constexpr double pi = std::numbers::pi;
+  const double r = std::clamp(radius, 0.0, std::numbers::sqrt2), h = std::max(0.0, r - 1);
+  return 4.0 / 3.0 * pi * r * r * r - 6 * (pi * h * h * (3 * r - h) / 3);
+}
+
+struct Frame {
+  std::uint64_t frame;
+  RigidTransform placement;
+  bool operator==(const Frame&) const = default;
+};
+Frame frame_of(const Collider& collider) {
+  return {collider.pose().frame, collider.placement()};
+}
+
+Box box_of(const Collider& body) {
+  Box box;
+  for (const Facet& f : body.mesh_facets())
+    for (const std::uint32_t v : f) box.add(body.vertex(v));
+  return box;
+}
+
+}  // namespace
+
+struct PenetrationQuery::State {
+  State(const Collider& a, const Collider& b) : body{&a, &b}, inside{InsideQuery(a), InsideQuery(b)} {}
+
+  std::array<const Collider*, 2> body;
+  std::array<InsideQuery, 2> inside;
+  std::array<Frame, 2> frames{};
+  bool is_started = false;
+
+  Vec3 half;                       // of the first cells
+  double pad = 0;                  // what a distance may be off by
+  double volume = 0;               // of a first cell
+  double first_volume = 0;         // of all of them
+  double sure = 0;                 // of cells inside both
+  Vec3 sure_moment;                // times their centres
+  std::vector<Cell> cells, parts;  // undecided ones of this level, those before `next` divided already, and of the next
+  std::size_t next = 0;
+  /// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside.
+  struct Share {
+    double inside = 0, outside = 0, guess = 0.5;
+  };
+  std::vector<Share> shares, part_shares;  // of each of `cells` and of `parts`
+  double open_inside = 0, open_all = 0;    // of those not divided: what is in them for sure, and may be
+  // The best so far: balls of a cell may tell more than those of its parts.
+  double lower = 0, upper = 0;
+
+  double volume_of(std::uint32_t level) const { return std::ldexp(volume, -3 * static_cast<int>(level)); }
+
+  Status usable(const PenetrationOptions& options) const {
+    if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance) || !(options.volume_tolerance >= 0) ||
+        !std::isfinite(options.volume_tolerance) || (options.budget.is_tests() && options.budget.tests() < 0) ||
+        (options.budget.is_time() && options.budget.time().count() < 0))
+      return {.code = Status::Code::bad_option};
+    for (std::uint8_t i = 0; i < 2; ++i)
+      if (const Status status = askable(*body[i], i); !status) return status;
+    return {};
+  }
+
+  void start() {
+    is_started = true;
+    cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
+    next = 0, sure = 0, sure_moment = {}, open_inside = open_all = 0, volume = 0, lower = upper = first_volume = 0;
+    for (std::size_t i = 0; i < 2; ++i) frames[i] = frame_of(*body[i]);
+    const Box a = box_of(*body[0]), b = box_of(*body[1]);
+    Box both{max(a.lower, b.lower), min(a.upper, b.upper)};
+    if (both.is_empty()) return;
+    // So that what touches the border of the box is within it.
+    const double largest = std::max(max_norm(both.lower), max_norm(both.upper));
+    const double room = 0x1p-40 * largest;
+    both.lower -= Vec3{room, room, room}, both.upper += Vec3{room, room, room};
+    // Centres of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
+    pad = 0x1p-44 * largest;
+    const Vec3 extent = both.extent();
+    const double side = std::max({extent.x, extent.y, extent.z}) / first_cells;
+    if (!(side > 0)) return;
+    std::array<int, 3> count{};
+    for (int k = 0; k < 3; ++k) {
+      count[static_cast<std::size_t>(k)] = std::max(1, static_cast<int>(std::ceil(extent[k] / side * (1 - 0x1p-40))));
+      half[k] = 0.5 * extent[k] / count[static_cast<std::size_t>(k)];
+    }
+    volume = 8 * half.x * half.y * half.z;
+    for (int x = 0; x < count[0]; ++x)
+      for (int y = 0; y < count[1]; ++y)
+        for (int z = 0; z < count[2]; ++z) {
+          cells.push_back(
+              {both.lower + Vec3{(2 * x + 1) * half.x, (2 * y + 1) * half.y, (2 * z + 1) * half.z}, 0, false, false});
+          shares.emplace_back();
+          open_all += volume;
+        }
+    upper = first_volume = open_all;
+  }
+
+  struct Verdict {
+    Status status;
+    enum { undecided, inside, outside } what = undecided;
+    Share share{};
+    std::size_t probes = 0;
+  };
+  /// Asks the bodies that are not known to hold all of the cell.
+  Verdict look(Cell& cell) {
+    Verdict verdict;
+    const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
+    const double reach = length(half) * scale * (1 + 0x1p-40) + pad;
+    const double half_side = std::cbrt(volume_of(cell.level)) * 0.5;
+    verdict.share.guess = 1;
+    double radius_inside = std::numeric_limits<double>::infinity(), radius_outside = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      bool& in = i == 0 ? cell.in_a : cell.in_b;
+      if (in) continue;
+      const Probe probe = inside[i].probe({cell.center, 0});
+      ++verdict.probes;
+      if (!probe.status) {
+        verdict.status = probe.status;
+        verdict.status.body = static_cast<std::uint8_t>(i);
+        return verdict;
+      }
+      if (probe.distance > reach) {
+        verdict.what = Verdict::outside;
+        return verdict;
+      }
+      in = probe.distance < -reach;
+      verdict.share.guess = std::min(verdict.share.guess, share_inside(probe.distance, half_side));
+      radius_inside = std::min(radius_inside, -probe.distance - pad);
+      radius_outside = std::max(radius_outside, probe.distance - pad);
+    }
+    // Of the largest cube about the centre that is in the cell.
+    const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
+    verdict.share.inside = ball_in_cube(radius_inside / least_half) * cube * (1 - 0x1p-40);
+    verdict.share.outside = ball_in_cube(radius_outside / least_half) * cube * (1 - 0x1p-40);
+    if (cell.in_a && cell.in_b) verdict.what = Verdict::inside;
+    return verdict;
+  }
+
+  Penetration go_on(const PenetrationOptions& options) {
+    Penetration result;
+    result.status = usable(options);
+    if (!result.status) return result;
+    const auto now = [&] {
+      return options.clock ? options.clock() : std::chrono::steady_clock::now().time_since_epoch();
+    };
+    const std::chrono::nanoseconds begin = options.budget.is_time() ? now() : std::chrono::nanoseconds{};
+    const auto is_spent = [&] {
+      if (options.budget.is_tests())  // a cell's eight parts take two each at the most
+        return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
+      return options.budget.is_time() && now() - begin >= options.budget.time();
+    };
+    const auto is_narrow = [&] {
+      lower = std::max(lower, sure + open_inside);
+      upper = std::min(upper, sure + open_all);
+      return upper - lower <= std::max(options.tolerance * upper, options.volume_tolerance);
+    };
+    while (!(result.finished = is_narrow()) && !is_spent()) {
+      if (next == cells.size()) {
+        if (parts.empty() || parts.front().level >= most_levels) break;
+        cells.swap(parts), shares.swap(part_shares);
+        parts.clear(), part_shares.clear();
+        next = 0;
+        continue;
+      }
+      const Cell cell = cells[next];
+      const std::uint32_t level = cell.level + 1;
+      const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));
+      const double part_volume = volume_of(level);
+      std::array<Cell, 8> below;
+      std::array<Verdict, 8> verdicts;
+      for (std::size_t k = 0; k < 8; ++k) {
+        below[k] = {cell.center + Vec3{k & 1 ? quarter.x : -quarter.x, k & 2 ? quarter.y : -quarter.y,
+                                       k & 4 ? quarter.z : -quarter.z},
+                    level, cell.in_a, cell.in_b};
+        verdicts[k] = look(below[k]);
+        result.probes += verdicts[k].probes;
+        if (!verdicts[k].status) {
+          result.status = verdicts[k].status;
+          return result;
+        }
+      }
+      open_inside -= shares[next].inside;
+      open_all -= volume_of(cell.level) - shares[next].outside;
+      ++next;
+      for (std::size_t k = 0; k < 8; ++k) {
+        if (verdicts[k].what == Verdict::inside) sure += part_volume, sure_moment += below[k].center * part_volume;
+        if (verdicts[k].what != Verdict::undecided) continue;
+        parts.push_back(below[k]);
+        part_shares.push_back(verdicts[k].share);
+        open_inside += verdicts[k].share.inside;
+        open_all += part_volume - verdicts[k].share.outside;
+      }
+    }
+    double guess = sure;
+    Vec3 moment = sure_moment;
+    const auto add = [&](const Cell& cell, const Share& share) {
+      const double part = volume_of(cell.level);
+      guess += part * share.guess;
+      moment += cell.center * (part * share.guess);
+    };
+    for (std::size_t i = next; i < cells.size(); ++i) add(cells[i], shares[i]);
+    for (std::size_t i = 0; i < parts.size(); ++i) add(parts[i], part_shares[i]);
+    if (guess > 0) result.center = moment / guess;
+    // Sums and differences of a million volumes are off by 2^-30 of the largest.
+    const double rounding = 0x1p-30 * first_volume;
+    const bool is_empty = cells.size() == next && parts.empty() && sure == 0;
+    result.lower = std::max(0.0, lower - rounding);
+    result.upper = is_empty ? 0.0 : upper + rounding;
+    result.estimate = std::clamp(guess, result.lower, result.upper);
+    result.certified = body[0]->pose().covers && body[1]->pose().covers;
+    return result;
+  }
+};
+
+PenetrationQuery::PenetrationQuery(const Collider& a, const Collider& b) {
+  const StandardFloats standard;
+  state_ = std::make_unique<State>(a, b);
+}
+PenetrationQuery::~PenetrationQuery() = default;
+PenetrationQuery::PenetrationQuery(PenetrationQuery&&) noexcept = default;
+PenetrationQuery& PenetrationQuery::operator=(PenetrationQuery&&) noexcept = default;
+
+Penetration PenetrationQuery::run(const PenetrationOptions& options) {
+  const StandardFloats standard;
+  if (Status status = state_->usable(options); !status) return {.status = status};
+  state_->start();
+  return state_->go_on(options);
+}
+
+Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
+  const StandardFloats standard;
+  State& s = *state_;
+  if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
+  for (std::uint8_t i = 0; i < 2; ++i) {
+    if (s.body[i]->pose().frame != s.frames[i].frame) return {.status = {.code = Status::Code::other_frame, .body = i}};
+    if (!(s.body[i]->placement() == s.frames[i].placement))
+      return {.status = {.code = Status::Code::other_placement, .body = i}};
+  }
+  return s.go_on(options);
+}
+
+}  // namespace morula

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <morula/accuracy/coverage.hpp>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/geometry/scale.hpp>
+#include <morula/grains/clump.hpp>
+#include <morula/query/signed_distance.hpp>
+#include <stdexcept>
+
+#include "grains/inner_balls.hpp"
+#include "grains/principal_axes.hpp"
+
+namespace morula {
+
+using namespace detail;
+
+namespace {
+
+constexpr std::size_t most_spheres_for_radius = 256, most_spheres = 100'000;
+
+void require_sense(const ClumpOptions& o) {
+  const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
+  if (!in_range(o.max_protrusion) || !in_range(o.min_radius) || !in_range(o.max_radius)) {
+    throw std::invalid_argument("clump: radii and protrusion are numbers not below 0");
+  }
+  if (!(o.density > 0 && o.density < 1e30)) throw std::invalid_argument("clump: the density is a number above 0");
+  if (o.max_radius > 0 && o.max_radius < o.min_radius) {
+    throw std::invalid_argument("clump: the largest radius is below the smallest");
+  }
+  if (o.spheres > most_spheres) throw std::invalid_argument("clump: more than 100000 spheres");
+  if (o.kind == ClumpKind::inner) {
+    if (o.max_protrusion > 0) throw std::invalid_argument("clump: inner spheres stick out nowhere: no max_protrusion");
+    if (o.spheres == 0) throw std::invalid_argument("clump: say how many inner spheres");
+  } else if (o.spheres == 0 && o.max_protrusion == 0) {
+    throw std::invalid_argument("clump: say how many spheres, or how far they may stick out");
+  }
+}
+
+/// What moves a sphere's surface when its numbers are rounded to float, and rotated before: three coordinates and a
+/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the centre of mass at most.
+double rounding_allowance(const Mesh& mesh) {
+  double extent = 0;
+  for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
+  return 16 * 0x1p-24 * extent;
+}
+
+std::vector<Sphere> leaves(const CoveredTree& built) {
+  return level_set_spheres(built.tree, built.tree.level_count() - 1);
+}
+
+bool none_larger(const CoveredTree& built, double radius) {
+  const std::vector<Sphere> spheres = leaves(built);
+  return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return s.radius <= radius; });
+}
+
+/// A cover by at most so many spheres, or by as many as it takes for none to be too large.
+std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, double allowance, Clump& clump,
+                                     Workers& workers) {
+  BuildOptions options{.method = o.method,
+                       .spheres = o.spheres,
+                       .max_protrusion = o.max_protrusion,
+                       .seed = o.seed,
+                       .quality = o.quality,
+                       .stop = o.stop,
+                       .progress = o.progress};
+  CoveredTree built = build(mesh, options, workers);
+  const bool complete = built.report.complete;
+  if (o.max_radius > 0) {
+    const double largest = o.max_radius - allowance;
+    if (options.spheres == 0) options.spheres = built.tree.leaf_count();
+    while (!none_larger(built, largest) && options.spheres < most_spheres_for_radius) {
+      options.spheres *= 2;
+      built = build(mesh, options, workers);
+    }
+    // A thick body is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
+    for (int depth = 1; !none_larger(built, largest) && depth <= max_depth; ++depth) {
+      built = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
+    }
+    if (!none_larger(built, largest)) clump.notes.emplace_back("spheres are larger than asked for; allow larger ones");
+    if (o.spheres != 0 && built.tree.leaf_count() > o.spheres) {
+      clump.notes.emplace_back("more spheres than asked for: that many keep the radius below its limit");
+    }
+  } else if (!complete) {
+    clump.notes.emplace_back("spheres stick out further than asked for; allow more of them");
+  }
+  std::vector<Sphere> spheres = leaves(built);
+  for (Sphere& s : spheres) s.radius = std::max(s.radius + allowance, o.min_radius);
+  return spheres;
+}
+
+void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
+  for (const Sphere& s : clump.spheres) {
+    clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
+  }
+  if (clump.kind == ClumpKind::cover) {
+    const Coverage cover = coverage(mesh, clump.spheres, workers);
+    clump.proven = cover.covered;
+    clump.gap = cover.gap;
+  } else {
+    clump.proven = clump.protrusion_max == 0;
+  }
+  const Looseness loose = looseness(mesh, clump.spheres, {.resolution = 128}, workers);
+  if (loose.looseness) {
+    clump.object_volume = loose.object_volume;
+    clump.outside_volume = loose.outside_volume;
+    clump.missed_volume = *loose.missed_volume * loose.object_volume;
+  }
+  const ConvergedMass mass = converged_union_mass(clump.spheres);
+  clump.solid = mass.solid;
+  clump.solid_change = mass.change;
+  const PrincipalAxes axes = principal_axes(mass.solid.inertia, std::max(mass.change, 1e-9));
+  clump.principal.rows = axes.axes;
+  clump.principal.translation = -clump.principal.turn(mass.solid.center);
+  clump.principal_inertia = axes.moments;
+}
+
+}  // namespace
+
+std::string_view name(ClumpKind kind) {
+  return kind == ClumpKind::cover ? "cover" : "inner";
+}
+
+Clump fit_clump(const Mesh& mesh, const ClumpOptions& options, Workers& workers) {
+  require_sense(options);
+  Clump clump;
+  clump.kind = options.kind;
+  clump.density = options.density;
+  const double allowance = rounding_allowance(mesh);
+  if (options.kind == ClumpKind::cover) {
+    clump.spheres = covering_spheres(mesh, options, allowance, clump, workers);
+    measure(mesh, SignedDistance(mesh, workers), clump, workers);
+    return clump;
+  }
+  require_usable(mesh);
+  require_usable_scale(mesh);
+  const SignedDistance object(mesh, workers);
+  if (!object.has_volume()) {
+    throw std::invalid_argument(
+        "inner spheres need a closed surface that faces one way: morula repair may mend it, or take a cover");
+  }
+  clump.spheres = inner_balls(mesh, object, options, allowance, workers);
+  if (clump.spheres.empty()) {
+    throw std::invalid_argument("no inner sphere is that large: lower the smallest radius, or take a cover");
+  }
+  if (clump.spheres.size() < options.spheres) {
+    clump.notes.emplace_back("fewer spheres than asked for: others would add nothing");
+  }
+  measure(mesh, object, clump, workers);
+  return clump;
+}
+
+}  // namespace morula

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "grains/inner_balls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/box.hpp>
+#include <morula/geometry/sampling.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <morula/medial/medial_balls.hpp>
+
+namespace morula::detail {
+
+namespace {
+
+constexpr int lattice_points = 40;  // along the longest side: what tells how much a ball adds
+
+/// Medial balls, made as large as the distance to the surface allows and no larger.
+std::vector<Sphere> candidates(const Mesh& mesh, const SignedDistance& object, const ClumpOptions& options,
+                               double allowance, Workers& workers) {
+  std::vector<Vec3> points, normals;
+  for (const SurfacePoint& sample : sample_surface(mesh, options.candidates, options.seed)) {
+    points.push_back(sample.point);
+    normals.push_back(object.orientation() * normalized(area_vector(mesh.corners(sample.facet))));
+  }
+  std::vector<Sphere> balls;
+  for (Sphere ball : shrinking_balls(object, points, normals, workers).balls) {
+    // The distance to the surface is exact at any point; its sign is a fact, since the mesh is closed and oriented.
+    ball.radius = -object(ball.center) - allowance;
+    if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
+    if (ball.radius > 0 && ball.radius >= options.min_radius) balls.push_back(ball);
+  }
+  return balls;
+}
+
+}  // namespace
+
+std::vector<Sphere> inner_balls(const Mesh& mesh, const SignedDistance& object, const ClumpOptions& options,
+                                double allowance, Workers& workers) {
+  const std::vector<Sphere> balls = candidates(mesh, object, options, allowance, workers);
+  Box box;
+  for (const Sphere& ball : balls) {
+    box.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
+    box.add(ball.center + Vec3{ball.radius, ball.radius, ball.radius});
+  }
+  if (balls.empty()) return {};
+  const double edge = box.extent()[box.longest_axis()] / lattice_points;
+  std::array<std::size_t, 3> sides{};
+  for (int axis = 0; axis < 3; ++axis) {
+    sides[static_cast<std::size_t>(axis)] =
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(box.extent()[axis] / edge)));
+  }
+  std::vector<char> taken(sides[0] * sides[1] * sides[2], 0);
+  /// Calls f for the lattice points in a ball.
+  const auto for_each_point = [&](const Sphere& ball, const auto& f) {
+    std::array<std::size_t, 3> begin{}, end{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double low = (ball.center[axis] - ball.radius - box.lower[axis]) / edge - 0.5;
+      const double high = (ball.center[axis] + ball.radius - box.lower[axis]) / edge + 0.5;
+      begin[a] = static_cast<std::size_t>(std::max(0.0, std::floor(low)));
+      end[a] = std::min(sides[a], static_cast<std::size_t>(std::max(0.0, std::ceil(high))));
+    }
+    const double square = ball.radius * ball.radius;
+    for (std::size_t i = begin[0]; i < end[0]; ++i) {
+      for (std::size_t j = begin[1]; j < end[1]; ++j) {
+        for (std::size_t k = begin[2]; k < end[2]; ++k) {
+          const Vec3 p = box.lower + edge * Vec3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
+                                                 static_cast<double>(k) + 0.5};
+          if (squared_distance(p, ball.center) <= square) f((i * sides[1] + j) * sides[2] + k);
+        }
+      }
+    }
+  };
+  std::vector<std::size_t> gains(balls.size());
+  const auto gain = [&](std::size_t i) {
+    std::size_t count = 0;
+    for_each_point(balls[i], [&](std::size_t point) { count += taken[point] == 0 ? 1 : 0; });
+    return count;
+  };
+  for (std::size_t i = 0; i < balls.size(); ++i) gains[i] = gain(i);
+  // Gains only fall, so one that was computed before is a bound: the heap's top is computed again until it stays.
+  std::vector<std::size_t> heap(balls.size());
+  for (std::size_t i = 0; i < heap.size(); ++i) heap[i] = i;
+  const auto later = [&](std::size_t a, std::size_t b) {
+    if (gains[a] != gains[b]) return gains[a] < gains[b];
+    // Among equals the larger ball, then the first.
+    return balls[a].radius != balls[b].radius ? balls[a].radius < balls[b].radius : a > b;
+  };
+  std::make_heap(heap.begin(), heap.end(), later);
+  std::vector<Sphere> chosen;
+  while (!heap.empty() && chosen.size() < options.spheres) {
+    if (options.stop.stop_requested()) throw BuildStopped();
+    std::pop_heap(heap.begin(), heap.end(), later);
+    const std::size_t i = heap.back();
+    const std::size_t now = gain(i);
+    if (now != gains[i]) {
+      gains[i] = now;
+      std::push_heap(heap.begin(), heap.end(), later);
+      continue;
+    }
+    heap.pop_back();
+    // Nothing is left to add; but a body too thin for the lattice still gets its largest ball.
+    if (now == 0 && !chosen.empty()) break;
+    chosen.push_back(balls[i]);
+    for_each_point(balls[i], [&](std::size_t point) { taken[point] = 1; });
+  }
+  return chosen;
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "io/mesh/cells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace morula::detail {
+namespace {
+
+constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+using Face = std::array<std::uint8_t, 4>;  // corners of a solid, outward; a triangle repeats its last
+constexpr std::uint8_t none = 255;
+
+constexpr std::array tetrahedron{Face{0, 2, 1, none}, Face{0, 1, 3, none}, Face{1, 2, 3, none}, Face{0, 3, 2, none}};
+constexpr std::array hexahedron{Face{0, 3, 2, 1}, Face{4, 5, 6, 7}, Face{0, 1, 5, 4},
+                                Face{1, 2, 6, 5}, Face{2, 3, 7, 6}, Face{3, 0, 4, 7}};
+constexpr std::array wedge{Face{0, 1, 2, none}, Face{3, 5, 4, none}, Face{0, 3, 4, 1}, Face{1, 4, 5, 2},
+                           Face{2, 5, 3, 0}};
+constexpr std::array pyramid{Face{0, 3, 2, 1}, Face{0, 1, 4, none}, Face{1, 2, 4, none}, Face{2, 3, 4, none},
+                             Face{3, 0, 4, none}};
+
+std::span<const Face> faces_of(CellShape shape) {
+  switch (shape) {
+    case CellShape::tetrahedron:
+      return tetrahedron;
+    case CellShape::hexahedron:
+      return hexahedron;
+    case CellShape::wedge:
+      return wedge;
+    case CellShape::pyramid:
+      return pyramid;
+    default:
+      return {};
+  }
+}
+
+struct OpenFace {
+  std::array<std::uint32_t, 4> key;       // sorted
+  std::array<std::uint32_t, 4> vertices;  // outward
+  std::size_t place;
+};
+
+}  // namespace
+
+bool vtk_cell_type(std::uint64_t number, CellType& type) {
+  switch (number) {
+    case 0:   // empty
+    case 1:   // vertex
+    case 2:   // several
+    case 3:   // line
+    case 4:   // several
+    case 21:  // quadratic edge
+      type = {CellShape::none, 0};
+      return true;
+    case 5:
+    case 22:  // quadratic triangle
+    case 34:  // biquadratic
+      type = {CellShape::polygon, 3};
+      return true;
+    case 6:
+      type = {CellShape::strip, 0};
+      return true;
+    case 7:
+      type = {CellShape::polygon, 0};
+      return true;
+    case 8:
+      type = {CellShape::pixel, 4};
+      return true;
+    case 9:
+    case 23:  // quadratic quadrilateral
+    case 28:  // biquadratic
+      type = {CellShape::polygon, 4};
+      return true;
+    case 10:
+    case 24:  // quadratic tetrahedron
+      type = {CellShape::tetrahedron, 4};
+      return true;
+    case 11:
+      type = {CellShape::voxel, 8};
+      return true;
+    case 12:
+    case 25:  // quadratic hexahedron
+    case 29:  // triquadratic
+      type = {CellShape::hexahedron, 8};
+      return true;
+    case 13:
+    case 26:  // quadratic wedge
+      type = {CellShape::wedge, 6};
+      return true;
+    case 14:
+    case 27:  // quadratic pyramid
+      type = {CellShape::pyramid, 5};
+      return true;
+    default:
+      return false;
+  }
+}
+
+void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
+  switch (type.shape) {
+    case CellShape::none:
+      return;
+    case CellShape::polygon: {
+      const std::size_t count = type.corners == 0 ? corners.size() : type.corners;
+      for (std::size_t k = 2; k < count; ++k) surface_.push_back({corners[0], corners[k - 1], corners[k]});
+      return;
+    }
+    case CellShape::strip:
+      for (std::size_t k = 2; k < corners.size(); ++k) {
+        // Every other triangle of a strip is turned.
+        const std::size_t a = k % 2 == 0 ? k - 2 : k - 1, b = k % 2 == 0 ? k - 1 : k - 2;
+        surface_.push_back({corners[a], corners[b], corners[k]});
+      }
+      return;
+    case CellShape::pixel:
+      surface_.push_back({corners[0], corners[1], corners[3]});
+      surface_.push_back({corners[0], corners[3], corners[2]});
+      return;
+    case CellShape::voxel:
+      solids_.push_back({CellShape::hexahedron, corners_.size()});
+      for (const std::size_t k : {0, 1, 3, 2, 4, 5, 7, 6}) corners_.push_back(corners[k]);
+      return;
+    default:
+      solids_.push_back({type.shape, corners_.size()});
+      corners_.insert(corners_.end(), corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(type.corners));
+  }
+}
+
+std::vector<Facet> CellSurface::facets(std::span<const Vec3> points) const {
+  if (solids_.empty()) return surface_;
+  std::vector<OpenFace> faces;
+  for (const Solid& solid : solids_) {
+    const std::uint32_t* const c = corners_.data() + solid.first;
+    // A solid whose corners are mirrored has its faces the wrong way round: its volume, by its faces, tells.
+    const std::span<const Face> table = faces_of(solid.shape);
+    double volume = 0;
+    for (const Face& face : table) {
+      const Vec3 origin = points[c[0]], a = points[c[face[0]]] - origin;
+      for (std::size_t k = 2; k < 4 && face[k] != none; ++k) {
+        volume += dot(a, cross(points[c[face[k - 1]]] - origin, points[c[face[k]]] - origin));
+      }
+    }
+    for (const Face& face : table) {
+      OpenFace open{{no_vertex, no_vertex, no_vertex, no_vertex}, {}, faces.size()};
+      const std::size_t count = face[3] == none ? 3 : 4;
+      for (std::size_t k = 0; k < count; ++k) open.key[k] = c[face[k]];
+      open.vertices = open.key;
+      if (volume < 0) std::reverse(open.vertices.begin(), open.vertices.begin() + static_cast<std::ptrdiff_t>(count));
+      std::sort(open.key.begin(), open.key.end());
+      faces.push_back(open);
+    }
+  }
+  std::sort(faces.begin(), faces.end(),
+            [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
+  std::vector<OpenFace> single;
+  for (std::size_t begin = 0; begin < faces.size();) {
+    std::size_t end = begin + 1;
+    while (end < faces.size() && faces[end].key == faces[begin].key) ++end;
+    if (end == begin + 1) single.push_back(faces[begin]);
+    begin = end;
+  }
+  std::sort(single.begin(), single.end(), [](const OpenFace& a, const OpenFace& b) { return a.place < b.place; });
+  std::vector<Facet> facets;
+  for (const OpenFace& face : single) {
+    const auto& v = face.vertices;
+    facets.push_back({v[0], v[1], v[2]});
+    if (v[3] != no_vertex) facets.push_back({v[0], v[2], v[3]});
+  }
+  return facets;
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Files that mix lines of words with blocks of binary numbers, as VTK's legacy files and Gmsh's do.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "io/byte_reader.hpp"
+
+namespace morula::detail {
+
+/// Every complaint is a FileError that names the line, or in binary files the byte. Words may lie on any line.
+class MixedReader {
+ public:
+  /// bytes must outlive the reader.
+  MixedReader(std::filesystem::path path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
+
+  /// From now on numbers are binary.
+  void set_binary(std::endian order) {
+    is_binary_ = true;
+    order_ = order;
+  }
+  bool is_binary() const { return is_binary_; }
+  std::size_t bytes_left() const { return bytes_.size() - at_; }
+  std::size_t at() const { return at_; }
+  void seek(std::size_t at) { at_ = at; }
+  /// Where the text begins next, npos for nowhere.
+  std::size_t find(std::string_view text) const { return bytes_.find(text, at_); }
+
+  /// The rest of this line without blanks at its ends, whatever the mode; steps over its end.
+  std::string_view line();
+  /// The next word on any line, whatever the mode; empty at the end of the file.
+  std::string_view word();
+  /// What word() will give.
+  std::string_view peek();
+  /// A word that is there.
+  std::string_view require_word(std::string_view what);
+  /// A word that is a number of things, whatever the mode.
+  std::uint64_t text_count(std::string_view what);
+
+  /// Numbers as the mode has them: a word, or the bytes of Value.
+  template <class Value>
+  double number(std::string_view what) {
+    if (!is_binary_) return text_number(what);
+    return finite(static_cast<double>(raw<Value>(what)), what);
+  }
+  template <class Value>
+  std::int64_t integer(std::string_view what) {
+    if (!is_binary_) return text_integer(what);
+    return static_cast<std::int64_t>(raw<Value>(what));
+  }
+  void skip_bytes(std::uint64_t count, std::string_view what);
+
+  /// Of `count` things that take at least so many bytes each, as many as the file can still hold.
+  std::size_t at_most(std::uint64_t count, std::size_t least_bytes) const;
+  /// As at_most, but throws where the file cannot hold them.
+  std::size_t require_room(std::uint64_t count, std::size_t least_bytes, std::string_view what) const;
+
+  [[noreturn]] void fail(const std::string& problem) const;
+
+ private:
+  template <class Value>
+  Value raw(std::string_view what) {
+    if (sizeof(Value) > bytes_left()) cut_short(what);
+    const Value value = load<Value>(bytes_.data() + at_, order_);
+    at_ += sizeof(Value);
+    return value;
+  }
+  [[noreturn]] void cut_short(std::string_view what) const;
+  double text_number(std::string_view what);
+  std::int64_t text_integer(std::string_view what);
+  double finite(double value, std::string_view what) const;
+
+  std::filesystem::path path_;
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  bool is_binary_ = false;
+  std::endian order_ = std::endian::little;
+};
+
+}  // namespace morula::detail
