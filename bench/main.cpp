@@ -92,6 +92,13 @@ int run(int argc, char** argv) {
   app.add_option("--growth", growth,
                  "everything on bodies of 10 thousand, 100 thousand … up to so many facets, instead of meshes")
       ->check(CLI::Range(std::size_t{10000}, std::size_t{20000000}));
+#ifdef MORULA_BENCH_ROBOT
+  std::size_t planning = 0;
+  app.add_option("--planning", planning, "collision checks of so many configurations of an arm, instead of meshes")
+      ->check(CLI::Range(std::size_t{10}, std::size_t{10000000}));
+#else
+  constexpr std::size_t planning = 0;
+#endif
   app.add_flag("--json", json, "one JSON object instead of text");
   app.footer(
       "Example:\n  morula_bench --scenario update --mesh limb:96 --threads 2\n\n"
@@ -104,7 +111,8 @@ int run(int argc, char** argv) {
 
   std::optional<Baseline> baseline;
   if (!baseline_file.empty()) baseline.emplace(baseline_file);
-  const std::vector<Input> found = scaling || load_frames > 0 || growth > 0 ? std::vector<Input>{} : inputs(meshes);
+  const std::vector<Input> found =
+      scaling || load_frames > 0 || growth > 0 || planning > 0 ? std::vector<Input>{} : inputs(meshes);
   Workers workers(threads);
   Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
   settings.seeds = seeds;
@@ -137,6 +145,9 @@ int run(int argc, char** argv) {
   if (scaling) take(run_build_scaling(settings));
   if (load_frames > 0) take(run_load(load_bodies, load_frames, settings));
   if (growth > 0) take(run_growth(growth, settings));
+#ifdef MORULA_BENCH_ROBOT
+  if (planning > 0) take(run_planning(planning, settings));
+#endif
   const std::vector<SummaryRow> summary = build_summary(results);
   if (!json) print(summary);
   if (json)

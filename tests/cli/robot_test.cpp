@@ -49,6 +49,27 @@ TEST(RobotCommand, formats_by_name_and_all_of_them) {
   EXPECT_FALSE(info.empty());
 }
 
+TEST(RobotCommand, mjcf_and_sdf_are_read_and_one_tree_holds_the_robot) {
+  Workbench bench;
+  for (const std::string name : {"mjcf/gripper.xml", "sdf/gripper.sdf"}) {
+    const std::string file = "gripper" + name.substr(name.find('.'));
+    bench.write(file, bench.read(std::string(MORULA_PAGES) + "/tests/robot/robots/gripper_description/" + name));
+    const nlohmann::json report =
+        bench.require("robot " + file + " -o out --spheres 4 --all-formats --tree robot --json").json();
+    EXPECT_EQ(report["covered"], true);
+    EXPECT_EQ(report["files"].size(), 23u) << "the URDF that cuRobo's files need is there once";
+    EXPECT_NE(bench.read("out/curobo.yml").find("gripper_spherized.urdf"), std::string::npos);
+    EXPECT_FALSE(bench.require("info out/robot.morula --mesh out/robot.ply --check").out.empty());
+    // What was written is a robot again.
+    for (const std::string written : {"gripper_spherized.urdf", "gripper.mjcf.xml", "gripper.sdf"}) {
+      EXPECT_EQ(
+          bench.require("robot out/" + written + " -o again --spheres 4 --format csv --json").json()["links"].size(),
+          4u);
+    }
+  }
+  bench.expect_refused("robot gripper.sdf -o out --tree robt", "did you mean robot?");
+}
+
 TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_alone) {
   Workbench bench;
   with_gripper(bench);

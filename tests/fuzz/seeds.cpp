@@ -266,6 +266,23 @@ void add_bodies(Seeds seeds) {
     }
 }
 
+/// The robots of the library's own tests. Their meshes are not there, so those that need some are refused, until damage
+/// takes the need away.
+void add_robots(Seeds seeds) {
+  for (const char* name : {"arm_description/urdf/arm.urdf", "arm_description/mjcf/arm.xml",
+                           "arm_description/sdf/arm.sdf", "gripper_description/urdf/gripper.urdf",
+                           "gripper_description/mjcf/gripper.xml", "gripper_description/sdf/gripper.sdf"}) {
+    seeds.add(test::bytes_of(fs::path(MORULA_ROBOTS) / name));
+  }
+  seeds.add("d" + test::bytes_of(fs::path(MORULA_ROBOTS) / "arm_description/meshes/wrist.dae"));
+  seeds.add(
+      "<mujoco><default><geom size='1'/><default class='c'><joint type='slide' range='0 "
+      "1'/></default></default><worldbody>"
+      "<body name='a' euler='1 2 3'><geom/><joint pos='1 0 0' ref='1'/><frame pos='1 0 0'><joint class='c'/>"
+      "<body childclass='c'><joint type='ball'/><geom type='box' size='1' fromto='0 0 0 1 2 3'/></body></frame>"
+      "</body></worldbody></mujoco>");
+}
+
 }  // namespace
 }  // namespace morula::fuzz
 
@@ -283,5 +300,6 @@ int main(int argc, char** argv) {
   add_command_lines({folder, "command"});
   add_builds({folder, "build"});
   add_bodies({folder, "body"});
+  add_robots({folder, "robots"});
   return 0;
 }

@@ -11,6 +11,7 @@
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/robot/output.hpp>
+#include <morula/robot/robot_tree.hpp>
 
 #include "commands/robot_report.hpp"
 #include "shared/command.hpp"
@@ -27,19 +28,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t default_spheres = 16, most_samples = 20'000;
+constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply";
 
 struct Options {
   std::string robot, output;
   std::optional<std::size_t> spheres, total;
   std::string max_protrusion;  // a length, or a share as "1%"
-  std::vector<std::string> links, left_out, refit, package_paths, tools, formats;
+  std::vector<std::string> links, left_out, refit, package_paths, tools, formats, tree_kinds;
   std::string keep, srdf;
   double padding = 0, min_radius = 0, max_radius = 0, density = robot::FitOptions{}.density;
   std::string geometry = "collision";
   std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: fast, where the method has a choice
   std::size_t samples = robot::SelfCollisionOptions{}.samples;
   std::size_t seed = 1;
-  bool all_formats = false, trees = false, json = false;
+  bool all_formats = false, trees = false, json = false;  // trees: as --tree link
   unsigned threads = 0;
 };
 
@@ -132,6 +134,7 @@ robot::FitOptions fit_options(const Options& o, const robot::Robot& robot) {
 
 void require_sense(const Options& o) {
   check_name("geometry", o.geometry, {"collision", "visual"});
+  for (const std::string& kind : o.tree_kinds) check_name("tree", kind, {"link", "robot"});
   if (o.total && o.spheres)
     throw UsageError("--spheres and --total contradict each other: leave out one; --link stays");
   if (o.total && !o.max_protrusion.empty()) {
@@ -165,6 +168,10 @@ std::vector<fs::path> package_paths(const Options& o) {
   return paths;
 }
 
+bool wants_tree(const Options& o, std::string_view kind) {
+  return (o.trees && kind == "link") || std::find(o.tree_kinds.begin(), o.tree_kinds.end(), kind) != o.tree_kinds.end();
+}
+
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
   std::string name = robot.links[link].name;
   for (char& c : name) {
@@ -177,6 +184,7 @@ std::string tree_name(const robot::Robot& robot, std::size_t link) {
 void require_inputs_stay(const Options& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
+  inputs.insert(inputs.end(), robot.included.begin(), robot.included.end());
   for (const robot::Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {
       for (const robot::Shape& shape : *shapes) inputs.push_back(shape.file);
@@ -189,7 +197,8 @@ void require_inputs_stay(const Options& o, const robot::Robot& robot,
       require_not_input(fs::path(o.output) / file.name, inputs);
     }
   }
-  for (std::size_t link = 0; o.trees && link < robot.links.size(); ++link) {
+  if (wants_tree(o, "robot")) require_not_input(fs::path(o.output) / robot_mesh_file, inputs);
+  for (std::size_t link = 0; wants_tree(o, "link") && link < robot.links.size(); ++link) {
     require_not_input(fs::path(o.output) / "trees" / (tree_name(robot, link) + ".ply"), inputs);
   }
 }
@@ -212,8 +221,10 @@ int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
       robot::read_robot(o.robot, {.package_paths = package_paths(o), .visual = o.geometry == "visual"});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
-  std::vector<std::array<std::string, 2>> given;
-  if (!o.srdf.empty()) given = robot::read_ignored_pairs(o.srdf);
+  std::vector<std::array<std::string, 2>> given = robot.ignored;
+  if (!o.srdf.empty()) {
+    for (auto& pair : robot::read_ignored_pairs(o.srdf)) given.push_back(std::move(pair));
+  }
   const double read_seconds = watch.lap();
 
   fit.stop = interrupt.token();
@@ -242,12 +253,20 @@ int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
   WholeFolder folder(o.output, WholeFolder::Mode::merge);
   for (const robot::OutputFormat* format : formats) {
     for (const robot::OutputFile& file : format->write(description)) {
+      // Formats may share a file.
+      if (std::find(written.begin(), written.end(), file.name) != written.end()) continue;
       fs::create_directories((folder.path() / file.name).parent_path());
       write_whole(folder.path() / file.name, file.bytes);
       written.push_back(file.name);
     }
   }
-  if (o.trees) write_trees(folder.path(), robot, spheres);
+  if (wants_tree(o, "link")) write_trees(folder.path(), robot, spheres);
+  if (wants_tree(o, "robot")) {
+    const robot::RobotTree tree = robot::tree_of(robot, spheres, robot::rest_values(robot), workers);
+    write_tree(folder.path() / robot_tree_file, tree.built);
+    write_mesh(folder.path() / robot_mesh_file, tree.mesh);
+    written.insert(written.end(), {robot_tree_file, robot_mesh_file});
+  }
   folder.commit();
   note_written(o.output);
   const double write_seconds = watch.lap();
@@ -307,7 +326,7 @@ void add_robot(CLI::App& app, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* command =
       add_command(app, "robot", "Cover every link of a robot with spheres, for planners and simulators");
-  add_option(*command, "ROBOT", o->robot, "Description: .urdf")->required()->type_name("");
+  add_option(*command, "ROBOT", o->robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
   add_option(*command, "-o,--output", o->output, "Folder for the files")->type_name("DIR")->required();
   add_option(*command, "--spheres", o->spheres,
              fmt::format("Most spheres of a link; {} where nothing else is said", default_spheres))
@@ -348,6 +367,8 @@ void add_robot(CLI::App& app, Run& run) {
                        fmt::join(format_names(), ", ")));
   add_flag(*command, "--all-formats", o->all_formats, "Write all of these");
   add_flag(*command, "--trees", o->trees, "Write every link's sphere tree and surface, too");
+  add_list(*command, "--tree", o->tree_kinds, "NAME",
+           "link: as --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
   add_option(*command, "--keep", o->keep,
              "Earlier spheres.json, whose links keep their spheres but for those of --refit")
       ->type_name("FILE");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Robots: links with their shapes, joints between them, as a URDF describes them.
+// Robots: links with their shapes, joints between them, as URDF, MJCF and SDF describe them.
 #pragma once
 
 #include <array>
@@ -22,16 +22,20 @@ inline constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
 /// A geometry of a link. A cylinder and a capsule lie along z about the origin.
 struct Shape {
-  enum class Kind { mesh, box, cylinder, sphere, capsule };
+  enum class Kind { mesh, box, cylinder, sphere, capsule, ellipsoid };
   Kind kind = Kind::mesh;
-  RigidTransform origin{};     ///< in the link; a mesh is scaled first and placed then
-  Vec3 size{};                 ///< of a box, whole edges
-  double radius = 0;           ///< of a cylinder, sphere, capsule
-  double length = 0;           ///< of a cylinder; of a capsule without its caps
-  std::string file_name;       ///< of a mesh, as it is written
-  std::filesystem::path file;  ///< of a mesh, where it was found
-  Vec3 scale{1, 1, 1};         ///< of a mesh; negative numbers mirror
-  int line = 0;                ///< of the robot's file
+  RigidTransform origin{};               ///< in the link; a mesh is scaled first and placed then
+  Vec3 size{};                           ///< of a box, whole edges; of an ellipsoid, whole axes
+  double radius = 0;                     ///< of a cylinder, sphere, capsule
+  double length = 0;                     ///< of a cylinder; of a capsule without its caps
+  std::string file_name;                 ///< of a mesh, as it is written
+  std::filesystem::path file;            ///< of a mesh, where it was found
+  Vec3 scale{1, 1, 1};                   ///< of a mesh; negative numbers mirror
+  int line = 0;                          ///< of the robot's file
+  RigidTransform before{};               ///< of a mesh: what moves it before it is scaled
+  std::string part{};                    ///< of a mesh: the only node of its scene that is meant; empty: all
+  bool part_centered = false;            ///< its box is centred on the origin before everything else
+  std::filesystem::path described_in{};  ///< the file that describes it, where the robot's file includes others
 };
 
 struct Inertial {
@@ -68,14 +72,18 @@ struct Joint {
 };
 
 struct Robot {
+  enum class Format { urdf, mjcf, sdf };
   std::string name;
   std::filesystem::path file;
+  Format format = Format::urdf;
   std::vector<Link> links;
   std::vector<Joint> joints;
   std::size_t root = none;         ///< link
   std::vector<std::size_t> order;  ///< joints, each after the one that carries its parent
   std::vector<std::size_t> own;    ///< joints that move and follow no other: the coordinates of a configuration
   std::vector<std::string> notes;  ///< what was passed over, in words
+  std::vector<std::filesystem::path> included{};      ///< files that the robot's file includes
+  std::vector<std::array<std::string, 2>> ignored{};  ///< pairs of links that the file itself excludes from collision
 
   std::size_t find_link(std::string_view name) const;   ///< none: there is none
   std::size_t find_joint(std::string_view name) const;  ///< none: there is none
@@ -88,9 +96,14 @@ struct ReadOptions {
   bool visual = false;  ///< the visual shapes are needed, not those of collision: only needed meshes have to be there
 };
 
-/// Reads a URDF. Throws FileError, with file, line and remedy: XML that is broken or declares entities, a link or joint
-/// twice, joints to links that are not there, links in a circle or without a common root, numbers that are none, a mesh
-/// that is missing, with all places where it was searched.
+/// Reads a URDF, MJCF or SDF, as the first element says. Throws FileError, with file, line and remedy: XML that is
+/// broken or declares entities, a link or joint twice, joints to links that are not there, links in a circle or without
+/// a common root, numbers that are none, a mesh that is missing, with all places where it was searched, and elements
+/// that are not supported, by name.
+///
+/// Joints of several degrees of freedom become chains of single ones with links in between that have no shapes. Of
+/// MJCF, `collision` are the geoms that collide and `visual` those of groups 0 to 2, and what belongs to the world is
+/// passed over; the root is the only body of the world where it is free or stands in its origin, else a link "world".
 Robot read_robot(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Where a mesh named in a robot's file is; throws FileError that lists the places searched.
@@ -98,8 +111,8 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
                                 std::span<const std::filesystem::path> package_paths, int line);
 
 /// A link's surface in the link's own axes: meshes scaled, then placed; facets of mirrored ones turned round. Boxes are
-/// exact. Cylinders and capsules are polyhedra that contain the true shapes and stick out by at most 0.3 % of the
-/// radius. Spheres are apart: they are their own cover.
+/// exact. Cylinders, capsules and ellipsoids are polyhedra that contain the true shapes and stick out by at most 0.3 %
+/// of the radius, of ellipsoids of each half axis. Spheres are apart: they are their own cover.
 struct LinkSurface {
   Mesh mesh;
   std::vector<Sphere> spheres;
@@ -115,7 +128,8 @@ std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const doubl
 std::vector<double> rest_values(const Robot& robot);
 
 /// COLLADA: triangles and polygons of the scene, in its units turned to metres; axes as written, as robots' tools take
-/// them. Throws FileError.
-Mesh read_collada(const std::filesystem::path& path);
+/// them. Not all of it where a part is named: what is below the nodes, or belongs to the geometries, of this name or
+/// id. Throws FileError, also where there is no such part.
+Mesh read_collada(const std::filesystem::path& path, const std::string& part = {});
 
 }  // namespace morula::robot

@@ -17,7 +17,7 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr int deepest_node = 64;
-constexpr std::size_t most_facets = 50'000'000;
+constexpr std::size_t most_facets = 50'000'000, most_instances = 10'000;
 
 /// x → rows · x + shift: a scene may scale and shear.
 struct Affine {
@@ -41,10 +41,27 @@ Affine composed(const Affine& a, const Affine& b) {
 
 struct Reader {
   const Xml& xml;
+  const std::string& part;
   std::unordered_map<std::string, const XMLElement*> by_id{};
   Mesh mesh{};
+  std::size_t instances = 0, elements = 0;
+
+  /// A few nodes that hold each other several times would be more than anybody can draw.
+  void count_instance(const XMLElement& at) {
+    if (++instances > most_instances + elements) {
+      xml.fail(at, fmt::format("nodes and geometries are shown more than {} times", most_instances + elements));
+    }
+  }
+
+  bool is_part(const XMLElement& at) const {
+    for (const char* attribute : {"name", "id"}) {
+      if (const char* own = at.Attribute(attribute); own != nullptr && part == own) return true;
+    }
+    return false;
+  }
 
   void remember(const XMLElement& at) {
+    ++elements;
     if (const char* id = at.Attribute("id")) by_id.emplace(id, &at);
     for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) remember(*it);
   }
@@ -165,7 +182,9 @@ struct Reader {
     }
   }
 
-  void add_geometry(const XMLElement& geometry, const Affine& pose) {
+  void add_geometry(const XMLElement& geometry, const Affine& pose, bool within) {
+    count_instance(geometry);
+    if (!within && !is_part(geometry)) return;
     const XMLElement* data = geometry.FirstChildElement("mesh");
     if (data == nullptr) return;
     const XMLElement* vertices = data->FirstChildElement("vertices");
@@ -202,19 +221,23 @@ struct Reader {
     return pose;
   }
 
-  void add_node(const XMLElement& node, Affine pose, int depth) {
+  void add_node(const XMLElement& node, Affine pose, int depth, bool within) {
+    count_instance(node);
+    within = within || is_part(node);
     if (depth > deepest_node) xml.fail(node, "nodes are nested more than 64 deep, or in a circle");
     for (const XMLElement* it = node.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
       const std::string_view name = it->Name();
       if (name == "instance_geometry") {
-        add_geometry(target(*it, "url"), pose);
+        add_geometry(target(*it, "url"), pose, within);
       } else if (name == "instance_controller") {
         const XMLElement& controller = target(*it, "url");
-        if (const XMLElement* skin = controller.FirstChildElement("skin")) add_geometry(target(*skin, "source"), pose);
+        if (const XMLElement* skin = controller.FirstChildElement("skin")) {
+          add_geometry(target(*skin, "source"), pose, within);
+        }
       } else if (name == "instance_node") {
-        add_node(target(*it, "url"), pose, depth + 1);
+        add_node(target(*it, "url"), pose, depth + 1, within);
       } else if (name == "node") {
-        add_node(*it, pose, depth + 1);
+        add_node(*it, pose, depth + 1, within);
       } else {
         pose = composed(pose, step(*it));
       }
@@ -224,9 +247,10 @@ struct Reader {
 
 }  // namespace
 
-Mesh read_collada(const std::filesystem::path& path) {
+Mesh read_collada(const std::filesystem::path& path, const std::string& part) {
   const Xml xml(path, "COLLADA");
-  Reader reader{xml};
+  Reader reader{xml, part};
+  const bool all = part.empty();
   reader.remember(xml.root());
   Affine units;
   if (const XMLElement* asset = xml.root().FirstChildElement("asset")) {
@@ -240,16 +264,19 @@ Mesh read_collada(const std::filesystem::path& path) {
   const XMLElement* instance = scene == nullptr ? nullptr : scene->FirstChildElement("instance_visual_scene");
   const XMLElement* library = xml.root().FirstChildElement("library_visual_scenes");
   if (instance != nullptr) {
-    reader.add_node(reader.target(*instance, "url"), units, 0);
+    reader.add_node(reader.target(*instance, "url"), units, 0, all);
   } else if (library != nullptr && library->FirstChildElement("visual_scene") != nullptr) {
-    reader.add_node(*library->FirstChildElement("visual_scene"), units, 0);
+    reader.add_node(*library->FirstChildElement("visual_scene"), units, 0, all);
   } else if (const XMLElement* geometries = xml.root().FirstChildElement("library_geometries")) {
     for (const XMLElement* at = geometries->FirstChildElement("geometry"); at != nullptr;
          at = at->NextSiblingElement("geometry")) {
-      reader.add_geometry(*at, units);
+      reader.add_geometry(*at, units, all);
     }
   }
-  if (reader.mesh.facets.empty()) throw FileError(fmt::format("{}: the scene holds no facets", path.string()));
+  if (reader.mesh.facets.empty()) {
+    throw FileError(all ? fmt::format("{}: the scene holds no facets", path.string())
+                        : fmt::format("{}: there is no node or geometry {} with facets", path.string(), part));
+  }
   return std::move(reader.mesh);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/robot/robot.hpp>
 #include <numbers>
@@ -79,7 +80,8 @@ Mesh capsule_mesh(double radius, double length) {
     rings.push_back({widened * at.sin, -0.5 * length - widened * at.cos});
   }
   rings.back().height = -0.5 * length;
-  const std::vector<Ring> below = rings;
+  // Of a ball the two rings in the middle are one.
+  const std::vector<Ring> below(rings.begin(), rings.end() - (length > 0 ? 0 : 1));
   for (auto ring = below.rbegin(); ring != below.rend(); ++ring) rings.push_back({ring->radius, -ring->height});
   const double pole = 0.5 * length + widened;
   Mesh mesh = turned_mesh(-pole, rings, pole);
@@ -99,6 +101,11 @@ Mesh capsule_mesh(double radius, double length) {
   return mesh;
 }
 
+/// About the unit ball; stretched it is about an ellipsoid, as planes stay planes.
+Mesh ball_mesh() {
+  return capsule_mesh(1, 0);
+}
+
 void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& origin) {
   const auto base = static_cast<std::uint32_t>(to.positions.size());
   for (const Vec3& p : mesh.positions) to.positions.push_back(origin({scale.x * p.x, scale.y * p.y, scale.z * p.z}));
@@ -108,11 +115,27 @@ void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& or
   }
 }
 
-Mesh mesh_of(const std::filesystem::path& file) {
+Mesh mesh_of(const Shape& shape) {
+  const std::filesystem::path& file = shape.file;
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return ending == ".dae" ? read_collada(file) : read_mesh(file);
+  if (ending != ".dae" && !shape.part.empty()) {
+    throw FileError(
+        fmt::format("{}: submesh {} is asked for, and only those of COLLADA files are read: save it as a "
+                    "file of its own",
+                    file.string(), shape.part));
+  }
+  Mesh mesh = ending == ".dae" ? read_collada(file, shape.part) : read_mesh(file);
+  if (shape.part_centered) {
+    Box box;
+    for (const Vec3& p : mesh.positions) box.add(p);
+    for (Vec3& p : mesh.positions) p = p - box.center();
+  }
+  if (!(shape.before == RigidTransform{})) {
+    for (Vec3& p : mesh.positions) p = shape.before(p);
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -123,9 +146,9 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
     switch (shape.kind) {
       case Shape::Kind::mesh:
         try {
-          add(surface.mesh, mesh_of(shape.file), shape.scale, shape.origin);
+          add(surface.mesh, mesh_of(shape), shape.scale, shape.origin);
         } catch (const FileError& error) {
-          fail_at(robot_file, shape.line, error.what());
+          fail_at(shape.described_in.empty() ? robot_file : shape.described_in, shape.line, error.what());
         }
         break;
       case Shape::Kind::box:
@@ -136,6 +159,9 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
         break;
       case Shape::Kind::capsule:
         add(surface.mesh, capsule_mesh(shape.radius, shape.length), {1, 1, 1}, shape.origin);
+        break;
+      case Shape::Kind::ellipsoid:
+        add(surface.mesh, ball_mesh(), 0.5 * shape.size, shape.origin);
         break;
       case Shape::Kind::sphere:
         surface.spheres.push_back({shape.origin.translation, shape.radius});

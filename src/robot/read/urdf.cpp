@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
 #include <morula/robot/robot.hpp>
 #include <numbers>
 
-#include "robot/read/xml.hpp"
+#include "robot/read/assembly.hpp"
 
 namespace morula::robot {
 
@@ -165,72 +164,13 @@ struct Reader {
     robot.joints[joint_of.find(xml.text(at, "name"))->second].mimic =
         Joint::Mimic{found->second, xml.number(*mimic, "multiplier", 1), xml.number(*mimic, "offset", 0)};
   }
-
-  void require_no_mimic_circle() const {
-    for (const Joint& joint : robot.joints) {
-      std::size_t steps = 0;
-      for (const Joint* at = &joint; at->mimic; at = &robot.joints[at->mimic->joint]) {
-        if (++steps > robot.joints.size()) {
-          fail_at(xml.file(), joint.line, fmt::format("joint {} follows itself through others", joint.name));
-        }
-      }
-    }
-  }
-
-  void arrange() {
-    for (std::size_t link = 0; link < robot.links.size(); ++link) {
-      if (robot.links[link].joint != none) continue;
-      if (robot.root != none) {
-        fail_at(xml.file(), robot.links[link].line,
-                fmt::format("links {} and {} are both carried by no joint: a robot has one root; join them",
-                            robot.links[robot.root].name, robot.links[link].name));
-      }
-      robot.root = link;
-    }
-    if (robot.root == none) fail_at(xml.file(), xml.root().GetLineNum(), "every link is carried by another: a circle");
-    std::vector<std::vector<std::size_t>> below(robot.links.size());
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) below[robot.joints[i].parent].push_back(i);
-    std::vector<std::size_t> waiting(below[robot.root].rbegin(), below[robot.root].rend());
-    while (!waiting.empty()) {
-      const std::size_t joint = waiting.back();
-      waiting.pop_back();
-      robot.order.push_back(joint);
-      const auto& next = below[robot.joints[joint].child];
-      waiting.insert(waiting.end(), next.rbegin(), next.rend());
-    }
-    if (robot.order.size() != robot.joints.size()) {
-      std::vector<bool> met(robot.joints.size());
-      for (const std::size_t joint : robot.order) met[joint] = true;
-      const auto lost = static_cast<std::size_t>(std::find(met.begin(), met.end(), false) - met.begin());
-      fail_at(xml.file(), robot.joints[lost].line,
-              fmt::format("joint {} is part of a circle of links: a robot is a tree", robot.joints[lost].name));
-    }
-    for (const std::size_t joint : robot.order) {
-      if (robot.joints[joint].moves() && !robot.joints[joint].mimic) robot.own.push_back(joint);
-    }
-  }
 };
 
 }  // namespace
 
-std::size_t Robot::find_link(std::string_view wanted) const {
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (links[i].name == wanted) return i;
-  }
-  return none;
-}
-
-std::size_t Robot::find_joint(std::string_view wanted) const {
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].name == wanted) return i;
-  }
-  return none;
-}
-
-Robot read_robot(const std::filesystem::path& path, const ReadOptions& options) {
-  const Xml xml(path, "robot");
+Robot read_urdf(const Xml& xml, const ReadOptions& options) {
   Reader reader{xml, options, {}, {}, {}};
-  reader.robot.file = path;
+  reader.robot.file = xml.file();
   reader.robot.name = xml.text(xml.root(), "name");
   const auto each = [&](const char* name, const auto& read) {
     for (const XMLElement* at = xml.root().FirstChildElement(name); at != nullptr; at = at->NextSiblingElement(name))
@@ -245,8 +185,8 @@ Robot read_robot(const std::filesystem::path& path, const ReadOptions& options) 
   if (reader.robot.links.empty()) xml.fail(xml.root(), "there is no link");
   each("joint", [&](const XMLElement& at) { reader.add_joint(at); });
   each("joint", [&](const XMLElement& at) { reader.add_mimic(at); });
-  reader.require_no_mimic_circle();
-  reader.arrange();
+  require_no_mimic_circle(reader.robot);
+  arrange(reader.robot);
   return std::move(reader.robot);
 }
 

@@ -44,10 +44,15 @@ bool is_blank(char c) {
 }  // namespace
 
 void fail_at(const std::filesystem::path& file, int line, const std::string& text) {
-  throw FileError(fmt::format("{}:{}: {}", file.string(), line, text));
+  // Names may hold anything; a message is one line.
+  std::string plain = text;
+  for (char& c : plain) {
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  }
+  throw FileError(fmt::format("{}:{}: {}", file.string(), line, plain));
 }
 
-Xml::Xml(const std::filesystem::path& file, std::string_view root) : file_(file) {
+Xml::Xml(const std::filesystem::path& file) : file_(file) {
   const std::string bytes = bytes_of(file);
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
     fail_at(file, line_of(bytes, at),
@@ -61,10 +66,11 @@ Xml::Xml(const std::filesystem::path& file, std::string_view root) : file_(file)
             fmt::format("is no well-formed XML ({})", document_.ErrorName()));
   }
   if (document_.RootElement() == nullptr) throw FileError(fmt::format("{}: holds no element", file.string()));
+}
+
+Xml::Xml(const std::filesystem::path& file, std::string_view root) : Xml(file) {
   if (this->root().Name() != root) {
-    std::string remedy;
-    if (std::string_view(this->root().Name()).find("xacro") != std::string_view::npos) remedy = "; expand xacro first";
-    fail(this->root(), fmt::format("begins with <{}>, not with <{}>{}", this->root().Name(), root, remedy));
+    fail(this->root(), fmt::format("begins with <{}>, not with <{}>", this->root().Name(), root));
   }
 }
 

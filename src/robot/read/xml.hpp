@@ -19,7 +19,9 @@ namespace morula::robot {
 
 class Xml {
  public:
-  /// Throws FileError: unreadable, broken, larger than 64 MiB, with entities, or with another root element.
+  /// Throws FileError: unreadable, broken, larger than 64 MiB, or with entities.
+  explicit Xml(const std::filesystem::path& file);
+  /// The same for another root element.
   Xml(const std::filesystem::path& file, std::string_view root);
 
   const std::filesystem::path& file() const { return file_; }

@@ -51,8 +51,24 @@ std::vector<std::string> link_names(const Description& d) {
   return names;
 }
 
+/// What a planner reads: the robot's own file, or the URDF that is written of a robot in another format.
+std::filesystem::path urdf_of(const Description& d) {
+  if (d.robot.format == Robot::Format::urdf) return std::filesystem::absolute(d.robot.file).lexically_normal();
+  return (std::filesystem::absolute(d.options.folder) / (identifier(d.robot.name) + "_spherized.urdf"))
+      .lexically_normal();
+}
+
+/// With the URDF where the robot has none.
+std::vector<OutputFile> with_urdf(const Description& d, OutputFile file) {
+  std::vector<OutputFile> files{std::move(file)};
+  if (d.robot.format != Robot::Format::urdf) files.push_back(write_urdf(d).front());
+  return files;
+}
+
 /// The folder that a mesh's name is relative to once `package://` is struck off; where there is none, the robot's.
-std::filesystem::path asset_root(const Robot& robot) {
+std::filesystem::path asset_root(const Description& d) {
+  const Robot& robot = d.robot;
+  if (robot.format != Robot::Format::urdf) return urdf_of(d).parent_path();
   const std::filesystem::path folder = std::filesystem::absolute(robot.file).parent_path().lexically_normal();
   for (const Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {
@@ -76,9 +92,8 @@ std::string curobo_text(const Description& d, bool old_keys) {
   const std::vector<double> rest = rest_values(robot), ones(joints.size(), 1.0);
   std::string text = fmt::format("# {}\nrobot_cfg:\n  kinematics:\n", ignored_note(d));
   if (!old_keys) text += "    format_version: 2.0\n";
-  text += fmt::format("    urdf_path: {}\n    asset_root_path: {}\n    base_link: {}\n",
-                      quoted(std::filesystem::absolute(robot.file).lexically_normal().string()),
-                      quoted(asset_root(robot).string()), quoted(robot.links[robot.root].name));
+  text += fmt::format("    urdf_path: {}\n    asset_root_path: {}\n    base_link: {}\n", quoted(urdf_of(d).string()),
+                      quoted(asset_root(d).string()), quoted(robot.links[robot.root].name));
   if (old_keys) {
     text += fmt::format("    ee_link: {}\n    link_names: {}\n", quoted(tools.front()), quoted_list(tools));
   } else {
@@ -125,10 +140,10 @@ std::string xrdf_text(const Description& d, bool second) {
 }  // namespace
 
 std::vector<OutputFile> write_curobo(const Description& d) {
-  return {{"curobo.yml", curobo_text(d, false)}};
+  return with_urdf(d, {"curobo.yml", curobo_text(d, false)});
 }
 std::vector<OutputFile> write_curobo_old(const Description& d) {
-  return {{"curobo_0.7.yml", curobo_text(d, true)}};
+  return with_urdf(d, {"curobo_0.7.yml", curobo_text(d, true)});
 }
 std::vector<OutputFile> write_xrdf_1(const Description& d) {
   return {{identifier(d.robot.name) + ".1.0.xrdf", xrdf_text(d, false)}};
