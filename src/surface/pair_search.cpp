@@ -53,9 +53,15 @@ std::chrono::nanoseconds SurfaceMeter::now() const {
 
 bool SurfaceMeter::takes(std::size_t groups) {
   if (is_over_) return false;
-  if (budget_.is_tests()) is_over_ = budget_.tests() < static_cast<std::int64_t>(tests_ * (groups_tested + groups));
+  // The first piece of work is done whatever it costs, so that whoever resumes again and again comes to the end.
+  const bool is_first = calls_ == 0;
+  if (budget_.is_tests())
+    is_over_ = is_first ? budget_.tests() <= 0
+                        : budget_.tests() < static_cast<std::int64_t>(tests_ * (groups_tested + groups));
   // Reading a clock takes about as long as a test.
-  if (budget_.is_time() && calls_++ % 8 == 0) is_over_ = now() - start_ >= budget_.time();
+  if (budget_.is_time() && calls_ % 8 == 0)
+    is_over_ = is_first ? budget_.time().count() <= 0 : now() - start_ >= budget_.time();
+  ++calls_;
   if (!is_over_) groups_tested += groups;
   return !is_over_;
 }

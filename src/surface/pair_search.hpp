@@ -21,6 +21,7 @@ class SurfaceMeter {
   SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
   bool is_unlimited() const { return budget_.is_unlimited(); }
   /// May so many groups of boxes be tested against as many others, 64 pairs each? Once the answer was no it stays no.
+  /// The first time it is no only where the budget is nothing.
   bool takes(std::size_t groups);
   std::size_t groups_tested = 0;
 
