@@ -22,8 +22,9 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
     const auto text = nb::cast<std::string>(name);
     options.bodies.push_back({text, *mesh_of(MeshGiven{{body}}, text.c_str())});
   }
-  for (auto [key, value] : given) {
-    const auto name = nb::cast<std::string>(key);
+  for (const auto& item : given) {
+    const auto name = nb::cast<std::string>(item.first);
+    const nb::handle value = item.second;
     const auto read = [&](auto& member) {
       if (!nb::try_cast(value, member))
         throw nb::type_error((name + ": " + nb::cast<std::string>(nb::repr(value)) + " is of another type").c_str());

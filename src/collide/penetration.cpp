@@ -60,10 +60,10 @@ Box box_of(const Collider& body) {
 }  // namespace
 
 struct PenetrationQuery::State {
-  State(const Collider& a, const Collider& b) : body{&a, &b}, inside{InsideQuery(a), InsideQuery(b)} {}
+  State(const Collider& a, const Collider& b) : body{&a, &b}, queries{InsideQuery(a), InsideQuery(b)} {}
 
   std::array<const Collider*, 2> body;
-  std::array<InsideQuery, 2> inside;
+  std::array<InsideQuery, 2> queries;
   std::array<Frame, 2> frames{};
   bool is_started = false;
 
@@ -147,7 +147,7 @@ struct PenetrationQuery::State {
     for (std::size_t i = 0; i < 2; ++i) {
       bool& in = i == 0 ? cell.in_a : cell.in_b;
       if (in) continue;
-      const Probe probe = inside[i].probe({cell.center, 0});
+      const Probe probe = queries[i].probe({cell.center, 0});
       ++verdict.probes;
       if (!probe.status) {
         verdict.status = probe.status;

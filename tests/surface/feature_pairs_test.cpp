@@ -3,6 +3,7 @@
 // Proximity and crossings against brute force: whole, interrupted, filtered, by several workers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
