@@ -77,6 +77,87 @@ def test_distances_agree_with_coal():
             assert abs(bounds.upper - expected) < 1e-6
 
 
+def test_distances_agree_with_mujoco():
+    """Of convex bodies, which are all that MuJoCo makes of meshes."""
+    mujoco = pytest.importorskip("mujoco")
+    generator = numpy.random.default_rng(3)
+    hulls = [morula.ConvexHull(generator.normal(size=(40, 3)) * [1, 0.5, 0.3]) for _ in range(2)]
+    # Meshes of MuJoCo are turned to their axes of inertia; facets and vertices as they are placed then are what counts.
+    assets = "".join(
+        f'<mesh name="m{i}" vertex="{" ".join(map(repr, map(float, hull.vertices.ravel())))}"/>' for i, hull in enumerate(hulls)
+    )
+    bodies = "".join(f'<body name="b{i}"><freejoint/><geom name="g{i}" type="mesh" mesh="m{i}"/></body>' for i in range(2))
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><asset>{assets}</asset><worldbody>{bodies}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    colliders = []
+    for hull in hulls:
+        mesh = morula.Mesh(hull.vertices, hull.facets)
+        colliders.append(morula.Collider(morula.Body(mesh, morula.build(mesh, method="octree", depth=3))))
+    compared = 0
+    for _ in range(20):
+        turns = [
+            morula.RigidTransform.from_axis(generator.normal(size=3), generator.uniform(0, 6), generator.normal(size=3) * 2)
+            for _ in range(2)
+        ]
+        for i, (collider, turn) in enumerate(zip(colliders, turns)):
+            collider.place(turn)
+            quaternion = numpy.zeros(4)
+            mujoco.mju_mat2Quat(quaternion, turn.matrix[:3, :3].ravel())
+            data.qpos[7 * i : 7 * i + 7] = [*turn.translation, *quaternion]
+        mujoco.mj_forward(model, data)
+        theirs = mujoco.mj_geomDistance(model, data, 0, 1, 100.0, numpy.zeros(6))
+        bounds = morula.distance(*colliders)
+        if theirs > 1e-3:
+            # MuJoCo keeps vertices in single precision.
+            assert abs(bounds.upper - theirs) < 1e-4
+            compared += 1
+    assert compared >= 8
+
+
+def test_the_cloud_of_a_pyvista_plot_has_the_spheres(built):
+    pyvista = pytest.importorskip("pyvista")
+    cloud = morula.plot.to_pyvista(built.level(1))
+    assert isinstance(cloud, pyvista.PolyData)
+    spheres = built.level(1)
+    numpy.testing.assert_allclose(cloud.points.min(axis=0), (spheres[:, :3] - spheres[:, 3:]).min(axis=0), atol=0.03)
+    numpy.testing.assert_allclose(cloud.points.max(axis=0), (spheres[:, :3] + spheres[:, 3:]).max(axis=0), atol=0.03)
+
+
+def test_polyscope_shows_spheres_and_meshes(limb, built):
+    polyscope = pytest.importorskip("polyscope")
+    try:
+        polyscope.set_allow_headless_backends(True)
+        polyscope.init()
+    except Exception as fault:  # noqa: BLE001: there may be no display and no software renderer
+        pytest.skip(f"Polyscope does not start here: {fault}")
+    cloud = morula.plot.to_polyscope(built.level(2), name="leaves")
+    assert cloud.n_points() == len(built.level(2)) and polyscope.get_point_cloud("leaves") is not None
+    surface = morula.plot.to_polyscope(limb, name="limb")
+    assert surface.n_faces() == limb.facet_count
+    polyscope.remove_all_structures()
+
+
+def test_what_scipy_knows_of_rotations_places_bodies(limb):
+    rotation = pytest.importorskip("scipy.spatial.transform").Rotation
+    turn = rotation.from_rotvec([0.3, -0.2, 0.9])
+    x, y, z, w = turn.as_quat()
+    ours = morula.RigidTransform.from_quaternion(w, x, y, z)
+    numpy.testing.assert_allclose(ours.matrix[:3, :3], turn.as_matrix(), atol=1e-14)
+    assert morula.deviation_from_rigid(morula.RigidTransform(numpy.column_stack([turn.as_matrix(), [1, 2, 3]]))) < 1e-14
+
+
+def test_nearest_points_are_those_of_trimesh(limb):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("scipy")
+    points = numpy.random.default_rng(6).normal(size=(200, 3))
+    theirs = trimesh.Trimesh(limb.vertices, limb.faces, process=False)
+    try:
+        _, distances, _ = trimesh.proximity.closest_point(theirs, points)
+    except (ImportError, ModuleNotFoundError) as fault:
+        pytest.skip(f"trimesh needs more: {fault}")
+    numpy.testing.assert_allclose(morula.TriangleBvh(limb).closest_points(points).distances, distances, atol=1e-9)
+
+
 def edges_of(faces):
     sides = numpy.sort(numpy.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     return numpy.unique(sides, axis=0)
