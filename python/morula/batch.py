@@ -89,7 +89,10 @@ class Place:
         return os.path.abspath(self.local) if self.local is not None else str(self.name)
 
     def parent(self) -> Place:
-        return Place(self.local.parent if self.local is not None else str(self.name).rpartition("/")[0], self.options)
+        if self.local is not None:
+            return Place(self.local.parent)
+        above = str(self.name).rpartition("/")[0]
+        return Place(above + "/" if above.endswith(":/") else above, self.options)
 
     def exists(self) -> bool:
         return self.local.exists() if self.local is not None else bool(self._fs.exists(self._path))

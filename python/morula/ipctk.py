@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""A broad phase for the IPC Toolkit: its candidates, found by Morula's surface tree.
+"""A broad phase for the IPC Toolkit: candidates found by Morula's surface tree.
 
 >>> candidates = ipctk.Candidates()
 >>> candidates.build(collision_mesh, vertices, inflation_radius, morula.ipctk.BroadPhase())
@@ -53,19 +53,23 @@ class _Known:
 
 
 class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
-    """Pairs of edges, and of faces and vertices, whose boxes are near, static or swept.
+    """Pairs of edges, and of faces and vertices, that are within twice the inflation radius, or come so near in a step.
+
+    The toolkit's own find all whose boxes, enlarged by the radius, overlap: most of these are farther apart, and it looks at
+    them again. Collisions and collision-free steps are the same; `boxes=True` finds the same candidates, too.
 
     Triangle meshes in three dimensions, every edge and vertex of which is on a face. Pairs that share a vertex are left
     out; `can_vertices_collide` is asked for what is left, unless it is the toolkit's own, which allows all.
     """
 
-    def __init__(self, workers: _morula.Workers | None = None) -> None:
+    def __init__(self, workers: _morula.Workers | None = None, *, boxes: bool = False) -> None:
         ipctk.BroadPhase.__init__(self)
         self._workers = workers
+        self._boxes = boxes
         self._surface: _morula.SurfaceTree | None = None
         self._faces: NDArray[Any] | None = None
         self._edge_of: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
-        self._found: _morula.FeaturePairs | None = None
+        self._found: _morula.FeaturePairs | _morula.ProximityPairs | _morula.SweptPairs | None = None
         self._radius = 0.0
         self._edge_edge = _Known(ipctk.EdgeEdgeCandidate)
         self._face_vertex = _Known(ipctk.FaceVertexCandidate)
@@ -116,7 +120,14 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
             raise RuntimeError("nothing was built")
         if self._found is None:
             # The toolkit inflates both boxes.
-            self._found = _morula.swept_candidates(self._surface, distance=2 * self._radius, workers=self._workers)
+            distance = 2 * self._radius
+            if self._boxes:
+                self._found = _morula.swept_candidates(self._surface, distance=distance, workers=self._workers)
+            elif self._surface.is_step:
+                self._found = _morula.swept(self._surface, distance=distance, workers=self._workers)
+            else:
+                # A little farther than where the toolkit's distances, computed otherwise, could still be less.
+                self._found = _morula.proximity(self._surface, distance=distance * (1 + 1e-9), workers=self._workers)
         chosen = self._found.kind == int(kind)
         return self._found.a[chosen], self._found.b[chosen]
 

@@ -107,8 +107,8 @@ def test_other_file_systems_give_the_same(folder, tmp_path):
         done = len(calls)
         again = morula.batch.run("memory://meshes", options, output="memory://out", progress=lambda *state: calls.append(state))
         assert again == there and len(calls) == done
-        memory.pipe_file("/lists/some.csv", b"mesh\n../meshes/bar.obj\nmemory://meshes/nowhere.obj\n")
-        some = morula.batch.run("memory://lists/some.csv", options, output="memory://other")
+        memory.pipe_file("/some.csv", b"mesh\nmeshes/bar.obj\nmemory://meshes/nowhere.obj\n")
+        some = morula.batch.run("memory://some.csv", options, output="memory://other")
         assert [row["status"] for row in some] == ["ok", "failed"] and "nowhere.obj" in some[1]["error"]
         memory.cat_file(f"/other/trees/{some[0]['key']}.morula")
     finally:
