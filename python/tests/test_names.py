@@ -43,7 +43,7 @@ ELSEWHERE = {
     "any_promises_cover": "Body", "any_promises_nesting": "Body", "certify_promised_levels": "Body", "certify_promised_nesting": "Body",
     "describe_rules": "Body", "rule_of_level": "Body", "CutFacet": "PowerDiagram", "FacetGeometry": "PowerDiagram",
     "least_growth": "PowerDiagram", "describe": "deform", "tree_hash": "SphereTree",
-    "BoxPair": "BroadPhase", "AffineTransform": "move_by_skin", "level_set_spheres": "SphereTree", "require_usable": "Mesh", 
+    "BoxPair": "BroadPhase", "SceneOptions": "Scene", "AffineTransform": "move_by_skin", "level_set_spheres": "SphereTree", "require_usable": "Mesh", 
     "Front": "ContactQuery",
     "SceneTouch": "Scene", "corner_position": "Cover", "area": "surface_area",
 }
