@@ -172,7 +172,7 @@ def test_the_broad_phase_for_ipctk_finds_what_brute_force_finds(radius):
     mesh = ipctk.CollisionMesh(limb.vertices, edges_of(faces), faces)
     folded = numpy.array(limb.vertices)
     folded[:, 0] = numpy.abs(folded[:, 0] - folded[:, 0].mean())
-    ours = morula.ipctk.BroadPhase()
+    ours = morula.ipctk.BroadPhase(boxes=True)
 
     def pairs(candidates):
         edges = {tuple(sorted((c.edge0_id, c.edge1_id))) for c in candidates.ee_candidates}
@@ -190,6 +190,67 @@ def test_the_broad_phase_for_ipctk_finds_what_brute_force_finds(radius):
         assert len(own[0]) > 0
         if end is not None:
             assert candidates.compute_collision_free_stepsize(mesh, *steps) == others.compute_collision_free_stepsize(mesh, *steps)
+
+
+def scenes_of_ipctk():
+    """A limb that folds onto itself, a fall of one body onto another, and two that already overlap nearly."""
+    limb = morula.sample_body("limb", 12)
+    motion = numpy.array(morula.deform_frames(limb, morula.Bend(120), frame_count=9))
+    folded = numpy.array(limb.vertices)
+    folded[:, 0] = numpy.abs(folded[:, 0] - folded[:, 0].mean())
+    yield pytest.param(limb.vertices, limb.faces, [*motion[:5], folded], id="limb")
+    tool, bar = morula.sample_body("tool", 10), morula.sample_body("bar", 8)
+    vertices = numpy.concatenate([tool.vertices, bar.vertices + [0.1, 0.05, 1.4]])
+    faces = numpy.concatenate([tool.faces, bar.faces + tool.vertex_count])
+    falls = [numpy.array(vertices) for _ in range(6)]
+    for i, positions in enumerate(falls):
+        positions[tool.vertex_count :, 2] -= 0.25 * i
+    yield pytest.param(vertices, faces, falls, id="fall")
+
+
+@pytest.mark.parametrize("vertices, faces, frames", scenes_of_ipctk())
+@pytest.mark.parametrize("filtered", [False, True])
+def test_collisions_of_ipctk_are_the_same_with_the_broad_phase(vertices, faces, frames, filtered):
+    ipctk = pytest.importorskip("ipctk")
+    faces = faces.astype(numpy.int32)
+    mesh = ipctk.CollisionMesh(numpy.asfortranarray(vertices), edges_of(faces), faces)
+    if filtered:
+        mesh.can_collide = ipctk.CollisionFilter(lambda i, j: (i + j) % 3 != 0)
+    ours = morula.ipctk.BroadPhase()
+    dhat, some = 0.05, 0
+
+    def found(collisions, positions):
+        rows = []
+        for i in range(len(collisions)):
+            ids = sorted(k for k in collisions[i].vertex_ids(mesh.edges, mesh.faces) if k >= 0)
+            distance = collisions[i].compute_distance(collisions[i].dof(positions, mesh.edges, mesh.faces))
+            rows.append((*ids, round(float(distance), 12)))
+        return sorted(rows)
+
+    for start, end in zip(frames, frames[1:]):
+        start, end = numpy.asfortranarray(start), numpy.asfortranarray(end)
+        of_ours, of_theirs = ipctk.NormalCollisions(), ipctk.NormalCollisions()
+        of_ours.build(mesh, start, dhat, broad_phase=ours)
+        of_theirs.build(mesh, start, dhat, broad_phase=ipctk.BruteForce())
+        assert found(of_ours, start) == found(of_theirs, start)
+        potential = ipctk.BarrierPotential(dhat, 1.0) if _takes(ipctk.BarrierPotential, dhat, 1.0) else ipctk.BarrierPotential(dhat)
+        assert potential(of_ours, mesh, start) == pytest.approx(potential(of_theirs, mesh, start), rel=1e-12, abs=1e-300)
+        some += len(of_theirs)
+        steps = []
+        for phase in (ours, ipctk.BruteForce()):
+            candidates = ipctk.Candidates()
+            candidates.build(mesh, start, end, dhat / 2, phase)
+            steps.append((candidates.compute_collision_free_stepsize(mesh, start, end), len(candidates)))
+        assert steps[0][0] == steps[1][0] and steps[0][1] <= steps[1][1]
+    assert some > 20
+
+
+def _takes(kind, *arguments):
+    try:
+        kind(*arguments)
+    except TypeError:
+        return False
+    return True
 
 
 def test_the_broad_phase_says_what_it_is_not_for(limb):
