@@ -75,7 +75,7 @@ class Place:
         except ImportError:
             raise ImportError(f"{text}: only files of this machine can be used without fsspec: pip install fsspec") from None
         self._fs, self._path = fsspec.core.url_to_fs(text, **self.options)
-        self.name = text.rstrip("/")
+        self.name = text if text.endswith("://") else text.rstrip("/")
 
     def __truediv__(self, name: str) -> Place:
         return Place(self.local / name if self.local is not None else f"{self.name}/{name}", self.options)

@@ -54,7 +54,7 @@ LEFT_OUT = {
     "parallel/workers.hpp", "collide/pair_tests.hpp", "query/brute_force.hpp", "collide/budget.hpp", "tree/walk.hpp",
 }
 LEFT_OUT_NAMES = {
-    "askable": "collide() asks it", "narrow_spheres": "PosedSpheres.set() does it", "cut_by_power": "works in the caller's memory",
+    "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it", "cut_by_power": "works in the caller's memory",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",
     "at_barycentric": "a line of NumPy", "largest_coordinate": "a line of NumPy", "is_finite": "numpy.isfinite", 
 }

@@ -41,7 +41,7 @@ def test_vertices_below_a_floor_are_those_of_numpy(limb, surface):
     numpy.testing.assert_allclose(found.distance, distances[expected], atol=1e-12)
     numpy.testing.assert_array_equal(found.point, limb.positions[expected])
     numpy.testing.assert_array_equal(found.normal, numpy.tile([0, 0, 1], (len(expected), 1)))
-    assert found[0] == {**found[0], "feature": expected[0]} and len(found[found.distance < 0]["feature"]) < len(found)
+    assert found[0]["feature"] == expected[0] and len(found[found.distance < 0]["feature"]) < len(found)
 
 
 @pytest.mark.parametrize("name", ["ball", "capsule", "hull", "field", "signed distance"])
@@ -224,12 +224,12 @@ def test_the_volume_that_two_boxes_share_is_between_the_bounds():
 def test_a_modal_certificate_says_what_surface_crossings_say():
     limb = morula.sample_body("limb", 12)
     modes = morula.sample_modes(limb.positions, 3)
-    certificate = morula.ModalCertificate(limb, modes, largest_norm=3.0, rest_distance=0.2)
-    assert 0 < certificate.free_norm <= 3 and certificate.tested_facet_pairs > 0
+    certificate = morula.ModalCertificate(limb, modes, largest_norm=12.0, rest_distance=0.2)
+    assert 0 < certificate.free_norm <= 12 and certificate.tested_facet_pairs > 0
     surface = morula.SurfaceTree(limb)
     generator = numpy.random.default_rng(2)
     some = 0
-    for norm in (0.3, 0.9, 1.5, 2.9):
+    for norm in (0.3, 0.9, 6, 11.9):
         for _ in range(4):
             q = generator.normal(size=3)
             q *= norm / numpy.linalg.norm(q)
