@@ -83,7 +83,7 @@ def folders():
             yield pytest.param(header, id=name)
 
 
-@pytest.mark.parametrize("header", folders())
+@pytest.mark.parametrize("header", list(folders()))
 def test_names_of_a_header_are_in_the_package(header):
     robots = header.parent.name == "robot"
     if robots and not hasattr(morula._morula, "robot"):
