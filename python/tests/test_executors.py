@@ -238,7 +238,13 @@ def test_jobs_of_slurm_through_dask_jobqueue(folder, expected, tmp_path, monkeyp
     commands = tmp_path / "bin"
     commands.mkdir()
     (commands / "sbatch").write_text(
-        f"#!/bin/sh\n(setsid sh \"$1\" >{tmp_path}/job.log 2>&1 & echo $! >>{tmp_path}/jobs; echo Submitted batch job $!)\n"
+        f"""#!/bin/sh
+job=$(mktemp {tmp_path}/job.XXXXXX)
+cp "$1" "$job"
+setsid sh "$job" >"$job.log" 2>&1 &
+echo $! >>{tmp_path}/jobs
+echo Submitted batch job $!
+"""
     )
     (commands / "scancel").write_text('#!/bin/sh\nkill -- "-$1" 2>/dev/null || kill "$1"\n')
     for command in commands.iterdir():
@@ -251,7 +257,7 @@ def test_jobs_of_slurm_through_dask_jobqueue(folder, expected, tmp_path, monkeyp
     ) as cluster:
         cluster.scale(jobs=2)
         with distributed.Client(cluster, timeout=120) as client:
-            client.wait_for_workers(2, timeout=240)
+            client.wait_for_workers(2, timeout=120)
             with client.get_executor() as executor:
                 rows = morula.batch.run(folder, options, output=tmp_path / "out", executor=executor)
     assert rows == expected[1] and len((tmp_path / "jobs").read_text().split()) == 2
