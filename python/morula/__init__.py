@@ -10,8 +10,8 @@
 >>> bool(body.certify(morula.deform(mesh, morula.Bend(90))))
 True
 
-Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk` and
-`morula.batch` need packages of their own (matplotlib, ipctk) and are imported when they are asked for.
+Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk`,
+`morula.usd` and `morula.batch` need packages of their own (matplotlib, ipctk, usd-core) and are imported when they are asked for.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .studies import study as study
 
 __all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "Study", "__version__", "page", "study"]
 
-_MODULES = ("batch", "ipctk", "plot", "typing")
+_MODULES = ("batch", "ipctk", "plot", "typing", "usd")
 
 
 def __getattr__(name: str) -> Any:

@@ -3,6 +3,7 @@
 #include <morula/robot/robot_tree.hpp>
 #include <morula/tree/ball_tree.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace morula::robot {
 
@@ -16,11 +17,9 @@ void add(Mesh& to, const Mesh& mesh, const RigidTransform& at) {
 
 }  // namespace
 
-RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values, Workers& workers) {
+RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values) {
   const std::vector<RigidTransform> poses = link_poses(robot, values);
-  if (spheres.links.empty()) throw std::invalid_argument("tree_of: the robot has no spheres");
-  RobotTree result;
-  std::vector<Sphere> leaves;
+  RobotMesh result;
   for (const LinkSpheres& link : spheres.links) {
     const RigidTransform& at = poses[link.link];
     result.links.push_back(link.link);
@@ -33,9 +32,23 @@ RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
       ball.origin.translation = s.center;
       add(result.mesh, surface_of(robot.file, std::span(&ball, 1)).mesh, at);
     }
-    for (const Sphere& s : link.spheres) leaves.push_back({at(s.center), s.radius});
   }
   result.vertex_begin.push_back(result.mesh.positions.size());
+  return result;
+}
+
+RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values, Workers& workers) {
+  const std::vector<RigidTransform> poses = link_poses(robot, values);
+  if (spheres.links.empty()) throw std::invalid_argument("tree_of: the robot has no spheres");
+  RobotMesh all = mesh_of(robot, spheres, values);
+  RobotTree result{.mesh = std::move(all.mesh),
+                   .built = {},
+                   .links = std::move(all.links),
+                   .vertex_begin = std::move(all.vertex_begin)};
+  std::vector<Sphere> leaves;
+  for (const LinkSpheres& link : spheres.links) {
+    for (const Sphere& s : link.spheres) leaves.push_back({poses[link.link](s.center), s.radius});
+  }
   result.built = cover(result.mesh, tree_over_balls(leaves), CoverOptions{.nested = true}, workers);
   result.built.report.method = "robot";
   return result;

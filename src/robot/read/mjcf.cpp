@@ -357,6 +357,7 @@ class Reader {
 
   void refuse_children(const XMLElement& of) {
     for (const XMLElement* at : children(of)) {
+      if (std::string_view(at->Name()) == "skin") continue;  // is seen and touches nothing
       fail(*at, fmt::format("<{}> of <{}> is not supported: take it out of the robot's file", at->Name(), of.Name()));
     }
   }
@@ -569,24 +570,28 @@ class Reader {
     const bool needed = options_.visual ? seen : collides;
     if (!collides && !seen) return;
     const char* given = e.find("type");
-    const std::string_view type = given == nullptr ? "sphere" : given;
+    std::string_view type = given == nullptr ? "sphere" : given;
     Shape shape;
     shape.line = at.GetLineNum();
     if (file_of(at).file() != main_.file()) shape.described_in = file_of(at).file();
     if (type == "plane" || type == "hfield" || type == "sdf") {
-      if (needed)
+      if (!needed) return;
+      if (type != "plane") {
         fail(at, fmt::format("a geom is a {}, which no spheres are made for: sphere, capsule, ellipsoid, cylinder, box "
                              "and mesh are known",
                              type));
+      }
+      robot().notes.push_back(fmt::format("a plane in body {} (line {}) has no end and is left out: nothing covers it",
+                                          link.name, at.GetLineNum()));
       return;
     }
     if (type != "mesh" && e.find("mesh") != nullptr) {
+      // The fit would depend on the version that fits. The mesh is what the robot is.
       if (needed) {
-        fail(at, fmt::format(
-                     "a {} is fitted to mesh {}, which is not supported: give it type=\"mesh\", or a size and no mesh",
-                     type, e.find("mesh")));
+        robot().notes.push_back(fmt::format("the {} that MuJoCo fits to mesh {} (line {}) is not made: the mesh itself is covered",
+                                            type, e.find("mesh"), at.GetLineNum()));
       }
-      return;
+      type = "mesh";
     }
     shape.origin = composed(frame, pose(e));
     std::optional<double> span;  // half of fromto
@@ -636,12 +641,6 @@ class Reader {
     shape.scale = mesh.scale;
     shape.before = mesh.before;
     if (!needed) return;
-    std::string ending = name.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-    if (ending == ".msh")
-      fail(at, fmt::format("mesh \"{}\" is MuJoCo's own binary, which is not supported: save it as OBJ or STL",
-                           shape.file_name));
     try {
       shape.file = find_mesh(shape.file_name, main_.file(), options_.package_paths, at.GetLineNum());
     } catch (const FileError& error) {
