@@ -141,11 +141,15 @@ class Reader {
       fail(at, fmt::format("file \"{}\" leaves the folder of the robot's file, which is not followed: copy it there",
                            name));
     }
-    const fs::path path = (main_.file().parent_path() / written).lexically_normal();
+    // Relative to the robot's file, or to the one that includes it.
+    fs::path path = (main_.file().parent_path() / written).lexically_normal();
+    const fs::path beside = (file_of(at).file().parent_path() / written).lexically_normal();
     std::error_code error;
-    if (!fs::is_regular_file(path, error)) {
-      fail(at, fmt::format("file \"{}\" is missing; searched: {}", name, path.string()));
+    if (!fs::is_regular_file(path, error) && !fs::is_regular_file(beside, error)) {
+      fail(at, fmt::format("file \"{}\" is missing; searched: {}{}", name, path.string(),
+                           beside == path ? "" : " " + beside.string()));
     }
+    if (!fs::is_regular_file(path, error)) path = beside;
     const fs::path plain = fs::weakly_canonical(path);
     if (plain == fs::weakly_canonical(main_.file()) || !included_.insert(plain).second) {
       fail(at, fmt::format("file \"{}\" is included a second time, or includes itself", name));
