@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t default_spheres = 16, most_samples = 20'000;
 constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply";
 
-struct Options {
+struct RobotArguments {
   std::string robot, output;
   std::optional<std::size_t> spheres, total;
   std::string max_protrusion;  // a length, or a share as "1%"
@@ -51,7 +51,7 @@ std::vector<std::string> format_names() {
   return names;
 }
 
-std::vector<const robot::OutputFormat*> chosen_formats(const Options& o) {
+std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) {
   std::vector<const robot::OutputFormat*> chosen;
   for (const std::string& name : o.formats) check_name("format", name, format_names());
   const std::vector<std::string> usual{"json", "csv", "curobo", "urdf", "srdf"};
@@ -74,12 +74,12 @@ double number_in(const std::string& option, const std::string& text, std::string
   return value;
 }
 
-Quality quality_of(const Options& o) {
+Quality quality_of(const RobotArguments& o) {
   if (!o.quality.empty()) return parse_quality(o.quality);
   return parse_method(o.method) == Method::morula ? robot::FitOptions{}.quality : Quality::standard;
 }
 
-robot::FitOptions fit_options(const Options& o, const robot::Robot& robot) {
+robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
   robot::FitOptions fit{.total = o.total.value_or(0),
                         .padding = o.padding,
                         .min_radius = o.min_radius,
@@ -132,7 +132,7 @@ robot::FitOptions fit_options(const Options& o, const robot::Robot& robot) {
   return fit;
 }
 
-void require_sense(const Options& o) {
+void require_sense(const RobotArguments& o) {
   check_name("geometry", o.geometry, {"collision", "visual"});
   for (const std::string& kind : o.tree_kinds) check_name("tree", kind, {"link", "robot"});
   if (o.total && o.spheres)
@@ -148,7 +148,7 @@ void require_sense(const Options& o) {
 }
 
 /// Where packages are: what the user says, then where ROS says.
-std::vector<fs::path> package_paths(const Options& o) {
+std::vector<fs::path> package_paths(const RobotArguments& o) {
   std::vector<fs::path> paths(o.package_paths.begin(), o.package_paths.end());
   for (const fs::path& path : paths) {
     if (!fs::is_directory(path))
@@ -168,7 +168,7 @@ std::vector<fs::path> package_paths(const Options& o) {
   return paths;
 }
 
-bool wants_tree(const Options& o, std::string_view kind) {
+bool wants_tree(const RobotArguments& o, std::string_view kind) {
   return (o.trees && kind == "link") || std::find(o.tree_kinds.begin(), o.tree_kinds.end(), kind) != o.tree_kinds.end();
 }
 
@@ -181,7 +181,7 @@ std::string tree_name(const robot::Robot& robot, std::size_t link) {
 }
 
 /// No file that is written may be one that is read: asked before the work begins.
-void require_inputs_stay(const Options& o, const robot::Robot& robot,
+void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
   inputs.insert(inputs.end(), robot.included.begin(), robot.included.end());
@@ -213,7 +213,7 @@ void write_trees(const fs::path& folder, const robot::Robot& robot, const robot:
   }
 }
 
-int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
+int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   Stopwatch watch;
@@ -305,7 +305,7 @@ int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
   return exit_code;
 }
 
-int robot_command(const Options& o) {
+int robot_command(const RobotArguments& o) {
   require_sense(o);
   const Interrupt interrupt;
   try {
@@ -323,7 +323,7 @@ void add_list(CLI::App& command, const std::string& option, std::vector<std::str
 }  // namespace
 
 void add_robot(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RobotArguments>();
   CLI::App* command =
       add_command(app, "robot", "Cover every link of a robot with spheres, for planners and simulators");
   add_option(*command, "ROBOT", o->robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
