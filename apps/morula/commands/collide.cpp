@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct CollideArguments {
   SideFiles a{.letter = 'a'}, b{.letter = 'b'};
   std::string rule = "exact";
   std::string sph_origin = "none";
@@ -67,7 +67,7 @@ Budget parse_budget(const std::string& text) {
       fmt::format("--budget '{}' is neither a number of pair tests such as 5000 nor a time such as 200us", text));
 }
 
-CollideOptions query_options(const Options& o) {
+CollideOptions query_options(const CollideArguments& o) {
   check_name("priority", o.priority, {"overlap", "level"});
   CollideOptions options{.level = o.level, .margin = o.margin, .budget = parse_budget(o.budget), .surfaces = true};
   options.priority = o.priority == "level" ? Priority::level : Priority::overlap;
@@ -75,7 +75,7 @@ CollideOptions query_options(const Options& o) {
 }
 
 /// The option that the library refuses, in the words of the command line.
-ContactQuery make_query(const Options& o) {
+ContactQuery make_query(const CollideArguments& o) {
   if (!(o.margin >= 0) || !std::isfinite(o.margin)) {
     throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
   }
@@ -86,7 +86,7 @@ void require_good(const ContactStatus& status) {
   if (!status) throw UsageError(message(status));
 }
 
-CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
+CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
                             CrossingQuery& crossed, Workers& workers) {
   a.move_to(frame, workers);
   b.move_to(frame, workers);
@@ -112,7 +112,7 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
 }
 
 /// Two bodies' own options that were given, for refusals; nothing where there is none.
-std::string given_of_two(const Options& o) {
+std::string given_of_two(const CollideArguments& o) {
   const std::vector<std::pair<const char*, bool>> all{{"--carry", o.carry},
                                                       {"--priority", o.priority != "overlap"},
                                                       {"--page", !o.page.empty()},
@@ -122,7 +122,7 @@ std::string given_of_two(const Options& o) {
   return {};
 }
 
-int run_scene(const Options& o) {
+int run_scene(const CollideArguments& o) {
   for (const SideFiles* side : {&o.a, &o.b})
     if (!(side->mesh + side->tree + side->motion + side->place + side->turn).empty())
       throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
@@ -148,7 +148,7 @@ int run_scene(const Options& o) {
                         .json = o.json});
 }
 
-int run_features(const Options& o) {
+int run_features(const CollideArguments& o) {
   const char* const asked = o.within ? "--within" : "--self";
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
@@ -172,7 +172,7 @@ int run_features(const Options& o) {
                            .json = o.json});
 }
 
-int collide_command(const Options& o) {
+int collide_command(const CollideArguments& o) {
   if (!o.scene.empty()) return run_scene(o);
   if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
   if (o.with_self || o.within) return run_features(o);
@@ -266,7 +266,7 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
 }  // namespace
 
 void add_collide(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CollideArguments>();
   CLI::App* command = add_command(app, "collide", "Contacts of two bodies, frame by frame, within a budget");
   add_option(*command, "A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->type_name("");
   add_option(*command, "B", o->b.mesh, "The other mesh at rest")->type_name("");

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply", *inner_folder = "inner",
                      *page_file = "robot.html";
 
-using Options = RobotOptions;
+
 
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
   std::string name = robot.links[link].name;
@@ -70,7 +70,7 @@ std::vector<robot::OutputFile> inner_files_of(const robot::Description& d,
 }
 
 /// No file that is written may be one that is read: asked before the work begins.
-void require_inputs_stay(const Options& o, const robot::Robot& robot,
+void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
   inputs.insert(inputs.end(), robot.included.begin(), robot.included.end());
@@ -102,7 +102,7 @@ void write_trees(const fs::path& folder, const robot::Robot& robot, const robot:
   }
 }
 
-int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
+int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   Stopwatch watch;
@@ -200,7 +200,7 @@ int robot_unless_stopped(const Options& o, const Interrupt& interrupt) {
   return exit_code;
 }
 
-int robot_command(const Options& o) {
+int robot_command(const RobotArguments& o) {
   require_sense(o);
   const Interrupt interrupt;
   try {
@@ -213,7 +213,7 @@ int robot_command(const Options& o) {
 }  // namespace
 
 void add_robot(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RobotArguments>();
   CLI::App* command =
       add_command(app, "robot", "Cover every link of a robot with spheres, for planners and simulators");
   add_robot_options(*command, *o);

@@ -20,16 +20,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t default_spheres = 16, most_samples = 20'000;
+constexpr std::size_t spheres_of_a_link = 16, most_pair_samples = 20'000;
 
-std::vector<std::string> format_names() {
+std::vector<std::string> output_format_names() {
   std::vector<std::string> names;
   for (const robot::OutputFormat& format : robot::output_formats()) names.emplace_back(format.name);
   return names;
 }
 
 /// A number above 0 at the end of an option, else UsageError.
-double number_in(const std::string& option, const std::string& text, std::string_view number) {
+double length_or_share(const std::string& option, const std::string& text, std::string_view number) {
   double value = 0;
   const std::from_chars_result read = std::from_chars(number.data(), number.data() + number.size(), value);
   if (read.ec != std::errc() || read.ptr != number.data() + number.size() || !(value > 0 && value < 1e30)) {
@@ -66,21 +66,21 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   return {text.substr(0, at), {normalized(normal), numbers[3] / length(normal)}};
 }
 
-Quality quality_of(const RobotOptions& o) {
+Quality fit_quality(const RobotArguments& o) {
   if (!o.quality.empty()) return parse_quality(o.quality);
   return parse_method(o.method) == Method::morula ? robot::FitOptions{}.quality : Quality::standard;
 }
 
-void add_list(CLI::App& command, const std::string& option, std::vector<std::string>& values, const std::string& type,
+void add_repeatable(CLI::App& command, const std::string& option, std::vector<std::string>& values, const std::string& type,
               const std::string& what) {
   add_option(command, option, values, what)->type_name(type)->allow_extra_args(false);
 }
 
 }  // namespace
 
-std::vector<const robot::OutputFormat*> chosen_formats(const RobotOptions& o) {
+std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) {
   std::vector<const robot::OutputFormat*> chosen;
-  for (const std::string& name : o.formats) check_name("format", name, format_names());
+  for (const std::string& name : o.formats) check_name("format", name, output_format_names());
   const std::vector<std::string> usual{"json", "csv", "curobo", "urdf", "srdf"};
   const std::vector<std::string>& wanted = o.formats.empty() ? usual : o.formats;
   for (const robot::OutputFormat& format : robot::output_formats()) {
@@ -90,14 +90,14 @@ std::vector<const robot::OutputFormat*> chosen_formats(const RobotOptions& o) {
   return chosen;
 }
 
-robot::FitOptions fit_options(const RobotOptions& o, const robot::Robot& robot) {
+robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
   robot::FitOptions fit{.total = o.total.value_or(0),
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
                         .visual = o.geometry == "visual",
                         .method = parse_method(o.method),
-                        .quality = quality_of(o),
+                        .quality = fit_quality(o),
                         .seed = o.seed,
                         .density = o.density,
                         .stop = {},
@@ -106,12 +106,12 @@ robot::FitOptions fit_options(const RobotOptions& o, const robot::Robot& robot) 
     const std::string& text = o.max_protrusion;
     if (text.back() == '%') {
       fit.max_protrusion_share =
-          number_in("--max-protrusion", text, std::string_view(text).substr(0, text.size() - 1)) / 100;
+          length_or_share("--max-protrusion", text, std::string_view(text).substr(0, text.size() - 1)) / 100;
     } else {
-      fit.max_protrusion = number_in("--max-protrusion", text, text);
+      fit.max_protrusion = length_or_share("--max-protrusion", text, text);
     }
   }
-  fit.spheres = o.spheres.value_or(o.max_protrusion.empty() ? default_spheres : 0);
+  fit.spheres = o.spheres.value_or(o.max_protrusion.empty() ? spheres_of_a_link : 0);
   std::vector<std::string> names;
   for (const robot::Link& link : robot.links) names.push_back(link.name);
   for (const std::string& text : o.links) {
@@ -149,7 +149,7 @@ robot::FitOptions fit_options(const RobotOptions& o, const robot::Robot& robot) 
   return fit;
 }
 
-void require_sense(const RobotOptions& o) {
+void require_sense(const RobotArguments& o) {
   check_name("geometry", o.geometry, {"collision", "visual"});
   for (const std::string& kind : o.tree_kinds) check_name("tree", kind, {"link", "robot"});
   if (o.total && o.spheres)
@@ -166,7 +166,7 @@ void require_sense(const RobotOptions& o) {
   require_folder_place(o.output);
 }
 
-std::vector<fs::path> package_paths(const RobotOptions& o) {
+std::vector<fs::path> package_paths(const RobotArguments& o) {
   std::vector<fs::path> paths(o.package_paths.begin(), o.package_paths.end());
   for (const fs::path& path : paths) {
     if (!fs::is_directory(path))
@@ -186,15 +186,15 @@ std::vector<fs::path> package_paths(const RobotOptions& o) {
   return paths;
 }
 
-bool wants_tree(const RobotOptions& o, std::string_view kind) {
+bool wants_tree(const RobotArguments& o, std::string_view kind) {
   return (o.trees && kind == "link") || std::find(o.tree_kinds.begin(), o.tree_kinds.end(), kind) != o.tree_kinds.end();
 }
 
-void add_robot_options(CLI::App& command, RobotOptions& o) {
+void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "ROBOT", o.robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
   add_option(command, "-o,--output", o.output, "Folder for the files")->type_name("DIR")->required();
   add_option(command, "--spheres", o.spheres,
-             fmt::format("Most spheres of a link; {} where nothing else is said", default_spheres))
+             fmt::format("Most spheres of a link; {} where nothing else is said", spheres_of_a_link))
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
   add_option(command, "--total", o.total, "Most spheres of the robot, shared by where they help most")
@@ -203,10 +203,10 @@ void add_robot_options(CLI::App& command, RobotOptions& o) {
   add_option(command, "--max-protrusion", o.max_protrusion,
              "As few spheres as needed for each to stick out by at most LENGTH, or by a share of each link's size: 1%")
       ->type_name("LENGTH");
-  add_list(command, "--link", o.links, "LINK=N",
+  add_repeatable(command, "--link", o.links, "LINK=N",
            "Most spheres of one link; may be repeated, as all that names links");
-  add_list(command, "--leave-out", o.left_out, "LINK", "No spheres for this link");
-  add_list(command, "--clip", o.clips, "LINK=X,Y,Z,D",
+  add_repeatable(command, "--leave-out", o.left_out, "LINK", "No spheres for this link");
+  add_repeatable(command, "--clip", o.clips, "LINK=X,Y,Z,D",
            "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
   add_option(command, "--clip-margin", o.clip_margin,
              "No sphere reaches beyond a clip plane; what is nearer to it than LENGTH is left out, too")
@@ -227,27 +227,27 @@ void add_robot_options(CLI::App& command, RobotOptions& o) {
   add_option(command, "--geometry", o.geometry, "Shapes to cover: collision or visual")
       ->type_name("NAME")
       ->capture_default_str();
-  add_list(command, "--package-path", o.package_paths, "DIR",
+  add_repeatable(command, "--package-path", o.package_paths, "DIR",
            "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and to which the new one adds")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples, "Configurations to look for links that never meet; 0: none")
       ->type_name("N")
-      ->transform(whole_number(0, most_samples))
+      ->transform(whole_number(0, most_pair_samples))
       ->capture_default_str();
-  add_list(command, "--tool", o.tools, "LINK", "Tool frame; otherwise the end of the longest chain");
-  add_list(command, "--format", o.formats, "NAME",
+  add_repeatable(command, "--tool", o.tools, "LINK", "Tool frame; otherwise the end of the longest chain");
+  add_repeatable(command, "--format", o.formats, "NAME",
            fmt::format("File to write, of {}; json, csv, curobo, urdf and srdf where none is named",
-                       fmt::join(format_names(), ", ")));
+                       fmt::join(output_format_names(), ", ")));
   add_flag(command, "--all-formats", o.all_formats, "Write all of these");
   add_flag(command, "--trees", o.trees, "Write every link's sphere tree and surface, too");
-  add_list(command, "--tree", o.tree_kinds, "NAME",
+  add_repeatable(command, "--tree", o.tree_kinds, "NAME",
            "link: as --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
   add_flag(command, "--page", o.page, "Write robot.html, too: the robot and its spheres, with a slider for every joint");
   add_option(command, "--keep", o.keep,
              "Earlier spheres.json, whose links keep their spheres but for those of --refit")
       ->type_name("FILE");
-  add_list(command, "--refit", o.refit, "LINK", "With --keep: fit this link anew");
+  add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link anew");
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();

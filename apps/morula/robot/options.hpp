@@ -13,7 +13,7 @@
 
 namespace morula::cli {
 
-struct RobotOptions {
+struct RobotArguments {
   std::string robot, output;
   std::optional<std::size_t> spheres, total;
   std::string max_protrusion;  // a length, or a share as "1%"
@@ -29,15 +29,15 @@ struct RobotOptions {
 };
 
 /// As options of `command`.
-void add_robot_options(CLI::App& command, RobotOptions& o);
+void add_robot_options(CLI::App& command, RobotArguments& o);
 /// Throws UsageError where options contradict each other, before anything is read.
-void require_sense(const RobotOptions& o);
-std::vector<const robot::OutputFormat*> chosen_formats(const RobotOptions& o);
+void require_sense(const RobotArguments& o);
+std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o);
 /// Throws UsageError for links that are not there, FileError for the file of --keep.
-robot::FitOptions fit_options(const RobotOptions& o, const robot::Robot& robot);
+robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot);
 /// Where packages are: what the user says, then where ROS says.
-std::vector<std::filesystem::path> package_paths(const RobotOptions& o);
+std::vector<std::filesystem::path> package_paths(const RobotArguments& o);
 /// kind: "link" or "robot".
-bool wants_tree(const RobotOptions& o, std::string_view kind);
+bool wants_tree(const RobotArguments& o, std::string_view kind);
 
 }  // namespace morula::cli

@@ -11,14 +11,14 @@ namespace morula::robot {
 
 namespace {
 
-constexpr std::uint32_t nowhere = 0xffffffffu;
+constexpr std::uint32_t no_place = 0xffffffffu;
 
 /// One half space of a mesh, its unused vertices left out.
 class Cutter {
  public:
   Cutter(const Mesh& mesh, const ClipPlane& plane, double offset) : mesh_(mesh) {
     for (const Vec3& p : mesh.positions) heights_.push_back(dot(plane.normal, p) - offset);
-    places_.assign(mesh.positions.size(), nowhere);
+    places_.assign(mesh.positions.size(), no_place);
   }
 
   Mesh run() {
@@ -44,13 +44,13 @@ class Cutter {
     return static_cast<std::uint32_t>(result_.positions.size() - 1);
   }
   std::uint32_t place(std::uint32_t vertex) {
-    if (places_[vertex] == nowhere) places_[vertex] = add(mesh_.positions[vertex]);
+    if (places_[vertex] == no_place) places_[vertex] = add(mesh_.positions[vertex]);
     return places_[vertex];
   }
   /// The point of an edge in the plane, the same whichever facet asks.
   std::uint32_t cut(std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
-    const auto [at, fresh] = cuts_.try_emplace({a, b}, nowhere);
+    const auto [at, fresh] = cuts_.try_emplace({a, b}, no_place);
     if (fresh) {
       const double share = heights_[a] / (heights_[a] - heights_[b]);
       at->second = add(mesh_.positions[a] + share * (mesh_.positions[b] - mesh_.positions[a]));
@@ -64,17 +64,6 @@ class Cutter {
   std::vector<std::uint32_t> places_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
-
-void add_ball(Mesh& to, const Sphere& s) {
-  Shape ball;
-  ball.kind = Shape::Kind::ellipsoid;
-  ball.size = 2 * s.radius * Vec3{1, 1, 1};
-  ball.origin.translation = s.center;
-  const Mesh mesh = surface_of({}, std::span(&ball, 1)).mesh;
-  const auto base = static_cast<std::uint32_t>(to.positions.size());
-  to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
-  for (const Facet& f : mesh.facets) to.facets.push_back({base + f[0], base + f[1], base + f[2]});
-}
 
 /// The surface that a leaf answers for.
 Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node) {
@@ -121,6 +110,20 @@ void divide_until(const std::function<bool(const Sphere&)>& stays, const Mesh& m
   built = std::move(fitted);
 }
 
+void append_mesh(Mesh& to, const Mesh& mesh) {
+  const auto base = static_cast<std::uint32_t>(to.positions.size());
+  to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
+  for (const Facet& f : mesh.facets) to.facets.push_back({base + f[0], base + f[1], base + f[2]});
+}
+
+Mesh ball_around(const Sphere& s) {
+  Shape ball;
+  ball.kind = Shape::Kind::ellipsoid;
+  ball.size = 2 * s.radius * Vec3{1, 1, 1};
+  ball.origin.translation = s.center;
+  return surface_of({}, std::span(&ball, 1)).mesh;
+}
+
 double reach_beyond(std::span<const Sphere> spheres, std::span<const ClipPlane> planes, double growth) {
   double most = 0;
   for (const Sphere& s : spheres) {
@@ -138,7 +141,7 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
     if (depth >= s.radius) {
       result.spheres.push_back(s);
     } else if (depth > -s.radius) {
-      add_ball(result.mesh, s);
+      append_mesh(result.mesh, ball_around(s));
     }
   }
   for (const ClipPlane& plane : planes) result.mesh = Cutter(result.mesh, plane, plane.offset + margin).run();

@@ -14,6 +14,11 @@ inline double reach_beyond(const Sphere& s, const ClipPlane& plane) {
 /// The most of it over all planes and spheres that are larger by `growth`; 0 or more.
 double reach_beyond(std::span<const Sphere> spheres, std::span<const ClipPlane> planes, double growth = 0);
 
+/// A polyhedron that contains the sphere.
+Mesh ball_around(const Sphere& s);
+/// Adds the vertices and facets of another mesh.
+void append_mesh(Mesh& to, const Mesh& mesh);
+
 /// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbours at the same
 /// point of an edge. The cut is left open. Spheres that a plane passes through become polyhedra around them first.
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);

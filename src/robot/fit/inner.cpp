@@ -33,14 +33,14 @@ struct Solid {
 };
 
 Mesh piece_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
-  constexpr std::uint32_t nowhere = 0xffffffffu;
-  std::vector<std::uint32_t> places(mesh.positions.size(), nowhere);
+  constexpr std::uint32_t unplaced = 0xffffffffu;
+  std::vector<std::uint32_t> places(mesh.positions.size(), unplaced);
   Mesh piece;
   for (const std::uint32_t facet : facets) {
     Facet corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& place = places[mesh.facets[facet][k]];
-      if (place == nowhere) {
+      if (place == unplaced) {
         place = static_cast<std::uint32_t>(piece.positions.size());
         piece.positions.push_back(mesh.positions[mesh.facets[facet][k]]);
       }
@@ -49,12 +49,6 @@ Mesh piece_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
     piece.facets.push_back(corners);
   }
   return piece;
-}
-
-void append(Mesh& to, const Mesh& mesh) {
-  const auto base = static_cast<std::uint32_t>(to.positions.size());
-  to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
-  for (const Facet& f : mesh.facets) to.facets.push_back({base + f[0], base + f[1], base + f[2]});
 }
 
 /// The closed pieces of a shape: each by itself where all face outwards, together where some are cavities of others.
@@ -76,7 +70,7 @@ std::vector<Solid> solids_of(const Mesh& given) {
   if (cavities && solids.size() > 1) {
     Solid together;
     for (const Solid& solid : solids) {
-      append(together.mesh, solid.mesh);
+      append_mesh(together.mesh, solid.mesh);
       together.area += solid.area;
     }
     solids.clear();

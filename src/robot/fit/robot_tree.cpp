@@ -5,14 +5,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robot/fit/clip.hpp"
+
 namespace morula::robot {
 
 namespace {
 
-void add(Mesh& to, const Mesh& mesh, const RigidTransform& at) {
-  const auto base = static_cast<std::uint32_t>(to.positions.size());
-  for (const Vec3& p : mesh.positions) to.positions.push_back(at(p));
-  for (const Facet& f : mesh.facets) to.facets.push_back({base + f[0], base + f[1], base + f[2]});
+void add_moved(Mesh& to, Mesh mesh, const RigidTransform& at) {
+  for (Vec3& p : mesh.positions) p = at(p);
+  append_mesh(to, mesh);
 }
 
 }  // namespace
@@ -24,14 +25,8 @@ RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
     const RigidTransform& at = poses[link.link];
     result.links.push_back(link.link);
     result.vertex_begin.push_back(result.mesh.positions.size());
-    add(result.mesh, link.surface.mesh, at);
-    for (const Sphere& s : link.surface.spheres) {
-      Shape ball;
-      ball.kind = Shape::Kind::ellipsoid;
-      ball.size = 2 * s.radius * Vec3{1, 1, 1};
-      ball.origin.translation = s.center;
-      add(result.mesh, surface_of(robot.file, std::span(&ball, 1)).mesh, at);
-    }
+    add_moved(result.mesh, link.surface.mesh, at);
+    for (const Sphere& s : link.surface.spheres) add_moved(result.mesh, ball_around(s), at);
   }
   result.vertex_begin.push_back(result.mesh.positions.size());
   return result;

@@ -20,7 +20,7 @@ double in_decimals(double value, int digits) {
 }
 
 /// direction: 1 outward, −1 inward.
-void round(std::vector<Sphere>& spheres, double direction) {
+void round_spheres(std::vector<Sphere>& spheres, double direction) {
   const double extent = extent_of(spheres);
   if (!(extent > 0)) return;
   const int digits = std::clamp(7 - static_cast<int>(std::floor(std::log10(extent))), 0, 30);
@@ -47,11 +47,11 @@ double extent_of(std::span<const Sphere> spheres) {
 }
 
 void round_outward(std::vector<Sphere>& spheres) {
-  round(spheres, 1);
+  round_spheres(spheres, 1);
 }
 
 void round_inward(std::vector<Sphere>& spheres) {
-  round(spheres, -1);
+  round_spheres(spheres, -1);
   spheres.erase(std::remove_if(spheres.begin(), spheres.end(), [](const Sphere& s) { return !(s.radius > 0); }),
                 spheres.end());
 }

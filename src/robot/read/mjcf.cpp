@@ -65,9 +65,9 @@ RigidTransform z_to(const Vec3& direction) {
   return RigidTransform::from_axis(axis, angle_of(sine, to.z));
 }
 
-class Reader {
+class MjcfReader {
  public:
-  Reader(const Xml& xml, const ReadOptions& options) : main_(xml), options_(options) {
+  MjcfReader(const Xml& xml, const ReadOptions& options) : main_(xml), options_(options) {
     files_[xml.root().GetDocument()] = &xml;
     robot().file = xml.file();
     robot().format = Robot::Format::mjcf;
@@ -723,7 +723,7 @@ class Reader {
 }  // namespace
 
 Robot read_mjcf(const Xml& xml, const ReadOptions& options) {
-  return Reader(xml, options).run();
+  return MjcfReader(xml, options).run();
 }
 
 }  // namespace morula::robot

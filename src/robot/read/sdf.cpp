@@ -18,9 +18,9 @@ using tinyxml2::XMLElement;
 
 constexpr double no_limit = 1e15;  // what files say that mean none
 
-class Reader {
+class SdfReader {
  public:
-  Reader(const Xml& xml, const ReadOptions& options) : xml_(xml), options_(options) {
+  SdfReader(const Xml& xml, const ReadOptions& options) : xml_(xml), options_(options) {
     robot().file = xml.file();
     robot().format = Robot::Format::sdf;
   }
@@ -487,7 +487,7 @@ class Reader {
 }  // namespace
 
 Robot read_sdf(const Xml& xml, const ReadOptions& options) {
-  return Reader(xml, options).run();
+  return SdfReader(xml, options).run();
 }
 
 }  // namespace morula::robot

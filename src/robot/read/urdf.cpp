@@ -14,7 +14,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-struct Reader {
+struct UrdfReader {
   const Xml& xml;
   const ReadOptions& options;
   Robot robot;
@@ -169,7 +169,7 @@ struct Reader {
 }  // namespace
 
 Robot read_urdf(const Xml& xml, const ReadOptions& options) {
-  Reader reader{xml, options, {}, {}, {}};
+  UrdfReader reader{xml, options, {}, {}, {}};
   reader.robot.file = xml.file();
   reader.robot.name = xml.text(xml.root(), "name");
   const auto each = [&](const char* name, const auto& read) {
