@@ -17,8 +17,8 @@
 namespace morula::test {
 namespace {
 
-const robot::Robot arm_robot = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
-const robot::Robot gripper_robot = robot::read_robot(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
+const robot::Robot the_arm = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
+const robot::Robot the_gripper = robot::read_robot(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
 
 /// By the parity of crossings along a ray that meets no edge of the meshes below.
 bool parity_inside(const Mesh& mesh, const Vec3& p) {
@@ -72,7 +72,7 @@ std::vector<Vec3> points_of(const Sphere& s, Random& random, int count = 60) {
 }
 
 TEST(InnerSpheres, every_one_is_inside_a_shape_of_its_link) {
-  for (const robot::Robot* robot : {&arm_robot, &gripper_robot}) {
+  for (const robot::Robot* robot : {&the_arm, &the_gripper}) {
     Random random(3);
     const robot::RobotSpheres fitted = robot::fit_spheres(*robot, {.spheres = 2, .inner = 6});
     for (const robot::LinkSpheres& link : fitted.links) {
@@ -92,18 +92,18 @@ TEST(InnerSpheres, every_one_is_inside_a_shape_of_its_link) {
 }
 
 TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {
-  const std::size_t palm = gripper_robot.find_link("palm"), forearm = arm_robot.find_link("forearm");
+  const std::size_t palm = the_gripper.find_link("palm"), forearm = the_arm.find_link("forearm");
   // The largest ball of a box touches its two nearest sides; that of a capsule has the capsule's radius.
   const auto largest = [](const robot::LinkSpheres& link) {
     double radius = 0;
     for (const Sphere& s : link.inner) radius = std::max(radius, s.radius);
     return radius;
   };
-  const robot::RobotSpheres gripper = robot::fit_spheres(gripper_robot, {.spheres = 2, .inner = 8});
+  const robot::RobotSpheres gripper = robot::fit_spheres(the_gripper, {.spheres = 2, .inner = 8});
   EXPECT_NEAR(largest(*gripper.of(palm)), 0.02, 2e-4);
   double before = 0;
   for (const std::size_t count : {1u, 4u, 16u}) {
-    const robot::RobotSpheres arm = robot::fit_spheres(arm_robot, {.spheres = 2, .inner = count});
+    const robot::RobotSpheres arm = robot::fit_spheres(the_arm, {.spheres = 2, .inner = count});
     const robot::LinkSpheres& link = *arm.of(forearm);
     EXPECT_NEAR(largest(link), 0.04, 4e-4);
     EXPECT_GT(link.inner_volume, before);
@@ -111,7 +111,7 @@ TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {
   }
   // Of the capsule's volume.
   EXPECT_GT(before, 0.9 * (std::numbers::pi * 0.04 * 0.04 * 0.2 + 4.0 / 3 * std::numbers::pi * 0.04 * 0.04 * 0.04));
-  EXPECT_EQ(robot::fit_spheres(arm_robot, {.spheres = 2}).inner_count(), 0u) << "none where none are asked for";
+  EXPECT_EQ(robot::fit_spheres(the_arm, {.spheres = 2}).inner_count(), 0u) << "none where none are asked for";
 }
 
 /// A cube about a centre as facets of an OBJ, each with vertices of its own; turned: facing inwards.
@@ -183,20 +183,20 @@ TEST(InnerSpheres, an_open_surface_has_no_inside_and_closed_ones_beside_it_do) {
 }
 
 TEST(InnerSpheres, files_have_them_in_the_place_of_those_that_cover) {
-  const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 2, .inner = 3});
+  const robot::RobotSpheres fitted = robot::fit_spheres(the_gripper, {.spheres = 2, .inner = 3});
   const robot::RobotSpheres inner = fitted.with_inner_spheres();
   ASSERT_EQ(inner.links.size(), 4u);
   for (const robot::LinkSpheres& link : inner.links) EXPECT_EQ(link.spheres, fitted.of(link.link)->inner);
   robot::OutputOptions options{.folder = "out", .inner = true};
   const robot::SelfCollision none;
   for (const robot::OutputFormat& format : robot::output_formats()) {
-    const std::string text = format.write({gripper_robot, inner, none, options}).at(0).bytes;
+    const std::string text = format.write({the_gripper, inner, none, options}).at(0).bytes;
     EXPECT_EQ(text.find("they are inside the links and do not cover them") != std::string::npos,
               text.starts_with("<?xml") || text.starts_with("#"))
         << format.name;
   }
   const auto json = nlohmann::json::parse(
-      robot::output_format("json")->write({gripper_robot, fitted, none, {.folder = "out"}}).at(0).bytes);
+      robot::output_format("json")->write({the_gripper, fitted, none, {.folder = "out"}}).at(0).bytes);
   EXPECT_EQ(json["links"][0]["inner_spheres"].size(), fitted.links[0].inner.size());
   EXPECT_EQ(json["links"][0]["inner_spheres"][0]["radius"], fitted.links[0].inner[0].radius);
 }
@@ -227,13 +227,13 @@ void expect_kept_is_covered(const robot::Robot& robot, const robot::LinkSpheres&
 
 TEST(ClipPlanes, what_is_kept_is_covered_and_the_rest_is_left_out) {
   for (const char* name : {"base", "shoulder", "elbow", "forearm", "flange"}) {
-    const std::size_t link = arm_robot.find_link(name);
+    const std::size_t link = the_arm.find_link(name);
     const robot::ClipPlane plane{normalized(Vec3{0.3, -0.2, 1}), 0.04};
     const robot::RobotSpheres fitted =
-        robot::fit_spheres(arm_robot, {.spheres = 6, .clip = {{name, {plane}}}});
+        robot::fit_spheres(the_arm, {.spheres = 6, .clip = {{name, {plane}}}});
     EXPECT_TRUE(fitted.covered());
-    expect_kept_is_covered(arm_robot, *fitted.of(link), plane, 0);
-    const robot::RobotSpheres whole = robot::fit_spheres(arm_robot, {.spheres = 6});
+    expect_kept_is_covered(the_arm, *fitted.of(link), plane, 0);
+    const robot::RobotSpheres whole = robot::fit_spheres(the_arm, {.spheres = 6});
     EXPECT_LT(fitted.of(link)->figures.solid.volume, whole.of(link)->figures.solid.volume) << name;
     double beyond = 0;
     for (const Sphere& s : fitted.of(link)->spheres) {
@@ -243,7 +243,7 @@ TEST(ClipPlanes, what_is_kept_is_covered_and_the_rest_is_left_out) {
     EXPECT_FALSE(whole.of(link)->figures.beyond_clip.has_value());
     // Others stay as they are.
     for (const robot::LinkSpheres& other : fitted.links) {
-      if (other.link != link) EXPECT_EQ(other.spheres, whole.of(other.link)->spheres);
+      EXPECT_TRUE(other.link == link || other.spheres == whole.of(other.link)->spheres);
     }
   }
 }
@@ -252,10 +252,10 @@ TEST(ClipPlanes, with_a_margin_no_sphere_reaches_beyond) {
   const std::vector<robot::ClipPlane> planes{{{0, 0, 1}, 0.0}, {{-1, 0, 0}, -0.12}};
   for (const double margin : {0.01, 0.03}) {
     const robot::RobotSpheres fitted = robot::fit_spheres(
-        arm_robot, {.spheres = 8, .clip = {{"base", planes}, {"elbow", planes}}, .clip_margin = margin, .inner = 5});
+        the_arm, {.spheres = 8, .clip = {{"base", planes}, {"elbow", planes}}, .clip_margin = margin, .inner = 5});
     EXPECT_TRUE(fitted.covered());
     for (const char* name : {"base", "elbow"}) {
-      const robot::LinkSpheres& link = *fitted.of(arm_robot.find_link(name));
+      const robot::LinkSpheres& link = *fitted.of(the_arm.find_link(name));
       EXPECT_EQ(link.figures.beyond_clip, 0.0);
       for (const robot::ClipPlane& plane : planes) {
         for (const std::vector<Sphere>* set : {&link.spheres, &link.inner}) {
@@ -269,7 +269,7 @@ TEST(ClipPlanes, with_a_margin_no_sphere_reaches_beyond) {
       }
       // Points that both planes keep.
       Random random(7);
-      const robot::LinkSurface whole = robot::surface_of(arm_robot.file, arm_robot.links[link.link].collision);
+      const robot::LinkSurface whole = robot::surface_of(the_arm.file, the_arm.links[link.link].collision);
       std::size_t checked = 0;
       for (std::size_t f = 0; f < whole.mesh.facet_count(); ++f) {
         const auto [a, b, c] = whole.mesh.corners(f);
@@ -290,17 +290,17 @@ TEST(ClipPlanes, with_a_margin_no_sphere_reaches_beyond) {
 
 TEST(ClipPlanes, a_link_beyond_gets_no_spheres_and_nonsense_is_refused) {
   const robot::RobotSpheres fitted = robot::fit_spheres(
-      gripper_robot, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, 1.0}}}}});
-  EXPECT_EQ(fitted.of(gripper_robot.find_link("palm")), nullptr);
+      the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, 1.0}}}}});
+  EXPECT_EQ(fitted.of(the_gripper.find_link("palm")), nullptr);
   ASSERT_EQ(fitted.notes.size(), 1u);
   EXPECT_NE(fitted.notes[0].find("link palm lies beyond its clip planes"), std::string::npos);
   // One that keeps all changes nothing.
-  const robot::RobotSpheres all = robot::fit_spheres(gripper_robot, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, -1.0}}}}});
-  const robot::RobotSpheres plain = robot::fit_spheres(gripper_robot, {.spheres = 3});
+  const robot::RobotSpheres all = robot::fit_spheres(the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, -1.0}}}}});
+  const robot::RobotSpheres plain = robot::fit_spheres(the_gripper, {.spheres = 3});
   for (const robot::LinkSpheres& link : plain.links) EXPECT_EQ(all.of(link.link)->spheres, link.spheres);
-  EXPECT_THROW(robot::fit_spheres(gripper_robot, {.clip = {{"nobody", {}}}}), std::invalid_argument);
-  EXPECT_THROW(robot::fit_spheres(gripper_robot, {.clip = {{"palm", {{{0, 0, 2}, 0}}}}}), std::invalid_argument);
-  EXPECT_THROW(robot::fit_spheres(gripper_robot, {.clip_margin = -1}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(the_gripper, {.clip = {{"nobody", {}}}}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(the_gripper, {.clip = {{"palm", {{{0, 0, 2}, 0}}}}}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(the_gripper, {.clip_margin = -1}), std::invalid_argument);
 }
 
 }  // namespace
