@@ -56,8 +56,7 @@ for (const name of ['arm', 'gripper']) {
         for (let vertex = begin; vertex < end; ++vertex) {
           const p = positions.subarray(3 * vertex, 3 * vertex + 3);
           const out = Math.min(...shown.map(([a, b, c, r]) => Math.hypot(p[0] - a, p[1] - b, p[2] - c) - r));
-          // A ball is drawn as a polyhedron around it.
-          check(out <= scene.tolerance + 0.004 * Math.max(...shown.map((s) => s[3])), `vertex ${vertex} of ${part.name} is ${out} outside`);
+          check(out <= scene.tolerance + 1e-7, `vertex ${vertex} of ${part.name} is ${out} outside`);
         }
         ++links;
       }

@@ -74,7 +74,7 @@ PageContent robot_page(const robot::Robot& robot, const robot::RobotSpheres& sph
                        const robot::SelfCollision& self_collision) {
   const std::vector<double> rest = robot::rest_values(robot);
   const std::vector<RigidTransform> poses = robot::link_poses(robot, rest);
-  robot::RobotMesh all = robot::mesh_of(robot, spheres, rest);
+  robot::RobotMesh all = robot::mesh_of(robot, spheres, rest, robot::RoundShapes::inside);
   PageContent content;
   content.title = robot.name;
   content.scenes.push_back(page_scene(spheres, poses, "spheres that cover"));

@@ -92,7 +92,12 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays, const Mesh&
       continue;
     }
     const Mesh region = region_mesh(mesh, built.cover, node);
-    add_what_stays(stays, region, build(region, options), options, depth + 1, spheres);
+    CoveredTree smaller = build(region, options);
+    // A region that is round may be covered best by one sphere. Those of an octree are as small as its cells.
+    if (smaller.tree.leaf_count() < 2 || depth >= 4) {
+      smaller = build(region, {.method = Method::octree, .depth = 1, .stop = options.stop});
+    }
+    add_what_stays(stays, region, smaller, options, depth + 1, spheres);
   }
 }
 
@@ -104,7 +109,7 @@ void divide_until(const std::function<bool(const Sphere&)>& stays, const Mesh& m
   four.spheres = 4;
   std::vector<Sphere> spheres;
   add_what_stays(stays, mesh, built, four, 0, spheres);
-  if (spheres.size() == built.tree.leaf_count()) return;
+  if (spheres == level_set_spheres(built.tree, built.tree.level_count() - 1)) return;
   CoveredTree fitted = cover(mesh, tree_over_balls(spheres), CoverOptions{.nested = true});
   fitted.report.complete = built.report.complete;
   built = std::move(fitted);
@@ -116,12 +121,12 @@ void append_mesh(Mesh& to, const Mesh& mesh) {
   for (const Facet& f : mesh.facets) to.facets.push_back({base + f[0], base + f[1], base + f[2]});
 }
 
-Mesh ball_around(const Sphere& s) {
+Mesh ball_mesh_of(const Sphere& s, RoundShapes round) {
   Shape ball;
   ball.kind = Shape::Kind::ellipsoid;
   ball.size = 2 * s.radius * Vec3{1, 1, 1};
   ball.origin.translation = s.center;
-  return surface_of({}, std::span(&ball, 1)).mesh;
+  return surface_of({}, std::span(&ball, 1), round).mesh;
 }
 
 double reach_beyond(std::span<const Sphere> spheres, std::span<const ClipPlane> planes, double growth) {
@@ -141,7 +146,7 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
     if (depth >= s.radius) {
       result.spheres.push_back(s);
     } else if (depth > -s.radius) {
-      append_mesh(result.mesh, ball_around(s));
+      append_mesh(result.mesh, ball_mesh_of(s, RoundShapes::around));
     }
   }
   for (const ClipPlane& plane : planes) result.mesh = Cutter(result.mesh, plane, plane.offset + margin).run();

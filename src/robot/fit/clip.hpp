@@ -14,8 +14,8 @@ inline double reach_beyond(const Sphere& s, const ClipPlane& plane) {
 /// The most of it over all planes and spheres that are larger by `growth`; 0 or more.
 double reach_beyond(std::span<const Sphere> spheres, std::span<const ClipPlane> planes, double growth = 0);
 
-/// A polyhedron that contains the sphere.
-Mesh ball_around(const Sphere& s);
+/// A polyhedron around the sphere, or inside of it.
+Mesh ball_mesh_of(const Sphere& s, RoundShapes round);
 /// Adds the vertices and facets of another mesh.
 void append_mesh(Mesh& to, const Mesh& mesh);
 
@@ -24,7 +24,7 @@ void append_mesh(Mesh& to, const Mesh& mesh);
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);
 
 /// Leaves that do not stay give way to smaller ones over the same part of the surface, which is built anew with these
-/// options and four spheres, again and again. After: every leaf stays, or there are too many of them.
+/// options and four spheres, or by an octree, again and again. After: every leaf stays, or there are too many of them.
 void divide_until(const std::function<bool(const Sphere&)>& stays, const Mesh& mesh, CoveredTree& built,
                   const BuildOptions& options);
 

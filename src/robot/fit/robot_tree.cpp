@@ -18,7 +18,7 @@ void add_moved(Mesh& to, Mesh mesh, const RigidTransform& at) {
 
 }  // namespace
 
-RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values) {
+RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values, RoundShapes balls) {
   const std::vector<RigidTransform> poses = link_poses(robot, values);
   RobotMesh result;
   for (const LinkSpheres& link : spheres.links) {
@@ -26,7 +26,7 @@ RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
     result.links.push_back(link.link);
     result.vertex_begin.push_back(result.mesh.positions.size());
     add_moved(result.mesh, link.surface.mesh, at);
-    for (const Sphere& s : link.surface.spheres) add_moved(result.mesh, ball_around(s), at);
+    for (const Sphere& s : link.surface.spheres) add_moved(result.mesh, ball_mesh_of(s, balls), at);
   }
   result.vertex_begin.push_back(result.mesh.positions.size());
   return result;
