@@ -172,7 +172,8 @@ def write_mesh(
 
 def _narrowed(frames: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32]]:
     """Spheres in single precision that contain the given ones."""
-    centers = frames[..., :3].astype(numpy.float32)
+    with numpy.errstate(over="ignore"):
+        centers = frames[..., :3].astype(numpy.float32)
     if not numpy.isfinite(centers).all():
         raise ValueError("spheres: a coordinate is too large for single precision, which USD holds")
     moved = numpy.linalg.norm(centers.astype(numpy.float64) - frames[..., :3], axis=-1)

@@ -63,7 +63,8 @@ def test_rounding_to_single_precision_keeps_cover(tmp_path):
     given[0] = (0, 0, 0, 0)
     given[1] = (1, 2, 3, 0.5)
     morula.usd.write_spheres(tmp_path / "s.usdc", given)
-    points = UsdGeom.Points(Usd.Stage.Open(str(tmp_path / "s.usdc")).GetPrimAtPath("/morula/spheres"))
+    stage = Usd.Stage.Open(str(tmp_path / "s.usdc"))
+    points = UsdGeom.Points(stage.GetPrimAtPath("/morula/spheres"))
     centers, widths = numpy.array(points.GetPointsAttr().Get()), numpy.array(points.GetWidthsAttr().Get())
     assert contain(centers, widths / 2, given)
     assert (widths[:2] == [0, 1]).all(), "what needs no rounding is not rounded"

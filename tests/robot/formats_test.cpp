@@ -399,6 +399,20 @@ TEST_F(Formats, a_file_may_be_included_from_beside_the_one_that_includes_it) {
   const robot::Robot r = mjcf("<body name='a'><include file='sub/one.xml'/></body>");
   ASSERT_EQ(r.links[0].collision.size(), 1u);
   EXPECT_EQ(r.links[0].collision[0].radius, 0.5);
+  write("a/parts/three.xml", "<mujocoinclude><geom size='0.25'/></mujocoinclude>");
+  EXPECT_EQ(mjcf("<body name='a'><include file='../parts/three.xml'/></body>").links[0].collision[0].radius, 0.25);
+}
+
+TEST_F(Formats, a_file_without_bodies_is_one_link_and_a_mesh_may_be_named_twice_alike) {
+  write("a/b/m/t.obj", tetrahedron);
+  const robot::Robot r = mjcf("<geom size='0.5'/><frame pos='1 0 0'><geom type='mesh' mesh='t'/></frame><geom type='plane' size='1 1 1'/>",
+                              "<asset><mesh file='m/t.obj'/><mesh file='m/t.obj'/></asset>");
+  ASSERT_EQ(r.links.size(), 1u);
+  EXPECT_EQ(r.links[0].name, "world");
+  ASSERT_EQ(r.links[0].collision.size(), 2u);
+  EXPECT_EQ(robot::link_poses(r, {}).size(), 1u);
+  EXPECT_EQ(r.notes.size(), 2u);
+  EXPECT_NE(words_of([&] { mjcf("<joint name='j'/><geom size='1'/>"); }).find("joint"), std::string::npos);
 }
 
 TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
@@ -452,9 +466,9 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {body(""), "<compiler coordinate='global'/>", "coordinate=\"global\" is not supported"},
       {body(""), "<compiler angle='grad'/>", "neither degree nor radian"},
       {body(""), "<compiler eulerseq='xy'/>", "three of the letters"},
-      {body(""), "<include file='../escape.xml'/>", "leaves the folder"},
+      {body(""), "<include file='../../escape.xml'/>", "leaves the folder"},
       {body(""), "<include file='/etc/passwd'/>", "leaves the folder"},
-      {body(""), "<include file='x/../../escape.xml'/>", "leaves the folder"},
+      {body(""), "<include file='x/../../../escape.xml'/>", "leaves the folder"},
       {body(""), "<include file='no.xml'/>", "is missing; searched"},
       {body(""), "<include/>", "<include> has no file"},
       {body(""), "<include file='twice.xml'/><include file='twice.xml'/>", "a second time"},

@@ -95,7 +95,7 @@ class MjcfReader {
     world.line = main_.root().GetLineNum();
     robot().links.push_back(std::move(world));
     each("worldbody", [&](const XMLElement& at) { add_children(at, 0, {}, "main", 0); });
-    if (robot().links.size() == 1) fail(main_.root(), "there is no <body> in a <worldbody>");
+    if (robot().links.size() == 1) take_world(sections);
     each("equality", [&](const XMLElement& at) { read_equalities(at); });
     drop_world();
     if (scenery_ > 0) {
@@ -137,8 +137,13 @@ class MjcfReader {
     if (const auto found = includes_.find(&at); found != includes_.end()) return *found->second;
     const std::string name = file_of(at).text(at, "file");
     const fs::path written(name);
-    if (written.is_absolute() || std::find(written.begin(), written.end(), "..") != written.end()) {
-      fail(at, fmt::format("file \"{}\" leaves the folder of the robot's file, which is not followed: copy it there",
+    // Descriptions that share parts lie side by side.
+    const auto leaves = [&](const fs::path& from) {
+      const fs::path way = (from / written).lexically_normal().lexically_relative(main_.file().parent_path());
+      return way.empty() || (*way.begin() == ".." && way.has_parent_path() && *std::next(way.begin()) == "..");
+    };
+    if (written.is_absolute() || leaves(main_.file().parent_path()) || leaves(file_of(at).file().parent_path())) {
+      fail(at, fmt::format("file \"{}\" leaves the folder around that of the robot's file, which is not followed: copy it there",
                            name));
     }
     // Relative to the robot's file, or to the one that includes it.
@@ -330,6 +335,7 @@ class MjcfReader {
     std::string file;
     Vec3 scale{1, 1, 1};
     RigidTransform before{};
+    bool operator==(const MeshAsset&) const = default;
   };
 
   void read_assets(const XMLElement& of) {
@@ -355,7 +361,8 @@ class MjcfReader {
       }
       mesh.before.translation = vector(e, "refpos", {});
       mesh.before = inverse(mesh.before);
-      if (!meshes_.emplace(name, std::pair{mesh, at}).second) fail(*at, fmt::format("there are two meshes {}", name));
+      const auto [known, fresh] = meshes_.emplace(name, std::pair{mesh, at});
+      if (!fresh && !(known->second.first == mesh)) fail(*at, fmt::format("there are two meshes {}", name));
     }
   }
 
@@ -682,9 +689,23 @@ class MjcfReader {
     }
   }
 
+  /// Of a file without bodies: a part or a prop, which others put somewhere.
+  void take_world(const std::vector<const XMLElement*>& sections) {
+    Body world{0, {}};
+    for (const XMLElement* at : sections) {
+      if (std::string_view(at->Name()) == "worldbody") add_own(*at, world, {}, "main", 0);
+    }
+    const Link& link = robot().links[0];
+    if (!world.movements.empty() || world.free) fail(main_.root(), "there is a joint of the world itself");
+    if (link.collision.empty() && link.visual.empty()) fail(main_.root(), "there is no <body> in a <worldbody>");
+    robot().notes.push_back("there is no body: geoms of the world itself are taken for the only link");
+    scenery_ = 0;
+  }
+
   /// The world is left out where the robot is one body in its origin, or a free one.
   void drop_world() {
     Robot& r = robot();
+    if (r.joints.empty()) return;
     const auto on_world = std::count_if(r.joints.begin(), r.joints.end(), [](const Joint& j) { return j.parent == 0; });
     const Joint& first = r.joints[0];
     const bool free = first.kind == Joint::Kind::floating;
