@@ -389,7 +389,7 @@ TEST_F(Formats, planes_are_left_out_and_meshes_stand_for_what_is_fitted_to_them)
   ASSERT_EQ(r.links[0].collision.size(), 2u);
   EXPECT_EQ(robot::surface_of(r.file, r.links[0].collision).mesh.positions[0], (Vec3{1, 2, 3}));
   ASSERT_EQ(r.notes.size(), 2u);
-  EXPECT_NE(r.notes[0].find("a plane in body a (line 4) has no end and is left out"), std::string::npos) << r.notes[0];
+  EXPECT_NE(r.notes[0].find("a plane in a (line 4) has no end and is left out"), std::string::npos) << r.notes[0];
   EXPECT_NE(r.notes[1].find("the capsule that MuJoCo fits to mesh t (line 4)"), std::string::npos) << r.notes[1];
 }
 
@@ -497,7 +497,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
   const std::vector<std::array<std::string, 2>> cases{
       {"", "there is no link"},
       {"<link/>", "<link> has no name"},
-      {"<link name='world'/>", "no name that may be given"},
+      {"<link name='world'><pose>1 0 0 0 0 0</pose></link>", "no name that may be given"},
       {"<link name='a'/><link name='a'/>", "two links a"},
       {"<link name='a'/><frame name='a'/>", "both called a"},
       {two, "both carried by no joint"},

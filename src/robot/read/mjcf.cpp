@@ -499,6 +499,12 @@ class MjcfReader {
       body.free = true;
       return;
     }
+    if (type == "fixed") {
+      // Not MuJoCo's: other simulators read it in its files. A body without a joint is fixed anyway.
+      robot().notes.push_back(fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is passed over",
+                                          robot().links[body.link].name, at.GetLineNum()));
+      return;
+    }
     if (type != "hinge" && type != "slide" && type != "ball") {
       fail(at, fmt::format("a joint is {}: hinge, slide, ball and free are known", type));
     }
@@ -592,8 +598,7 @@ class MjcfReader {
                              "and mesh are known",
                              type));
       }
-      robot().notes.push_back(fmt::format("a plane in body {} (line {}) has no end and is left out: nothing covers it",
-                                          link.name, at.GetLineNum()));
+      robot().notes.push_back(endless_plane_note(link.name, at.GetLineNum()));
       return;
     }
     if (type != "mesh" && e.find("mesh") != nullptr) {

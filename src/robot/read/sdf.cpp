@@ -176,7 +176,11 @@ class SdfReader {
 
   void add_frame(const XMLElement& at, std::string_view kind) {
     const std::string name = xml_.text(at, "name");
-    if (name == "world" || name.starts_with("__")) xml_.fail(at, fmt::format("{} is no name that may be given", name));
+    // A link of this name may stand where the model does, which is where others take it to be.
+    const bool stands_for_world = name == "world" && kind == "link" && relative_name(at).empty() && own_pose(at) == RigidTransform{};
+    if ((name == "world" && !stands_for_world) || name.starts_with("__")) {
+      xml_.fail(at, fmt::format("{} is no name that may be given", name));
+    }
     const auto [found, fresh] = frames_.emplace(name, Frame{.at = &at, .kind = kind});
     if (!fresh) {
       xml_.fail(at, found->second.kind == kind
@@ -304,6 +308,10 @@ class SdfReader {
     shape.origin = pose_in_link(of, link);
     const std::string_view kind = at->Name();
     if (kind == "empty") return;
+    if (kind == "plane") {
+      if (needed) robot().notes.push_back(endless_plane_note(link, at->GetLineNum()));
+      return;
+    }
     if (kind == "mesh") {
       shape.file_name = text(*at, "uri");
       shape.scale = vector(*at, "scale", {1, 1, 1});

@@ -37,6 +37,10 @@ int line_of(std::string_view bytes, std::size_t at) {
   return 1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
 }
 
+const char* xacro_hint(std::string_view value) {
+  return value.find("${") != value.npos || value.find("$(") != value.npos ? "; run xacro on the file first" : "";
+}
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
@@ -53,7 +57,9 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
-  const std::string bytes = bytes_of(file);
+  std::string bytes = bytes_of(file);
+  // Programs of C write the end of their text, too.
+  while (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
     fail_at(file, line_of(bytes, at),
             "entities are declared, and none are expanded here: write out what they stand for");
@@ -88,7 +94,7 @@ double Xml::number(const tinyxml2::XMLElement& at, const char* attribute) const 
   std::vector<double> numbers;
   const std::string value = text(at, attribute);
   if (!read_numbers(value, numbers) || numbers.size() != 1) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is no number", attribute, value, at.Name()));
+    fail(at, fmt::format("{}=\"{}\" of <{}> is no number{}", attribute, value, at.Name(), xacro_hint(value)));
   }
   return numbers[0];
 }
@@ -102,7 +108,7 @@ Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Ve
   if (value == nullptr) return fallback;
   std::vector<double> numbers;
   if (!read_numbers(value, numbers) || numbers.size() != 3) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers", attribute, value, at.Name()));
+    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers{}", attribute, value, at.Name(), xacro_hint(value)));
   }
   return {numbers[0], numbers[1], numbers[2]};
 }
