@@ -393,6 +393,21 @@ TEST_F(Formats, planes_are_left_out_and_meshes_stand_for_what_is_fitted_to_them)
   EXPECT_NE(r.notes[1].find("the capsule that MuJoCo fits to mesh t (line 4)"), std::string::npos) << r.notes[1];
 }
 
+TEST_F(Formats, what_other_programs_write_is_taken_with_a_note) {
+  const robot::Robot fixed = mjcf("<body name='a'><body name='b' pos='1 0 0'><joint type='fixed'/><geom size='1'/></body></body>");
+  EXPECT_EQ(origin_of(fixed, "b", {}), (Vec3{1, 0, 0}));
+  EXPECT_NE(fixed.notes.at(0).find("is fixed, which MuJoCo does not know"), std::string::npos);
+  // A plane, and a link called world that stands where the model does.
+  const robot::Robot arm_of_world =
+      sdf("<link name='world'/><link name='a'><pose>0 0 2 0 0 0</pose><collision name='c'><geometry><plane/></geometry></collision>"
+          "<collision name='d'><geometry><sphere><radius>1</radius></sphere></geometry></collision></link>"
+          "<joint name='j' type='fixed'><parent>world</parent><child>a</child></joint>");
+  ASSERT_EQ(arm_of_world.links.size(), 2u);
+  EXPECT_EQ(origin_of(arm_of_world, "a", {}), (Vec3{0, 0, 2}));
+  EXPECT_EQ(arm_of_world.links[arm_of_world.find_link("a")].collision.size(), 1u);
+  EXPECT_NE(arm_of_world.notes.at(0).find("a plane in a"), std::string::npos);
+}
+
 TEST_F(Formats, a_file_may_be_included_from_beside_the_one_that_includes_it) {
   write("a/b/sub/one.xml", "<mujocoinclude><include file='two.xml'/></mujocoinclude>");
   write("a/b/sub/two.xml", "<mujocoinclude><geom size='0.5'/></mujocoinclude>");
@@ -524,7 +539,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {"<link name='a'><pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose></link>", "a quaternion is 0"},
       {"<link name='a'><pose rotation_format='matrix'>0</pose></link>", "neither euler_rpy nor quat_xyzw"},
       {shape(""), "has no geometry"},
-      {shape("<plane/>"), "<plane> is no geometry"},
+      {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<polyline/>"), "<polyline> is no geometry"},
       {shape("<sphere><radius>0</radius></sphere>"), "not above 0"},

@@ -207,6 +207,7 @@ Robot read_urdf(const Xml& xml, const ReadOptions& options) {
   if (reader.robot.links.empty()) xml.fail(xml.root(), "there is no link");
   each("joint", [&](const XMLElement& at) { reader.add_joint(at); });
   each("joint", [&](const XMLElement& at) { reader.add_mimic(at); });
+  reader.robot.notes.insert(reader.robot.notes.end(), xml.notes().begin(), xml.notes().end());
   require_no_mimic_circle(reader.robot);
   arrange(reader.robot);
   return std::move(reader.robot);
