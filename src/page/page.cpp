@@ -27,7 +27,8 @@ constexpr int page_format = 1;
 const char* fault_of(const PageJoints& joints, std::size_t vertices) {
   const std::size_t parts = joints.parts.size();
   for (const PageJoints::Part& part : joints.parts) {
-    if (part.vertex_begin > part.vertex_end || part.vertex_end > vertices) return "a part has vertices that are not there";
+    if (part.vertex_begin > part.vertex_end || part.vertex_end > vertices)
+      return "a part has vertices that are not there";
   }
   std::vector<bool> carried(parts, false);
   for (std::size_t i = 0; i < joints.joints.size(); ++i) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Motions, modes, their coordinates, point caches, and files of balls and spheres. The first byte says which, the others
-// are the file: a .npy, .pc2 or .mdd, or a folder's files one after another, or the numbers that are written.
+// Motions, modes, their coordinates, point caches, and files of balls and spheres. The first byte says which, the
+// others are the file: a .npy, .pc2 or .mdd, or a folder's files one after another, or the numbers that are written.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -394,12 +394,14 @@ TEST_F(Formats, planes_are_left_out_and_meshes_stand_for_what_is_fitted_to_them)
 }
 
 TEST_F(Formats, what_other_programs_write_is_taken_with_a_note) {
-  const robot::Robot fixed = mjcf("<body name='a'><body name='b' pos='1 0 0'><joint type='fixed'/><geom size='1'/></body></body>");
+  const robot::Robot fixed =
+      mjcf("<body name='a'><body name='b' pos='1 0 0'><joint type='fixed'/><geom size='1'/></body></body>");
   EXPECT_EQ(origin_of(fixed, "b", {}), (Vec3{1, 0, 0}));
   EXPECT_NE(fixed.notes.at(0).find("is fixed, which MuJoCo does not know"), std::string::npos);
   // A plane, and a link called world that stands where the model does.
   const robot::Robot arm_of_world =
-      sdf("<link name='world'/><link name='a'><pose>0 0 2 0 0 0</pose><collision name='c'><geometry><plane/></geometry></collision>"
+      sdf("<link name='world'/><link name='a'><pose>0 0 2 0 0 0</pose><collision "
+          "name='c'><geometry><plane/></geometry></collision>"
           "<collision name='d'><geometry><sphere><radius>1</radius></sphere></geometry></collision></link>"
           "<joint name='j' type='fixed'><parent>world</parent><child>a</child></joint>");
   ASSERT_EQ(arm_of_world.links.size(), 2u);
@@ -420,8 +422,9 @@ TEST_F(Formats, a_file_may_be_included_from_beside_the_one_that_includes_it) {
 
 TEST_F(Formats, a_file_without_bodies_is_one_link_and_a_mesh_may_be_named_twice_alike) {
   write("a/b/m/t.obj", tetrahedron);
-  const robot::Robot r = mjcf("<geom size='0.5'/><frame pos='1 0 0'><geom type='mesh' mesh='t'/></frame><geom type='plane' size='1 1 1'/>",
-                              "<asset><mesh file='m/t.obj'/><mesh file='m/t.obj'/></asset>");
+  const robot::Robot r =
+      mjcf("<geom size='0.5'/><frame pos='1 0 0'><geom type='mesh' mesh='t'/></frame><geom type='plane' size='1 1 1'/>",
+           "<asset><mesh file='m/t.obj'/><mesh file='m/t.obj'/></asset>");
   ASSERT_EQ(r.links.size(), 1u);
   EXPECT_EQ(r.links[0].name, "world");
   ASSERT_EQ(r.links[0].collision.size(), 2u);

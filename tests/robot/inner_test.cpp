@@ -66,7 +66,8 @@ std::vector<Vec3> points_of(const Sphere& s, Random& random, int count = 60) {
   const auto radius = static_cast<double>(static_cast<float>(s.radius));
   std::vector<Vec3> points;
   for (int k = 0; k < count; ++k) {
-    points.push_back(center + radius * normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}));
+    points.push_back(center +
+                     radius * normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}));
   }
   return points;
 }
@@ -82,9 +83,9 @@ TEST(InnerSpheres, every_one_is_inside_a_shape_of_its_link) {
       EXPECT_GT(link.inner_volume, 0) << own.name;
       for (const Sphere& s : link.inner) {
         for (const Vec3& p : points_of(s, random)) {
-          EXPECT_TRUE(std::any_of(own.collision.begin(), own.collision.end(),
-                                  [&](const robot::Shape& shape) { return is_inside(*robot, shape, p); }))
-              << own.name;
+          EXPECT_TRUE(std::any_of(own.collision.begin(), own.collision.end(), [&](const robot::Shape& shape) {
+            return is_inside(*robot, shape, p);
+          })) << own.name;
         }
       }
     }
@@ -116,8 +117,18 @@ TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {
 
 /// A cube about a centre as facets of an OBJ, each with vertices of its own; turned: facing inwards.
 std::string cube(double half, const Vec3& center, bool turned, int& vertices, std::size_t facets = 12) {
-  constexpr std::array<std::array<int, 3>, 12> corners{{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                                                        {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}}};
+  constexpr std::array<std::array<int, 3>, 12> corners{{{0, 2, 3},
+                                                        {0, 3, 1},
+                                                        {4, 5, 7},
+                                                        {4, 7, 6},
+                                                        {0, 1, 5},
+                                                        {0, 5, 4},
+                                                        {2, 6, 7},
+                                                        {2, 7, 3},
+                                                        {0, 4, 6},
+                                                        {0, 6, 2},
+                                                        {1, 3, 7},
+                                                        {1, 7, 5}}};
   std::ostringstream text;
   for (std::size_t f = 0; f < facets; ++f) {
     for (const int c : corners[f]) {
@@ -133,9 +144,9 @@ std::string cube(double half, const Vec3& center, bool turned, int& vertices, st
 std::vector<Sphere> inner_of(const std::string& obj) {
   const ScratchFolder folder;
   folder.file("m.obj", obj);
-  const std::filesystem::path urdf = folder.file(
-      "r.urdf",
-      "<robot name='r'><link name='l'><collision><geometry><mesh filename='m.obj'/></geometry></collision></link></robot>");
+  const std::filesystem::path urdf = folder.file("r.urdf",
+                                                 "<robot name='r'><link name='l'><collision><geometry><mesh "
+                                                 "filename='m.obj'/></geometry></collision></link></robot>");
   return robot::fit_spheres(robot::read_robot(urdf), {.spheres = 1, .inner = 12}).links.at(0).inner;
 }
 
@@ -230,8 +241,7 @@ TEST(ClipPlanes, what_is_kept_is_covered_and_the_rest_is_left_out) {
   for (const char* name : {"base", "shoulder", "elbow", "forearm", "flange"}) {
     const std::size_t link = the_arm.find_link(name);
     const robot::ClipPlane plane{normalized(Vec3{0.3, -0.2, 1}), 0.04};
-    const robot::RobotSpheres fitted =
-        robot::fit_spheres(the_arm, {.spheres = 6, .clip = {{name, {plane}}}});
+    const robot::RobotSpheres fitted = robot::fit_spheres(the_arm, {.spheres = 6, .clip = {{name, {plane}}}});
     EXPECT_TRUE(fitted.covered());
     expect_kept_is_covered(the_arm, *fitted.of(link), plane, 0);
     const robot::RobotSpheres whole = robot::fit_spheres(the_arm, {.spheres = 6});
@@ -292,13 +302,14 @@ TEST(ClipPlanes, with_a_margin_no_sphere_reaches_beyond) {
 }
 
 TEST(ClipPlanes, a_link_beyond_gets_no_spheres_and_nonsense_is_refused) {
-  const robot::RobotSpheres fitted = robot::fit_spheres(
-      the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, 1.0}}}}});
+  const robot::RobotSpheres fitted =
+      robot::fit_spheres(the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, 1.0}}}}});
   EXPECT_EQ(fitted.of(the_gripper.find_link("palm")), nullptr);
   ASSERT_EQ(fitted.notes.size(), 1u);
   EXPECT_NE(fitted.notes[0].find("link palm lies beyond its clip planes"), std::string::npos);
   // One that keeps all changes nothing.
-  const robot::RobotSpheres all = robot::fit_spheres(the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, -1.0}}}}});
+  const robot::RobotSpheres all =
+      robot::fit_spheres(the_gripper, {.spheres = 3, .clip = {{"palm", {{{0, 0, 1}, -1.0}}}}});
   const robot::RobotSpheres plain = robot::fit_spheres(the_gripper, {.spheres = 3});
   for (const robot::LinkSpheres& link : plain.links) EXPECT_EQ(all.of(link.link)->spheres, link.spheres);
   EXPECT_THROW(robot::fit_spheres(the_gripper, {.clip = {{"nobody", {}}}}), std::invalid_argument);

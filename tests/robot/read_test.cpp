@@ -53,11 +53,13 @@ TEST(ReadRobot, what_readers_of_others_take_is_taken_with_a_note) {
   const ScratchFolder scratch;
   const std::filesystem::path file = scratch.path() / "a/b/c/odd.urdf";
   write(scratch.path() / "a/meshes/m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  write(file, std::string("<robot><link name='a'><collision><geometry><plane normal='0 0 1'/></geometry></collision>"
-                          "<collision><geometry><sphere radius='0'/></geometry></collision><collision><geometry>"
-                          "<mesh filename='/home/someone/ws/src/a/meshes/m.obj'/></geometry></collision></link><link name='b'/>"
-                          "<joint name='j' type='spherical'><parent link='a'/><child link='b'/><origin xyz='0.5, -1, 2.' rpy='0 0 0 9'/>"
-                          "<limit lower='-1.57.' upper='$(optenv NAME 1.5)'/></joint></robot>\n") +
+  write(file, std::string(
+                  "<robot><link name='a'><collision><geometry><plane normal='0 0 1'/></geometry></collision>"
+                  "<collision><geometry><sphere radius='0'/></geometry></collision><collision><geometry>"
+                  "<mesh filename='/home/someone/ws/src/a/meshes/m.obj'/></geometry></collision></link><link name='b'/>"
+                  "<joint name='j' type='spherical'><parent link='a'/><child link='b'/><origin xyz='0.5, -1, 2.' "
+                  "rpy='0 0 0 9'/>"
+                  "<limit lower='-1.57.' upper='$(optenv NAME 1.5)'/></joint></robot>\n") +
                   '\0');
   const robot::Robot read = robot::read_robot(file);
   EXPECT_EQ(read.name, "odd");

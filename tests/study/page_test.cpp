@@ -82,7 +82,8 @@ TEST(Page, joints_that_hold_nothing_together_are_refused) {
   scene.empty_share.clear();
   scene.parts.assign(scene.rest.child_count[0], 1);
   const std::size_t vertices = good.motions[0].frames[0].size();
-  PageJoints joints{.parts = {{.name = "a", .vertex_begin = 0, .vertex_end = 1}, {.name = "b"}, {.name = "c"}}, .joints = {}};
+  PageJoints joints{.parts = {{.name = "a", .vertex_begin = 0, .vertex_end = 1}, {.name = "b"}, {.name = "c"}},
+                    .joints = {}};
   joints.joints = {{.name = "j", .parent = 0, .child = 1}, {.name = "k", .parent = 1, .child = 2, .leader = 0}};
   joints.ignored = {{0, 1}};
   good.motions[0].joints = joints;

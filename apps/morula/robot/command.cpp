@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // morula robot: a robot's description to spheres for every link, in the files that others read.
+#include "shared/command.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,7 +17,6 @@
 #include "robot/options.hpp"
 #include "robot/page.hpp"
 #include "robot/report.hpp"
-#include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
@@ -30,8 +31,6 @@ namespace fs = std::filesystem;
 
 constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply", *inner_folder = "inner",
                      *page_file = "robot.html";
-
-
 
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
   std::string name = robot.links[link].name;
@@ -54,7 +53,8 @@ std::vector<robot::OutputFile> files_of(const robot::Description& description,
   return files;
 }
 
-/// The same with the inner spheres, in a folder of their own. Figures are of those that cover, and spheres.json has both.
+/// The same with the inner spheres, in a folder of their own. Figures are of those that cover, and spheres.json has
+/// both.
 std::vector<robot::OutputFile> inner_files_of(const robot::Description& d,
                                               const std::vector<const robot::OutputFormat*>& formats) {
   robot::OutputOptions options = d.options;

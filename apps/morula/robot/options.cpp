@@ -71,8 +71,8 @@ Quality fit_quality(const RobotArguments& o) {
   return parse_method(o.method) == Method::morula ? robot::FitOptions{}.quality : Quality::standard;
 }
 
-void add_repeatable(CLI::App& command, const std::string& option, std::vector<std::string>& values, const std::string& type,
-              const std::string& what) {
+void add_repeatable(CLI::App& command, const std::string& option, std::vector<std::string>& values,
+                    const std::string& type, const std::string& what) {
   add_option(command, option, values, what)->type_name(type)->allow_extra_args(false);
 }
 
@@ -204,10 +204,10 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
              "As few spheres as needed for each to stick out by at most LENGTH, or by a share of each link's size: 1%")
       ->type_name("LENGTH");
   add_repeatable(command, "--link", o.links, "LINK=N",
-           "Most spheres of one link; may be repeated, as all that names links");
+                 "Most spheres of one link; may be repeated, as all that names links");
   add_repeatable(command, "--leave-out", o.left_out, "LINK", "No spheres for this link");
   add_repeatable(command, "--clip", o.clips, "LINK=X,Y,Z,D",
-           "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
+                 "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
   add_option(command, "--clip-margin", o.clip_margin,
              "No sphere reaches beyond a clip plane; what is nearer to it than LENGTH is left out, too")
       ->type_name("LENGTH")
@@ -228,7 +228,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->type_name("NAME")
       ->capture_default_str();
   add_repeatable(command, "--package-path", o.package_paths, "DIR",
-           "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
+                 "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and to which the new one adds")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples, "Configurations to look for links that never meet; 0: none")
@@ -237,15 +237,15 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->capture_default_str();
   add_repeatable(command, "--tool", o.tools, "LINK", "Tool frame; otherwise the end of the longest chain");
   add_repeatable(command, "--format", o.formats, "NAME",
-           fmt::format("File to write, of {}; json, csv, curobo, urdf and srdf where none is named",
-                       fmt::join(output_format_names(), ", ")));
+                 fmt::format("File to write, of {}; json, csv, curobo, urdf and srdf where none is named",
+                             fmt::join(output_format_names(), ", ")));
   add_flag(command, "--all-formats", o.all_formats, "Write all of these");
   add_flag(command, "--trees", o.trees, "Write every link's sphere tree and surface, too");
   add_repeatable(command, "--tree", o.tree_kinds, "NAME",
-           "link: as --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
-  add_flag(command, "--page", o.page, "Write robot.html, too: the robot and its spheres, with a slider for every joint");
-  add_option(command, "--keep", o.keep,
-             "Earlier spheres.json, whose links keep their spheres but for those of --refit")
+                 "link: as --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
+  add_flag(command, "--page", o.page,
+           "Write robot.html, too: the robot and its spheres, with a slider for every joint");
+  add_option(command, "--keep", o.keep, "Earlier spheres.json, whose links keep their spheres but for those of --refit")
       ->type_name("FILE");
   add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link anew");
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))

@@ -47,7 +47,8 @@ PageJoints page_joints(const robot::Robot& robot, const robot::RobotSpheres& sph
 
 PageScene page_scene(const robot::RobotSpheres& spheres, const std::vector<RigidTransform>& poses,
                      const std::string& name) {
-  PageScene scene{.motion = 0, .tree = name, .rule = "joints", .rest = {}, .frames = {}, .measured = {}, .empty_share = {}};
+  PageScene scene{
+      .motion = 0, .tree = name, .rule = "joints", .rest = {}, .frames = {}, .measured = {}, .empty_share = {}};
   std::vector<Sphere> around, leaves;
   std::vector<std::uint32_t> counts;
   for (const robot::LinkSpheres& link : spheres.links) {

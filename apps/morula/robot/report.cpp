@@ -43,20 +43,19 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
     const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
     Json inertia = Json::array();
     for (const double entry : f.solid.inertia) inertia.push_back(scale * entry);
-    Json json(
-        {{"link", robot.links[link.link].name},
-         {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
-         {"facets", f.facets},
-         {"spheres", link.spheres.size()},
-         {"covered", f.covered},
-         {"gap", f.gap},
-         {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
-         {"object_volume", or_null(f.object_volume)},
-         {"outside_volume", or_null(f.outside_volume)},
-         {"union_volume", f.solid.volume},
-         {"mass", f.mass},
-         {"center_of_mass", {f.solid.center.x, f.solid.center.y, f.solid.center.z}},
-         {"inertia", inertia}});
+    Json json({{"link", robot.links[link.link].name},
+               {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
+               {"facets", f.facets},
+               {"spheres", link.spheres.size()},
+               {"covered", f.covered},
+               {"gap", f.gap},
+               {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
+               {"object_volume", or_null(f.object_volume)},
+               {"outside_volume", or_null(f.outside_volume)},
+               {"union_volume", f.solid.volume},
+               {"mass", f.mass},
+               {"center_of_mass", {f.solid.center.x, f.solid.center.y, f.solid.center.z}},
+               {"inertia", inertia}});
     if (f.beyond_clip) json["beyond_clip"] = *f.beyond_clip;
     if (spheres.inner_count() > 0) {
       json["inner_spheres"] = link.inner.size();

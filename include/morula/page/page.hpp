@@ -28,12 +28,12 @@ struct PageJoints {
     enum class Kind { fixed, turns, slides };
     std::string name;
     Kind kind = Kind::fixed;
-    std::size_t parent = 0, child = 0;   ///< parts
-    RigidTransform origin{};             ///< of the child in the parent, at 0
-    Vec3 axis{0, 0, 1};                  ///< unit, in the child
-    double lower = 0, upper = 0;         ///< radians or mesh units
-    double rest = 0;                     ///< its value in the motion's frame
-    std::optional<std::size_t> leader{}; ///< the joint whose value it follows: factor × that + offset
+    std::size_t parent = 0, child = 0;    ///< parts
+    RigidTransform origin{};              ///< of the child in the parent, at 0
+    Vec3 axis{0, 0, 1};                   ///< unit, in the child
+    double lower = 0, upper = 0;          ///< radians or mesh units
+    double rest = 0;                      ///< its value in the motion's frame
+    std::optional<std::size_t> leader{};  ///< the joint whose value it follows: factor × that + offset
     double factor = 1, offset = 0;
   };
   std::vector<Part> parts;
@@ -70,7 +70,7 @@ struct PageScene {
   /// Per frame and node: share of the sphere's volume outside the body, 0 to 1; empty when not measured.
   std::vector<std::vector<float>> empty_share;
   std::vector<std::vector<PageContact>> contacts{};  ///< per frame of the motion; empty when there is nothing to mark
-  std::vector<std::uint32_t> parts{};  ///< of a motion with joints: the part of each child of the root
+  std::vector<std::uint32_t> parts{};                ///< of a motion with joints: the part of each child of the root
 };
 
 /// At least one scene. The page shows the first, and lets the reader choose when there are more.

@@ -74,8 +74,8 @@ struct LinkSpheres {
 };
 
 struct RobotSpheres {
-  std::vector<LinkSpheres> links;   ///< those with shapes and not left out, in the robot's order
-  std::vector<std::string> notes;   ///< about links that are not among them
+  std::vector<LinkSpheres> links;  ///< those with shapes and not left out, in the robot's order
+  std::vector<std::string> notes;  ///< about links that are not among them
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Gmsh's .msh, versions 2.2, 4.0 and 4.1, text and binary: nodes in the order of the file, and the surface of the elements.
+// Gmsh's .msh, versions 2.2, 4.0 and 4.1, text and binary: nodes in the order of the file, and the surface of the
+// elements.
 #include <limits>
 #include <unordered_map>
 

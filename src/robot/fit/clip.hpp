@@ -19,8 +19,8 @@ Mesh ball_mesh_of(const Sphere& s, RoundShapes round);
 /// Adds the vertices and facets of another mesh.
 void append_mesh(Mesh& to, const Mesh& mesh);
 
-/// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbours at the same
-/// point of an edge. The cut is left open. Spheres that a plane passes through become polyhedra around them first.
+/// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbours at the
+/// same point of an edge. The cut is left open. Spheres that a plane passes through become polyhedra around them first.
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);
 
 /// Leaves that do not stay give way to smaller ones over the same part of the surface, which is built anew with these

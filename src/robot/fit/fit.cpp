@@ -241,8 +241,8 @@ class Fitter {
     }
     measure(link);
     if (o_.inner > 0) {
-      link.inner = inner_spheres(robot_.file, shapes_of(robot_.links[link.link]), planes_of(link), o_.inner, o_.seed,
-                                 o_.stop);
+      link.inner =
+          inner_spheres(robot_.file, shapes_of(robot_.links[link.link]), planes_of(link), o_.inner, o_.seed, o_.stop);
       if (o_.stop.stop_requested()) throw BuildStopped();
       link.inner_volume = union_mass(link.inner).volume;
       if (link.inner.empty()) {
@@ -349,8 +349,8 @@ class Fitter {
     if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
       figures.beyond_clip = reach_beyond(link.spheres, planes);
       if (o_.clip_margin > 0 && *figures.beyond_clip > 0) {
-        link.notes.push_back(
-            fmt::format("link {}: spheres reach beyond its clip planes; give a larger margin or less padding", name_of(link)));
+        link.notes.push_back(fmt::format(
+            "link {}: spheres reach beyond its clip planes; give a larger margin or less padding", name_of(link)));
       }
     }
     std::vector<double> protrusions;

@@ -112,7 +112,9 @@ std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::
   round_inward(chosen);
   const double allowance = float_allowance(extent_of(chosen));
   const auto is_inside = [&](const Sphere& s) {
-    const auto in_sphere = [&](const Sphere& o) { return distance(s.center, o.center) + s.radius + allowance <= o.radius; };
+    const auto in_sphere = [&](const Sphere& o) {
+      return distance(s.center, o.center) + s.radius + allowance <= o.radius;
+    };
     const auto in_solid = [&](const Solid& solid) { return solid.room(s) >= allowance; };
     return !(reach_beyond(std::span(&s, 1), planes, allowance) > 0) &&
            (std::any_of(own.begin(), own.end(), in_sphere) || std::any_of(solids.begin(), solids.end(), in_solid));

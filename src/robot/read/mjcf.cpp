@@ -143,8 +143,10 @@ class MjcfReader {
       return way.empty() || (*way.begin() == ".." && way.has_parent_path() && *std::next(way.begin()) == "..");
     };
     if (written.is_absolute() || leaves(main_.file().parent_path()) || leaves(file_of(at).file().parent_path())) {
-      fail(at, fmt::format("file \"{}\" leaves the folder around that of the robot's file, which is not followed: copy it there",
-                           name));
+      fail(at,
+           fmt::format(
+               "file \"{}\" leaves the folder around that of the robot's file, which is not followed: copy it there",
+               name));
     }
     // Relative to the robot's file, or to the one that includes it.
     fs::path path = (main_.file().parent_path() / written).lexically_normal();
@@ -501,8 +503,9 @@ class MjcfReader {
     }
     if (type == "fixed") {
       // Not MuJoCo's: other simulators read it in its files. A body without a joint is fixed anyway.
-      robot().notes.push_back(fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is passed over",
-                                          robot().links[body.link].name, at.GetLineNum()));
+      robot().notes.push_back(
+          fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is passed over",
+                      robot().links[body.link].name, at.GetLineNum()));
       return;
     }
     if (type != "hinge" && type != "slide" && type != "ball") {
@@ -604,8 +607,9 @@ class MjcfReader {
     if (type != "mesh" && e.find("mesh") != nullptr) {
       // The fit would depend on the version that fits. The mesh is what the robot is.
       if (needed) {
-        robot().notes.push_back(fmt::format("the {} that MuJoCo fits to mesh {} (line {}) is not made: the mesh itself is covered",
-                                            type, e.find("mesh"), at.GetLineNum()));
+        robot().notes.push_back(
+            fmt::format("the {} that MuJoCo fits to mesh {} (line {}) is not made: the mesh itself is covered", type,
+                        e.find("mesh"), at.GetLineNum()));
       }
       type = "mesh";
     }

@@ -18,7 +18,7 @@ namespace morula::robot {
 
 bool is_mujoco_mesh(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), 
+  std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (ending != ".msh") return false;
   std::ifstream stream(path, std::ios::binary);

@@ -177,7 +177,8 @@ class SdfReader {
   void add_frame(const XMLElement& at, std::string_view kind) {
     const std::string name = xml_.text(at, "name");
     // A link of this name may stand where the model does, which is where others take it to be.
-    const bool stands_for_world = name == "world" && kind == "link" && relative_name(at).empty() && own_pose(at) == RigidTransform{};
+    const bool stands_for_world =
+        name == "world" && kind == "link" && relative_name(at).empty() && own_pose(at) == RigidTransform{};
     if ((name == "world" && !stands_for_world) || name.starts_with("__")) {
       xml_.fail(at, fmt::format("{} is no name that may be given", name));
     }

@@ -72,8 +72,8 @@ Mesh cylinder_mesh(double radius, double length, RoundShapes round) {
 }
 
 /// Contains the capsule because it is convex and every plane of a facet is `radius` or more from the segment's ends.
-/// The meridians are polygons about the circle, and so are the parallels. The one inside has its corners on the capsule,
-/// which is convex, too.
+/// The meridians are polygons about the circle, and so are the parallels. The one inside has its corners on the
+/// capsule, which is convex, too.
 Mesh capsule_mesh(double radius, double length, RoundShapes round) {
   constexpr int quarter = around / 4;
   const bool inside = round == RoundShapes::inside;
@@ -131,7 +131,7 @@ Mesh mesh_of(const Shape& shape) {
                     "file of its own",
                     file.string(), shape.part));
   }
-  Mesh mesh = ending == ".dae"        ? read_collada(file, shape.part)
+  Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part)
               : is_mujoco_mesh(file) ? read_mujoco_mesh(file)
                                      : read_mesh(file);
   if (shape.part_centered) {

@@ -90,8 +90,9 @@ std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) con
   return value;
 }
 
-/// What is meant by numbers that are written as some readers take them: with commas, more of them than are needed, a point
-/// too many, or a variable of the environment with a value for where there is none. Nothing where it is not clear.
+/// What is meant by numbers that are written as some readers take them: with commas, more of them than are needed, a
+/// point too many, or a variable of the environment with a value for where there is none. Nothing where it is not
+/// clear.
 std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
                                        std::size_t count) const {
   std::string plain = value;
@@ -107,7 +108,8 @@ std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const cha
   numbers.resize(count);
   std::string taken;
   for (const double number : numbers) taken += fmt::format("{}{}", taken.empty() ? "" : " ", number);
-  notes_.push_back(fmt::format("{}=\"{}\" of <{}> (line {}) is read as {}", attribute, value, at.Name(), at.GetLineNum(), taken));
+  notes_.push_back(
+      fmt::format("{}=\"{}\" of <{}> (line {}) is read as {}", attribute, value, at.Name(), at.GetLineNum(), taken));
   return numbers;
 }
 

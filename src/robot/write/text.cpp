@@ -62,8 +62,7 @@ std::string xml_text(tinyxml2::XMLDocument& document, const Description& d) {
   if (document.FirstChild() == nullptr || document.FirstChild()->ToDeclaration() == nullptr) {
     document.InsertFirstChild(document.NewDeclaration());
   }
-  document.InsertAfterChild(document.FirstChild(),
-                            document.NewComment(fmt::format(" {} ", made_note(d)).c_str()));
+  document.InsertAfterChild(document.FirstChild(), document.NewComment(fmt::format(" {} ", made_note(d)).c_str()));
   tinyxml2::XMLPrinter printer;
   document.Print(&printer);
   return printer.CStr();
