@@ -497,7 +497,7 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
        "<equality><joint joint1='i' joint2='j'/><joint joint1='j' joint2='i'/></equality>", "follows itself"},
   };
   for (const auto& [inside, before, words] : cases) {
-    const std::string text = words_of([&] { mjcf(inside, before); });
+    const std::string text = words_of([&, &inside = inside, &before = before] { mjcf(inside, before); });
     EXPECT_NE(text.find(words), std::string::npos) << inside << before << "\n" << text;
     EXPECT_EQ(text.rfind(folder.path().string(), 0), 0u) << text;
   }
@@ -557,7 +557,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {shape("<mesh><uri>no.stl</uri><scale>0 1 1</scale></mesh>"), "scaled by 0"},
   };
   for (const auto& [body, words] : cases) {
-    const std::string text = words_of([&] { sdf(body); });
+    const std::string text = words_of([&, &body = body] { sdf(body); });
     EXPECT_NE(text.find(words), std::string::npos) << body << "\n" << text;
     EXPECT_EQ(text.rfind((folder.path() / "a/b/r.sdf").string() + ":", 0), 0u) << text;
   }

@@ -111,12 +111,14 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   return result;
 }
 
+std::string stem(const Side& side) {
+  return std::filesystem::path(side.name()).stem().string();
+}
+
 /// Two bodies' own options that were given, for refusals; nothing where there is none.
 std::string given_of_two(const CollideArguments& o) {
-  const std::vector<std::pair<const char*, bool>> all{{"--carry", o.carry},
-                                                      {"--priority", o.priority != "overlap"},
-                                                      {"--page", !o.page.empty()},
-                                                      {"--plot", !o.plot.empty()}};
+  const std::vector<std::pair<const char*, bool>> all{
+      {"--carry", o.carry}, {"--priority", o.priority != "overlap"}, {"--plot", !o.plot.empty()}};
   for (const auto& [name, given] : all)
     if (given) return name;
   return {};
@@ -144,6 +146,8 @@ int run_scene(const CollideArguments& o) {
                         .sph_origin = o.sph_origin,
                         .budget = o.budget,
                         .output = o.output,
+                        .page = o.page,
+                        .rule = o.rule,
                         .threads = o.threads,
                         .json = o.json});
 }
@@ -187,13 +191,7 @@ int collide_command(const CollideArguments& o) {
     require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
   require_plot_output(o.plot, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
-  if (!o.page.empty()) {
-    if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
-    if (const std::string ending = extension(o.page); ending != ".html" && ending != ".htm")
-      throw UsageError(fmt::format("--page {}: pages are written as .html", o.page));
-    require_output_place(o.page);
-    require_not_input(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
-  }
+  require_page(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   Workers workers = make_workers(o.threads);
   Side a(o.a, o.sph_origin, workers), b(o.b, o.sph_origin, workers);
   a.prepare(rules, workers);
@@ -208,14 +206,19 @@ int collide_command(const CollideArguments& o) {
   CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
   std::optional<CollidePage> page;
-  if (!o.page.empty()) page.emplace(a, b, o.rule);
+  if (!o.page.empty()) page.emplace(stem(a) + " and " + stem(b), std::vector{&a.collider(), &b.collider()}, o.rule);
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
       progress.update(static_cast<double>(frame) / static_cast<double>(count));
       frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
-      if (page) page->add(a, b, frames.back());
+      if (page) {
+        const CollidedFrame& found = frames.back();
+        std::vector<PageContact> marks;
+        add_marks(found.contacts, found.surfaces, marks);
+        page->add(found.name_a + ", " + found.name_b, std::move(marks));
+      }
     }
   }
   if (!o.output.empty()) {
@@ -296,7 +299,7 @@ void add_collide(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
       ->type_name("FILE");
-  add_option(*command, "--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
+  add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
       ->type_name("PAGE");
   add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
@@ -307,7 +310,8 @@ void add_collide(CLI::App& app, Run& run) {
       "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
       "200us\n"
       "  morula collide liver.obj tool.obj --exact -o pairs.csv\n"
-      "  morula collide --scene room.json --budget 1ms");
+      "  morula collide --scene room.json --budget 1ms\n"
+      "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });
 }
 
