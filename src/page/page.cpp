@@ -239,6 +239,7 @@ struct Packer {
                       {"measured", measured_json(scene)},
                       {"contacts", contact_counts},
                       {"parts", scene.parts},
+                      {"inside", scene.inside},
                       {"data", bytes_json(id, packed.bytes())}});
     elements += data_element(id, packed.bytes());
   }

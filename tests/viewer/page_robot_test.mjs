@@ -72,7 +72,16 @@ await claim('inner_spheres_are_shown_by_a_menu', () =>
     const before = await picture(page);
     await page.selectOption('#choose-tree', 'inner spheres');
     await settled(page);
-    check((await compare(before, await picture(page))).red > 0.02, 'inner spheres leave the surface bare, which is red');
+    const inner = await picture(page);
+    check(!(await page.isChecked('#show-body')), 'the body, which would hide them, is hidden');
+    const { changed, red } = await compare(before, inner);
+    check(changed > 0.02 && red < 0.002, 'they are smaller, and nothing is called bare');
+    await page.click('#show-body');
+    check((await compare(inner, await picture(page))).red < 0.002, 'with the body, too');
+    await page.selectOption('#choose-tree', 'spheres that cover');
+    await settled(page);
+    check(await page.isChecked('#show-body'), 'and it comes back');
+    equal((await compare(before, await picture(page))).changed, 0, 'pixels that stay changed');
   }));
 
 await claim('names_of_links_and_joints_are_text', async () => {

@@ -95,7 +95,10 @@ function start() {
   state.listen((changed) => {
     const has = (...names) => names.some((name) => changed.has(name));
     if (has('scene')) {
+      const wasInside = scene?.entry.inside === true;
       scene = sceneList.scene(state.get('scene'));
+      // The body would hide what is inside. Once all have heard of the scene.
+      if (wasInside !== (scene.entry.inside === true)) queueMicrotask(() => state.set({ body: wasInside }));
       const level = state.get('level');
       // The second level, which is few spheres and yet the body's shape, unless the reader chose one that is there.
       state.values.level = level < 0 || level >= scene.levelCount ? Math.min(2, scene.levelCount - 1) : level;
@@ -123,7 +126,7 @@ function start() {
     }
     if (stage) {
       if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
-      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare'));
+      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare') && !scene.entry.inside);
       if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
       if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);

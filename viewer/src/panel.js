@@ -219,7 +219,7 @@ export class Panel {
         );
       }
     }
-    if (state.get('bare') && state.get('body')) {
+    if (state.get('bare') && state.get('body') && !scene.entry.inside) {
       const share = scene.measured('bare_area', level, state.get('frame'));
       const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));

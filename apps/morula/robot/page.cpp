@@ -81,6 +81,7 @@ PageContent robot_page(const robot::Robot& robot, const robot::RobotSpheres& sph
   content.scenes.push_back(page_scene(spheres, poses, "spheres that cover"));
   if (spheres.inner_count() > 0) {
     content.scenes.push_back(page_scene(spheres.with_inner_spheres(), poses, "inner spheres"));
+    content.scenes.back().inside = true;
   }
   PageJoints joints = page_joints(robot, spheres, all, rest, self_collision);
   content.motions.push_back({.body = robot.name,

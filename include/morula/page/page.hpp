@@ -70,7 +70,8 @@ struct PageScene {
   /// Per frame and node: share of the sphere's volume outside the body, 0 to 1; empty when not measured.
   std::vector<std::vector<float>> empty_share;
   std::vector<std::vector<PageContact>> contacts{};  ///< per frame of the motion; empty when there is nothing to mark
-  std::vector<std::uint32_t> parts{};                ///< of a motion with joints: the part of each child of the root
+  bool inside = false;  ///< the spheres are inside the body: the page hides it first, and calls nothing bare
+  std::vector<std::uint32_t> parts{};  ///< of a motion with joints: the part of each child of the root
 };
 
 /// At least one scene. The page shows the first, and lets the reader choose when there are more.
