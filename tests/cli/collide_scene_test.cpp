@@ -65,7 +65,7 @@ TEST(CollideScene, tells_the_contacts_of_every_two_bodies_frame_by_frame) {
   EXPECT_EQ(middle["pairs"][1]["a"], "limb");
   EXPECT_EQ(middle["pairs"][1]["b"], "tool");
   EXPECT_TRUE(middle["pairs"][1]["began"]);
-  EXPECT_EQ(json["frames"][2]["ended"], nlohmann::json{middle["pairs"][1]["touch"]});
+  EXPECT_EQ(json["frames"][2]["ended"], nlohmann::json::array({middle["pairs"][1]["touch"]}));
   for (const auto& f : json["frames"])
     for (const auto& pair : f["pairs"]) contacts += pair["contacts"].get<std::size_t>();
   EXPECT_EQ(row_count(bench.read("contacts.csv")), 1 + contacts);
