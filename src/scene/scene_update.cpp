@@ -249,7 +249,7 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
         return;
       }
       work_[i]->updates_left_out = 0;
-      used_[i] = work_[i]->refine(options, share, true);
+      used_[i] = work_[i]->refine(options, share);
       spent += (now() - begin).count();
       ++pairs;
     });
