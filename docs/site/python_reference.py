@@ -13,7 +13,7 @@ def signature(node: ast.FunctionDef, is_method: bool) -> str:
     """name(arguments) -> result, without self."""
     text = ast.unparse(ast.FunctionDef(node.name, node.args, [ast.Pass()], [], node.returns, lineno=0))
     text = text.partition("def ")[2].rpartition(":\n")[0]
-    for long, short in (("morula.typing.", ""), ("collections.abc.", ""), ("typing.", ""), ("numpy.typing.", "")):
+    for long, short in (("morula.typing.", ""), ("morula._morula.", ""), ("collections.abc.", ""), ("typing.", ""), ("numpy.typing.", "")):
         text = text.replace(long, short)
     if is_method:
         text = text.replace("(self, ", "(", 1).replace("(self)", "()", 1)
@@ -100,6 +100,9 @@ def reference(root: pathlib.Path, stub: pathlib.Path) -> str:
     if not stub.exists():
         return head + "This site was made without the package: `cmake --build --preset release --target morula_python_stub` makes its stubs.\n"
     found = module_text(stub.read_text(encoding="utf-8"), "morula.")
+    robots = stub.with_name("robot.pyi")
+    if robots.exists():
+        found |= module_text(robots.read_text(encoding="utf-8"), "morula.robot.")
     for module, path in (("display", "morula."), ("studies", "morula."), ("batch", "morula.batch."), ("plot", "morula.plot."), ("ipctk", "morula.ipctk.")):
         source = (root / "python" / "morula" / f"{module}.py").read_text(encoding="utf-8")
         names = public_names(source) or {"Page", "page"}

@@ -70,7 +70,7 @@ def main():
         text = (ROOT / target).read_text()
         (folder / name).write_text(f"# {target}\n\n````{language}\n{text}````\n")
 
-    stub = ROOT / "build/release/python/morula/_morula.pyi"
+    stub = ROOT / "build/release/python/morula/_morula/__init__.pyi"
     (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
 
     if faults:

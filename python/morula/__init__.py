@@ -11,7 +11,7 @@
 True
 
 Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk`,
-`morula.usd` and `morula.batch` need packages of their own (matplotlib, ipctk, usd-core) and are imported when they are asked for.
+`morula.usd`, `morula.batch` and `morula.robot` are imported when they are asked for; the first three need packages of their own.
 """
 
 from __future__ import annotations
@@ -28,9 +28,12 @@ from .display import page as page
 from .studies import Study as Study
 from .studies import study as study
 
-__all__ = [name for name in dir(_morula) if not name.startswith("_")] + ["Page", "Study", "__version__", "page", "study"]
+# A module of the package, which says why where there are no robots.
+globals().pop("robot", None)
 
-_MODULES = ("batch", "ipctk", "plot", "typing", "usd")
+__all__ = [name for name in dir(_morula) if not name.startswith("_") and name != "robot"] + ["Page", "Study", "__version__", "page", "study"]
+
+_MODULES = ("batch", "ipctk", "plot", "robot", "typing", "usd")
 
 
 def __getattr__(name: str) -> Any:

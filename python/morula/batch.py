@@ -8,12 +8,15 @@ On a command line, and so in job arrays: python -m morula.batch meshes -o trees 
 
 A result is kept under a key of the mesh file's content, the options and the version, each file written whole or not at all. So a
 run that was killed goes on where it ended, with the same table in the end, and shards may share a folder.
+
+Manifests, meshes and outputs may be URLs of any file system that fsspec knows (`s3://bucket/meshes`), where it is installed.
 """
 
 from __future__ import annotations
 
 import argparse
 import concurrent.futures
+import contextlib
 import csv
 import hashlib
 import io
@@ -26,6 +29,7 @@ import sys
 import tarfile
 import tempfile
 import time
+import urllib.parse
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
@@ -34,9 +38,10 @@ from . import _morula
 if TYPE_CHECKING:
     from .typing import MeshLike
 
-__all__ = ["Row", "meshes_of", "run", "tree_of"]
+__all__ = ["RayExecutor", "Row", "meshes_of", "run", "tree_of"]
 
 Row = dict[str, Any]
+Name = Union[str, pathlib.Path]
 Manifest = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
 
 #: Columns of the table; those of levels are lists.
@@ -45,42 +50,132 @@ COLUMNS = (
 )
 
 
-def meshes_of(manifest: Manifest) -> list[pathlib.Path]:
+#: Where a file takes its name in one step; elsewhere, as in stores of objects, one appears whole by itself.
+_RENAMES = {"file", "local", "sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs", "arrow_hdfs"}
+
+
+class Place:
+    """A file or folder, on this machine or wherever fsspec reaches."""
+
+    def __init__(self, name: str | os.PathLike[str], storage_options: Mapping[str, Any] | None = None) -> None:
+        text = os.fspath(name)
+        self.options = dict(storage_options or {})
+        self.local: pathlib.Path | None = None
+        self._fs: Any = None
+        if text.startswith("file://"):
+            from urllib.request import url2pathname
+
+            text = url2pathname(urllib.parse.urlsplit(text).path)
+        if "://" not in text:
+            self.local = pathlib.Path(text)
+            self.name: Name = self.local
+            return
+        try:
+            import fsspec  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        except ImportError:
+            raise ImportError(f"{text}: only files of this machine can be used without fsspec: pip install fsspec") from None
+        self._fs, self._path = fsspec.core.url_to_fs(text, **self.options)
+        self.name = text if text.endswith("://") else text.rstrip("/")
+
+    def __truediv__(self, name: str) -> Place:
+        return Place(self.local / name if self.local is not None else f"{self.name}/{name}", self.options)
+
+    @property
+    def suffix(self) -> str:
+        return pathlib.PurePosixPath(str(self.name)).suffix.lower()
+
+    def absolute(self) -> str:
+        """For workers that stand in another folder."""
+        return os.path.abspath(self.local) if self.local is not None else str(self.name)
+
+    def parent(self) -> Place:
+        if self.local is not None:
+            return Place(self.local.parent)
+        above = str(self.name).rpartition("/")[0]
+        return Place(above + "/" if above.endswith(":/") else above, self.options)
+
+    def exists(self) -> bool:
+        return self.local.exists() if self.local is not None else bool(self._fs.exists(self._path))
+
+    def is_folder(self) -> bool:
+        return self.local.is_dir() if self.local is not None else bool(self._fs.isdir(self._path))
+
+    def make_folder(self) -> None:
+        if self.local is not None:
+            self.local.mkdir(parents=True, exist_ok=True)
+        else:
+            self._fs.makedirs(self._path, exist_ok=True)
+
+    def files(self) -> list[Name]:
+        """All below a folder, sorted."""
+        if self.local is not None:
+            return sorted(path for path in self.local.rglob("*") if not path.is_dir())
+        return sorted(str(self._fs.unstrip_protocol(path)) for path in self._fs.find(self._path))
+
+    def read(self) -> bytes:
+        if self.local is not None:
+            return self.local.read_bytes()
+        found: bytes = self._fs.cat_file(self._path)
+        return found
+
+    def write(self, content: str | bytes) -> None:
+        """Whole or not at all."""
+        data = content.encode() if isinstance(content, str) else content
+        mark = f"{socket.gethostname()}.{os.getpid()}.{time.monotonic_ns()}"
+        if self.local is not None:
+            beside = self.local.with_name(f".{self.local.name}.{mark}")
+            beside.write_bytes(data)
+            os.replace(beside, self.local)
+            return
+        kinds = self._fs.protocol if isinstance(self._fs.protocol, (list, tuple)) else (self._fs.protocol,)
+        if _RENAMES.isdisjoint(kinds):
+            self._fs.pipe_file(self._path, data)
+            return
+        folder, _, last = self._path.rpartition("/")
+        self._fs.pipe_file(f"{folder}/.{last}.{mark}", data)
+        self._fs.mv(f"{folder}/.{last}.{mark}", self._path)
+
+    def remove(self) -> None:
+        if self.local is not None:
+            self.local.unlink()
+        else:
+            self._fs.rm_file(self._path)
+
+
+def meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None = None) -> list[Name]:
     """Paths of meshes: of a folder, its mesh files by name; of a text file, a path per line; of a .csv, its column `mesh`.
 
-    Paths in a file are relative to it. Any other iterable is taken as it is.
+    Paths in a file are relative to it, and may be URLs. Any other iterable is taken as it is. Local ones are pathlib.Path.
     """
     if not isinstance(manifest, (str, os.PathLike)):
-        return [pathlib.Path(path) for path in manifest]
-    path = pathlib.Path(manifest)
-    if path.is_dir():
+        return [Place(path, storage_options).name for path in manifest]
+    place = Place(manifest, storage_options)
+    if place.is_folder():
         known = set(_morula.readable_mesh_extensions().split())
-        return sorted(p for p in path.rglob("*") if p.suffix.lower() in known)
-    with open(path, encoding="utf-8", newline="") as file:
-        if path.suffix.lower() == ".csv":
-            rows = csv.DictReader(file)
-            if "mesh" not in (rows.fieldnames or []):
-                raise ValueError(f"{path}: a column `mesh` is needed; there are {', '.join(rows.fieldnames or [])}")
-            names = [row["mesh"] for row in rows]
-        else:
-            names = [line.strip() for line in file if line.strip() and not line.startswith("#")]
-    return [path.parent / name for name in names]
+        return [path for path in place.files() if pathlib.PurePosixPath(path).suffix.lower() in known]
+    lines = io.StringIO(place.read().decode(), newline="")
+    if place.suffix == ".csv":
+        rows = csv.DictReader(lines)
+        if "mesh" not in (rows.fieldnames or []):
+            raise ValueError(f"{manifest}: a column `mesh` is needed; there are {', '.join(rows.fieldnames or [])}")
+        names = [row["mesh"] for row in rows]
+    else:
+        names = [line.strip() for line in lines if line.strip() and not line.startswith("#")]
+    folder = place.parent()
+    return [
+        Place(name, storage_options).name if "://" in name or os.path.isabs(name) else (folder / name).name for name in names
+    ]
 
 
-def key_of(mesh: pathlib.Path, options: Mapping[str, Any]) -> str:
+def key_of(mesh: str | os.PathLike[str], options: Mapping[str, Any], storage_options: Mapping[str, Any] | None = None) -> str:
     """Of the file's bytes, the options and the version; of the path where it cannot be read."""
+    place = Place(mesh, storage_options)
     try:
-        content = hashlib.sha256(mesh.read_bytes()).hexdigest()
+        content = hashlib.sha256(place.read()).hexdigest()
     except OSError:
         content = f"unreadable {mesh}"
-    what = json.dumps([content, mesh.suffix.lower(), dict(options), _morula.version], sort_keys=True)
+    what = json.dumps([content, place.suffix, dict(options), _morula.version], sort_keys=True)
     return hashlib.sha256(what.encode()).hexdigest()[:32]
-
-
-def _write_whole(path: pathlib.Path, content: str | bytes) -> None:
-    beside = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.{time.monotonic_ns()}")
-    beside.write_bytes(content.encode() if isinstance(content, str) else content)
-    os.replace(beside, path)
 
 
 def _build(task: Mapping[str, Any]) -> Row:
@@ -121,9 +216,47 @@ def _serve_task() -> None:
     json.dump(row, sys.stdout)
 
 
+def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
+    """A mesh from elsewhere, with the buffers of a .gltf."""
+    copy = folder / f"mesh{mesh.suffix}"
+    data = mesh.read()
+    copy.write_bytes(data)
+    if mesh.suffix == ".gltf":
+        for buffer in json.loads(data).get("buffers", []):
+            name = urllib.parse.unquote(buffer.get("uri", "data:"))
+            if name.startswith("data:") or name.startswith("/") or ".." in name.split("/"):
+                continue
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes((mesh.parent() / name).read())
+    return copy
+
+
 def one(task: Mapping[str, Any]) -> Row:
     """One mesh, in a process of its own; what an executor calls, here or elsewhere. Its row is on the disk when it returns."""
     start = time.perf_counter()
+    elsewhere = task.get("storage_options") or {}
+    mesh, tree = Place(task["mesh"], elsewhere), Place(task["tree"], elsewhere)
+    with tempfile.TemporaryDirectory() if mesh.local is None or tree.local is None else contextlib.nullcontext("") as scratch:
+        here = {name: value for name, value in task.items() if name != "storage_options"}
+        row: Row = {}
+        try:
+            if mesh.local is None:
+                here["mesh"] = os.fspath(_copy_here(mesh, pathlib.Path(scratch)))
+        except (OSError, ValueError) as fault:
+            row = {"status": "failed", "error": f"{mesh.name}: cannot be read: {fault}"}
+        if tree.local is None:
+            here["tree"] = os.path.join(scratch, "tree.morula")
+        row = row or _one_here(here)
+        if mesh.local is None and "error" in row:
+            row["error"] = row["error"].replace(str(here["mesh"]), str(mesh.name))
+        if tree.local is None and row["status"] == "ok":
+            tree.write(pathlib.Path(here["tree"]).read_bytes())
+    row["key"] = task["key"]
+    Place(task["row"], elsewhere).write(json.dumps({**row, "seconds": time.perf_counter() - start}))
+    return row
+
+
+def _one_here(task: Mapping[str, Any]) -> Row:
     try:
         done = subprocess.run(
             [sys.executable, "-m", "morula.batch", "--serve-task"], input=json.dumps(task), capture_output=True, text=True,
@@ -136,28 +269,28 @@ def one(task: Mapping[str, Any]) -> Row:
             row = {"status": "crashed", "error": f"exit code {done.returncode} {said[0]}".strip()}
     except subprocess.TimeoutExpired:
         row = {"status": "timed out", "error": f"more than {task['time_limit']} s"}
-    row["key"] = task["key"]
-    _write_whole(pathlib.Path(task["row"]), json.dumps({**row, "seconds": time.perf_counter() - start}))
     return row
 
 
-def _table(rows: list[Row], folder: pathlib.Path, name: str) -> None:
+def _table(rows: list[Row], folder: Place, name: str) -> None:
     """As CSV and JSON lines; as Parquet where pyarrow is installed. No times: an interrupted run has the same table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for row in rows:
         writer.writerow([json.dumps(v) if isinstance(v, list) else "" if v is None else v for v in map(row.get, COLUMNS)])
-    _write_whole(folder / f"{name}.csv", text.getvalue())
+    (folder / f"{name}.csv").write(text.getvalue())
     lines = [json.dumps({column: row.get(column) for column in COLUMNS}) + "\n" for row in rows]
-    _write_whole(folder / f"{name}.jsonl", "".join(lines))
+    (folder / f"{name}.jsonl").write("".join(lines))
     try:
         import pyarrow  # type: ignore[import-not-found,import-untyped,unused-ignore]
         import pyarrow.parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ImportError:
         return
     table = pyarrow.Table.from_pylist([{column: row.get(column) for column in COLUMNS} for row in rows])
-    pyarrow.parquet.write_table(table, folder / f"{name}.parquet")
+    packed = io.BytesIO()
+    pyarrow.parquet.write_table(table, packed)
+    (folder / f"{name}.parquet").write(packed.getvalue())
 
 
 def run(
@@ -172,6 +305,7 @@ def run(
     memory_limit_mb: int | None = None,
     retry: bool = False,
     archives: bool = False,
+    storage_options: Mapping[str, Any] | None = None,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> list[Row]:
     """A tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
@@ -180,7 +314,7 @@ def run(
         options: of build(), as a dict.
         jobs: so many processes at once.
         executor: anything that behaves as concurrent.futures does, in the place of `jobs`: of Dask
-            (`client.get_executor()`), mpi4py.futures, submitit. Workers need this package and the same file system. What a
+            (`client.get_executor()`), mpi4py.futures, submitit; RayExecutor() of Ray. Workers need this package and the same file system. What a
             worker that dies takes with it is a row with the status `lost`, unless the executor gives it to another; the
             next run tries it again.
         shard: (i, n): the i-th of n parts, from 1: every n-th mesh from the i-th on; its table is table-i-of-n.
@@ -188,6 +322,8 @@ def run(
         retry: meshes that failed are tried again; else their rows stay.
         archives: trees are packed into trees/KK.tar in the end, by the first two digits of their keys: for file systems that
             do not like many files. tree_of() reads them.
+        storage_options: of fsspec, for a manifest, meshes and an output that are URLs (`s3://bucket/meshes`). Workers read and
+            write there themselves; the mesh is built from a copy.
         progress: called with meshes done, all of them, and the seconds left, estimated.
 
     trees/KEY.morula are the trees, rows/KEY.json the rows with their times.
@@ -195,27 +331,27 @@ def run(
     index, count = shard
     if not 1 <= index <= count:
         raise ValueError(f"shard: {index}/{count}, but 1/{count} to {count}/{count} are needed")
-    folder = pathlib.Path(output)
-    (folder / "trees").mkdir(parents=True, exist_ok=True)
-    (folder / "rows").mkdir(exist_ok=True)
+    folder = Place(output, storage_options)
+    for name in ("trees", "rows"):
+        (folder / name).make_folder()
     options = dict(options or {})
-    meshes = meshes_of(manifest)[index - 1 :: count]
-    keys = [key_of(mesh, options) for mesh in meshes]
+    meshes = meshes_of(manifest, storage_options)[index - 1 :: count]
+    keys = [key_of(mesh, options, storage_options) for mesh in meshes]
 
     rows: dict[str, Row] = {}
     tasks: dict[str, dict[str, Any]] = {}
     for mesh, key in zip(meshes, keys):
         row_file = folder / "rows" / f"{key}.json"
         if key not in rows and row_file.exists():
-            row = json.loads(row_file.read_text(encoding="utf-8"))
+            row = json.loads(row_file.read())
             if row["status"] == "ok" or not retry:
                 rows[key] = row
         if key not in rows:
             tasks[key] = {
                 # Workers of an executor may stand in another folder.
-                "mesh": os.path.abspath(mesh), "options": options, "key": key, "row": os.path.abspath(row_file),
-                "tree": os.path.abspath(folder / "trees" / f"{key}.morula"), "time_limit": time_limit,
-                "memory_limit_mb": memory_limit_mb,
+                "mesh": Place(mesh, storage_options).absolute(), "options": options, "key": key, "row": row_file.absolute(),
+                "tree": (folder / "trees" / f"{key}.morula").absolute(), "time_limit": time_limit,
+                "memory_limit_mb": memory_limit_mb, "storage_options": dict(storage_options or {}),
             }
 
     start, total = time.perf_counter(), len(rows) + len(tasks)
@@ -246,6 +382,28 @@ def run(
     return table
 
 
+class RayExecutor:
+    """Tasks of Ray, as an executor for run() and morula.study(). options: of ray.remote, such as num_cpus.
+
+    Uses the Ray that runs already, or starts one here.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        import ray  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        if not ray.is_initialized():
+            ray.init()
+        self._remote = ray.remote(**{"num_cpus": 1, **options})(_call)
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> concurrent.futures.Future[Any]:
+        found: concurrent.futures.Future[Any] = self._remote.remote(function, *arguments).future()
+        return found
+
+
+def _call(function: Callable[..., Any], *arguments: Any) -> Any:
+    return function(*arguments)
+
+
 def _as_completed(futures: Iterable[Any]) -> Iterable[Any]:
     """In the order in which they end; of futures that are none of concurrent.futures, in the order given."""
     if all(isinstance(future, concurrent.futures.Future) for future in futures):
@@ -253,56 +411,62 @@ def _as_completed(futures: Iterable[Any]) -> Iterable[Any]:
     return list(futures)
 
 
-def _archive_of(folder: pathlib.Path, part: str, key: str) -> pathlib.Path:
-    return folder / (f"{part}-{key[:2]}.tar" if part else f"{key[:2]}.tar")
-
-
-def _pack(folder: pathlib.Path, part: str, keys: Iterable[str]) -> None:
+def _pack(folder: Place, part: str, keys: Iterable[str]) -> None:
     """Moves trees into archives, by the first two digits of their keys. The same bytes however often it was interrupted."""
-    found: dict[pathlib.Path, set[str]] = {}
+    found: dict[str, set[str]] = {}
     for key in keys:
         if (folder / f"{key}.morula").exists():
-            found.setdefault(_archive_of(folder, part, key), set()).add(key)
-    for archive, new in found.items():
-        trees = {f"{key}.morula": (folder / f"{key}.morula").read_bytes() for key in new}
+            found.setdefault(f"{part}-{key[:2]}.tar" if part else f"{key[:2]}.tar", set()).add(key)
+    for name, new in found.items():
+        archive = folder / name
+        trees = {f"{key}.morula": (folder / f"{key}.morula").read() for key in new}
         if archive.exists():
-            with tarfile.open(archive) as old:
+            with tarfile.open(fileobj=io.BytesIO(archive.read())) as old:
                 for member in old:
                     file = old.extractfile(member)
                     if file is not None and member.name not in trees:
                         trees[member.name] = file.read()
         text = io.BytesIO()
         with tarfile.open(fileobj=text, mode="w", format=tarfile.USTAR_FORMAT) as packed:
-            for name in sorted(trees):
-                member = tarfile.TarInfo(name)
-                member.size = len(trees[name])
-                packed.addfile(member, io.BytesIO(trees[name]))
-        _write_whole(archive, text.getvalue())
+            for tree in sorted(trees):
+                member = tarfile.TarInfo(tree)
+                member.size = len(trees[tree])
+                packed.addfile(member, io.BytesIO(trees[tree]))
+        archive.write(text.getvalue())
         for key in new:
-            (folder / f"{key}.morula").unlink()
+            (folder / f"{key}.morula").remove()
 
 
-def tree_of(output: str | os.PathLike[str], key: str, mesh: MeshLike) -> _morula.CoveredTree:
+def tree_of(
+    output: str | os.PathLike[str], key: str, mesh: MeshLike, *, storage_options: Mapping[str, Any] | None = None
+) -> _morula.CoveredTree:
     """The tree of a row, from its file or its archive. mesh: the one that it was built of.
 
     KeyError where there is no tree of this key.
     """
-    folder = pathlib.Path(output) / "trees"
+    folder = Place(output, storage_options) / "trees"
     file = folder / f"{key}.morula"
     if file.exists():
-        return _morula.read_covered_tree(file, mesh)
-    for archive in sorted(folder.glob(f"*{key[:2]}.tar")):
-        with tarfile.open(archive) as packed:
+        return _tree_in(file.read(), mesh)
+    for name in folder.files() if folder.exists() else []:
+        if not str(name).endswith(f"{key[:2]}.tar"):
+            continue
+        archive = Place(name, storage_options)
+        with tarfile.open(archive.local) if archive.local else tarfile.open(fileobj=io.BytesIO(archive.read())) as packed:
             try:
-                member = packed.extractfile(file.name)
+                member = packed.extractfile(f"{key}.morula")
             except KeyError:
                 continue
             assert member is not None
-            with tempfile.TemporaryDirectory() as scratch:
-                copy = pathlib.Path(scratch) / file.name
-                copy.write_bytes(member.read())
-                return _morula.read_covered_tree(copy, mesh)
+            return _tree_in(member.read(), mesh)
     raise KeyError(key)
+
+
+def _tree_in(data: bytes, mesh: MeshLike) -> _morula.CoveredTree:
+    with tempfile.TemporaryDirectory() as scratch:
+        copy = pathlib.Path(scratch) / "tree.morula"
+        copy.write_bytes(data)
+        return _morula.read_covered_tree(copy, mesh)
 
 
 def main() -> int:
@@ -332,7 +496,8 @@ def main() -> int:
         memory_limit_mb=given.memory_limit, retry=given.retry, archives=given.archives, progress=report,
     )
     failed = sum(row["status"] != "ok" for row in rows)
-    print(f"{len(rows)} meshes, {failed} of them failed: {pathlib.Path(given.output) / 'table.csv' if count == '1' else given.output}")
+    where = (Place(given.output) / "table.csv").name if count == "1" else given.output
+    print(f"{len(rows)} meshes, {failed} of them failed: {where}")
     return 1 if failed else 0
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""A broad phase for the IPC Toolkit: its candidates, found by Morula's surface tree.
+"""A broad phase for the IPC Toolkit: candidates found by Morula's surface tree.
 
 >>> candidates = ipctk.Candidates()
 >>> candidates.build(collision_mesh, vertices, inflation_radius, morula.ipctk.BroadPhase())
@@ -10,6 +10,7 @@ One object serves all frames of one mesh: its tree is made once and follows the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import ipctk  # type: ignore[import-not-found,import-untyped,unused-ignore]
@@ -32,8 +33,10 @@ class _Known:
         self._codes: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
         self._objects: NDArray[Any] = numpy.empty(0, object)
 
-    def of(self, first: NDArray[Any], second: NDArray[Any]) -> list[Any]:
-        """Candidates (first[i], second[i]), each pair once, in the order of both."""
+    def of(
+        self, first: NDArray[Any], second: NDArray[Any], may: Callable[[NDArray[Any], NDArray[Any]], NDArray[numpy.bool_]]
+    ) -> list[Any]:
+        """Candidates (first[i], second[i]), each pair once, in the order of both; may: which of them count, asked of new ones."""
         codes = first.astype(numpy.int64) << 32 | second
         codes.sort()
         objects = numpy.empty(len(codes), object)
@@ -44,28 +47,39 @@ class _Known:
             new = numpy.flatnonzero(~known)
         else:
             new = numpy.arange(len(codes))
-        made = numpy.empty(len(new), object)
-        made[:] = list(map(self._kind, (codes[new] >> 32).tolist(), (codes[new] & 0xFFFFFFFF).tolist()))
-        objects[new] = made
+        if len(new):
+            of_new = codes[new] >> 32, codes[new] & 0xFFFFFFFF
+            counts = may(*of_new)
+            made = numpy.empty(len(new), object)
+            made[counts] = list(map(self._kind, of_new[0][counts].tolist(), of_new[1][counts].tolist()))
+            objects[new] = made
         self._codes, self._objects = codes, objects
-        found: list[Any] = objects.tolist()
-        return found
+        return [found for found in objects.tolist() if found is not None]
+
+    def forget(self) -> None:
+        self._codes, self._objects = self._codes[:0], self._objects[:0]
 
 
 class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
-    """Pairs of edges, and of faces and vertices, whose boxes are near, static or swept.
+    """Pairs of edges, and of faces and vertices, that are within twice the inflation radius, or come so near in a step.
+
+    The toolkit's own find all whose boxes, enlarged by the radius, overlap: most of these are farther apart, and it looks at
+    them again. Collisions and collision-free steps are the same; `boxes=True` finds the same candidates, too.
 
     Triangle meshes in three dimensions, every edge and vertex of which is on a face. Pairs that share a vertex are left
-    out; `can_vertices_collide` is asked for what is left, unless it is the toolkit's own, which allows all.
+    out. The mesh's filter (`can_collide`) is asked about pairs that were not near in the call before; after changing it, call
+    forget().
     """
 
-    def __init__(self, workers: _morula.Workers | None = None) -> None:
+    def __init__(self, workers: _morula.Workers | None = None, *, boxes: bool = False) -> None:
         ipctk.BroadPhase.__init__(self)
         self._workers = workers
+        self._boxes = boxes
         self._surface: _morula.SurfaceTree | None = None
         self._faces: NDArray[Any] | None = None
+        self._edges: NDArray[Any] = numpy.empty((0, 2), numpy.int32)
         self._edge_of: NDArray[numpy.int64] = numpy.empty(0, numpy.int64)
-        self._found: _morula.FeaturePairs | None = None
+        self._found: _morula.FeaturePairs | _morula.ProximityPairs | _morula.SweptPairs | None = None
         self._radius = 0.0
         self._edge_edge = _Known(ipctk.EdgeEdgeCandidate)
         self._face_vertex = _Known(ipctk.FaceVertexCandidate)
@@ -91,6 +105,12 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
         """Forgets candidates; the tree stays, for the next frame."""
         self._found = None
 
+    def forget(self) -> None:
+        """Forgets what a filter said, too."""
+        self._found = None
+        self._edge_edge.forget()
+        self._face_vertex.forget()
+
     def _follow_topology(self, start: NDArray[Any], edges: NDArray[Any], faces: NDArray[Any]) -> None:
         if (
             self._surface is not None
@@ -109,22 +129,45 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
         ours = surface.edges.astype(numpy.int64) @ numpy.array([count, 1])
         if len(ours) != len(theirs) or not numpy.array_equal(theirs[order], ours):
             raise ValueError("edges: they have to be those of the faces; give other meshes to a broad phase of the toolkit's own")
-        self._surface, self._faces, self._edge_of = surface, numpy.array(faces), order
+        self._surface, self._faces, self._edges, self._edge_of = surface, numpy.array(faces), numpy.array(edges), order
+        self.forget()
 
     def _pairs(self, kind: _morula.PairKind) -> tuple[NDArray[Any], NDArray[Any]]:
         if self._surface is None:
             raise RuntimeError("nothing was built")
         if self._found is None:
             # The toolkit inflates both boxes.
-            self._found = _morula.swept_candidates(self._surface, distance=2 * self._radius, workers=self._workers)
+            distance = 2 * self._radius
+            if self._boxes:
+                self._found = _morula.swept_candidates(self._surface, distance=distance, workers=self._workers)
+            elif self._surface.is_step:
+                self._found = _morula.swept(self._surface, distance=distance, workers=self._workers)
+            else:
+                # A little farther than where the toolkit's distances, computed otherwise, could still be less.
+                self._found = _morula.proximity(self._surface, distance=distance * (1 + 1e-9), workers=self._workers)
         chosen = self._found.kind == int(kind)
         return self._found.a[chosen], self._found.b[chosen]
 
     def detect_edge_edge_candidates(self) -> list[Any]:
         a, b = self._pairs(_morula.PairKind.edge_edge)
         first, second = self._edge_of[a], self._edge_of[b]
-        return self._edge_edge.of(numpy.minimum(first, second), numpy.maximum(first, second))
+        return self._edge_edge.of(
+            numpy.minimum(first, second), numpy.maximum(first, second), lambda i, j: self._may(self._edges[i], self._edges[j])
+        )
 
     def detect_face_vertex_candidates(self) -> list[Any]:
         vertex, face = self._pairs(_morula.PairKind.vertex_facet)
-        return self._face_vertex.of(face, vertex)
+        assert self._faces is not None
+        faces = self._faces
+        return self._face_vertex.of(face, vertex, lambda f, v: self._may(faces[f], v[:, None]))
+
+    def _may(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[numpy.bool_]:
+        """Does the filter allow some vertex of a[i] to meet one of b[i]?"""
+        allows = self.can_vertices_collide
+        may = numpy.zeros(len(a), bool)
+        for j in range(b.shape[1]):
+            for i in range(a.shape[1]):
+                rest = numpy.flatnonzero(~may)
+                if len(rest):
+                    may[rest] = list(map(allows, a[rest, i].tolist(), b[rest, j].tolist()))
+        return may

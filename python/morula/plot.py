@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import _morula
 from .typing import FloatArray, MeshLike
 
-__all__ = ["levels_table", "looseness_curve", "looseness_of_motion", "spheres", "to_pyvista"]
+__all__ = ["levels_table", "looseness_curve", "looseness_of_motion", "spheres", "to_polyscope", "to_pyvista"]
 
 
 def _axes(axes: Any, **kind: Any) -> Any:
@@ -89,3 +89,23 @@ def to_pyvista(rows: FloatArray, *, steps: int = 16) -> Any:
     cloud = pyvista.PolyData(points[:, :3])
     cloud["radius"] = points[:, 3]
     return cloud.glyph(scale="radius", orient=False, factor=1.0, geom=pyvista.Sphere(1.0, theta_resolution=steps, phi_resolution=steps))
+
+
+def to_polyscope(shown: FloatArray | MeshLike, *, name: str = "Morula") -> Any:
+    """Spheres (n, 4), or a mesh, as a structure of Polyscope, which is returned; polyscope.init() comes before, show() after.
+
+    Spheres are a point cloud whose radii are true.
+    """
+    import polyscope  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+    try:
+        mesh = _morula.Mesh.of(shown)  # type: ignore[arg-type]
+    except TypeError:
+        rows = numpy.asarray(shown, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != 4:
+            raise ValueError(f"shown: an array of shape {rows.shape}, but spheres (n, 4) or a mesh are needed") from None
+        cloud = polyscope.register_point_cloud(name, rows[:, :3])
+        cloud.add_scalar_quantity("radius", rows[:, 3])
+        cloud.set_point_radius_quantity("radius", autoscale=False)
+        return cloud
+    return polyscope.register_surface_mesh(name, mesh.positions, mesh.facets)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol, Union
 
-__all__ = ["Array", "Budget", "ColliderLike", "FloatArray", "HasFaces", "MeshLike", "Shape", "Vector"]
+__all__ = ["Array", "Budget", "ColliderLike", "FloatArray", "HasFaces", "MeshLike", "Obstacle", "Shape", "Vector"]
 
 if TYPE_CHECKING:
     import datetime
@@ -41,7 +41,8 @@ if TYPE_CHECKING:
     #: Pair tests, or a time: "200us", "5ms", "1s".
     Budget = Union[int, datetime.timedelta, str, None]
     ColliderLike = Union[_morula.Collider, _morula.Body, _morula.RebuiltBody, _morula.PosedSpheres]
-    Shape = Union[_morula.HalfSpace, _morula.Capsule, Vector]
+    Shape = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, Vector]
+    Obstacle = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, _morula.DistanceField, Vector]
 else:
-    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Any
+    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Any
     HasFaces = object

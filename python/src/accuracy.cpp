@@ -169,6 +169,67 @@ void bind_accuracy(nb::module_& m) {
       nb::sig("def coverage(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
               "positions: morula.typing.FloatArray | None = None, *, workers: Workers | None = None) -> Coverage"),
       doc::coverage);
+  struct HeldMeter {
+    LoosenessMeter meter;
+    std::size_t vertex_count;
+
+    Positions positions_of(const PositionsGiven& given) const {
+      Positions positions(given.object, "positions");
+      if (positions.view().size() != vertex_count) {
+        throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
+                                    " rows, but the mesh has " + std::to_string(vertex_count) + " vertices");
+      }
+      return positions;
+    }
+  };
+  nb::class_<HeldMeter>(m, "LoosenessMeter", doc::LoosenessMeter)
+      .def(
+          "__init__",
+          [](HeldMeter* self, MeshGiven given) {
+            const auto mesh = mesh_of(given);
+            LoosenessMeter made = without_gil([&] { return LoosenessMeter(*mesh); });
+            new (self) HeldMeter{std::move(made), mesh->vertex_count()};
+          },
+          nb::arg("mesh"), doc::LoosenessMeter_LoosenessMeter)
+      .def(
+          "measure",
+          [](const HeldMeter& self, PositionsGiven given, ArrayGiven rows, int resolution,
+             std::optional<double> voxel_edge, Threads* workers) {
+            const Positions positions = self.positions_of(given);
+            const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+            const VoxelGrid grid = grid_of(resolution, voxel_edge);
+            return without_gil(
+                [&] { return self.meter.measure(positions.view(), spheres, grid, CallWorkers(workers)); });
+          },
+          nb::arg("positions"), nb::arg("spheres"), nb::kw_only(), nb::arg("resolution") = 192,
+          nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
+          with_arguments(doc::LoosenessMeter_measure, {{"resolution", grid_text}}).c_str())
+      .def(
+          "measure_open",
+          [](const HeldMeter& self, PositionsGiven given, ArrayGiven rows, int resolution,
+             std::optional<double> voxel_edge, Threads* workers) {
+            const Positions positions = self.positions_of(given);
+            const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+            const VoxelGrid grid = grid_of(resolution, voxel_edge);
+            return without_gil(
+                [&] { return self.meter.measure_open(positions.view(), spheres, grid, CallWorkers(workers)); });
+          },
+          nb::arg("positions"), nb::arg("spheres"), nb::kw_only(), nb::arg("resolution") = 192,
+          nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
+          with_arguments(doc::LoosenessMeter_measure_open, {{"resolution", grid_text}}).c_str())
+      .def_prop_ro(
+          "has_volume", [](const HeldMeter& self) { return self.meter.has_volume(); }, doc::LoosenessMeter_has_volume);
+  Record<BallProtrusion>(m, "BallProtrusion", "How far one ball sticks out of the object, between bounds.")
+      .field("lower", &BallProtrusion::lower, doc::BallProtrusion_lower)
+      .field("upper", &BallProtrusion::upper, doc::BallProtrusion_upper);
+  m.def(
+      "ball_protrusion",
+      [](const SignedDistance& object, Sphere ball, double tolerance) {
+        return without_gil([&] { return protrusion(object, ball, tolerance); });
+      },
+      nb::arg("object"), nb::arg("ball"), nb::arg("tolerance") = 1e-3,
+      (std::string("How far one ball sticks out of the object: protrusion() of C++ for one. ") + doc::protrusion)
+          .c_str());
   m.def(
       "protrusion",
       [](const SignedDistance& object, ArrayGiven rows, double tolerance, Threads* workers) {
@@ -176,7 +237,7 @@ void bind_accuracy(nb::module_& m) {
         return without_gil([&] { return protrusion(object, spheres, tolerance, CallWorkers(workers)); });
       },
       nb::arg("object"), nb::arg("spheres"), nb::arg("tolerance") = 1e-2, nb::arg("workers") = nb::none(),
-      (std::string("How far spheres stick out of the object, proven. ") + doc::protrusion).c_str());
+      (std::string("How far spheres stick out of the object, proven. ") + doc::protrusion_2).c_str());
 }
 
 }  // namespace morula::python

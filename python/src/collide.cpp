@@ -106,13 +106,17 @@ void reach_by(CollideOptions& options, const std::vector<const Side*>& sides) {
   };
 }
 
+struct FrontPairs {
+  std::vector<FrontPair> rows;
+};
+
 /// A query about several pairs, with the colliders that it borrows.
 struct HeldQuery {
   ContactQuery query;
   CollideOptions options;
   bool reach = false;
   std::vector<std::shared_ptr<Side>> sides;
-  std::mutex mutex;
+  mutable std::mutex mutex;
 
   std::vector<const Side*> all() const {
     std::vector<const Side*> found;
@@ -234,6 +238,23 @@ void bind_contact_query(nb::module_& m) {
       {"exact", doc::CollideOptions_exact},
       {"containment", doc::CollideOptions_containment},
       {"reach", "brings nodes of lazily updated bodies up to date where the query goes"}};
+  nb::enum_<FrontPair::State>(m, "FrontPairState", nb::is_arithmetic(), "What is known of a pair of the cut.")
+      .value("separated", FrontPair::State::separated)
+      .value("finished", FrontPair::State::finished)
+      .value("waiting", FrontPair::State::waiting);
+  Record<FrontPairs>(m, "FrontPairs", "The complete cut of a query: pairs of nodes.")
+      .property("pair", MORULA_COLUMN(FrontPairs, rows, pair), "(n,) uint32: which pair of bodies.")
+      .property("node_a", MORULA_COLUMN(FrontPairs, rows, a), "(n,) uint32.")
+      .property("node_b", MORULA_COLUMN(FrontPairs, rows, b), "(n,) uint32.")
+      .property(
+          "state",
+          [](nb::handle self) {
+            const auto& all = nb::cast<const FrontPairs&>(self).rows;
+            const auto* first = all.empty() ? nullptr : reinterpret_cast<const std::uint8_t*>(&all[0].state);
+            return column<FrontPair>(std::span<const FrontPair>(all), first, self);
+          },
+          "(n,) uint8: morula.FrontPairState of each.")
+      .table([](const FrontPairs& self) { return self.rows.size(); });
   nb::class_<HeldQuery>(m, "ContactQuery", doc::ContactQuery)
       .def(
           "__init__",
@@ -327,7 +348,19 @@ void bind_contact_query(nb::module_& m) {
               return self.query.surface(contact);
             })}};
           },
-          nb::arg("contact"), doc::ContactQuery_surface);
+          nb::arg("contact"), doc::ContactQuery_surface)
+      .def(
+          "cut",
+          [](const HeldQuery& self) {
+            FrontPairs cut;
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              const Reading reading(self.all());
+              self.query.cut(cut.rows);
+            });
+            return cut;
+          },
+          doc::ContactQuery_cut);
 
   m.def(
       "collide",
@@ -367,6 +400,53 @@ void bind_contact_query(nb::module_& m) {
         })};
       },
       nb::arg("a"), nb::arg("b"), doc::CrossingQuery_run);
+  struct HeldCrossings {
+    CrossingQuery query;
+    std::mutex mutex;
+  };
+  nb::class_<HeldCrossings>(m, "CrossingQuery", doc::CrossingQuery)
+      .def(nb::init<>())
+      .def(
+          "run",
+          [](HeldCrossings& self, ColliderGiven ga, ColliderGiven gb, nb::handle nodes) {
+            const auto a = side_of(ga, "a"), b = side_of(gb, "b");
+            std::vector<NodePair> pairs;
+            if (!nodes.is_none()) {
+              if (!PyTuple_Check(nodes.ptr()) || PyTuple_Size(nodes.ptr()) != 2)
+                throw nb::type_error(
+                    ("nodes: " + describe(nodes) + ", but None or a tuple (nodes_a, nodes_b) of two arrays is needed")
+                        .c_str());
+              const auto of_a = indices_of(nb::object(nodes[0]), "nodes[0]"),
+                         of_b = indices_of(nb::object(nodes[1]), "nodes[1]");
+              if (of_a.size() != of_b.size()) throw std::invalid_argument("nodes: both need the same length");
+              for (std::size_t i = 0; i < of_a.size(); ++i) pairs.push_back({of_a[i], of_b[i]});
+            }
+            Crossings found;
+            const bool all = nodes.is_none();
+            const Status status = without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              const Reading reading({a.get(), b.get()});
+              const Status asked =
+                  all ? self.query.run(a->current(), b->current()) : self.query.run(a->current(), b->current(), pairs);
+              if (asked) found.pairs.assign(self.query.pairs().begin(), self.query.pairs().end());
+              return asked;
+            });
+            require(status);
+            return found;
+          },
+          nb::arg("a"), nb::arg("b"), nb::arg("nodes") = nb::none(),
+          nb::sig("def run(self, a: morula.typing.ColliderLike, b: morula.typing.ColliderLike, "
+                  "nodes: tuple[morula.typing.Array, morula.typing.Array] | None = None) -> Crossings"),
+          with_arguments(doc::CrossingQuery_run, {{"nodes", doc::CrossingQuery_run_2}}).c_str())
+      .def_prop_ro(
+          "leaf_pairs", [](const HeldCrossings& self) { return self.query.leaf_pairs(); },
+          doc::CrossingQuery_leaf_pairs)
+      .def_prop_ro(
+          "facets_read", [](const HeldCrossings& self) { return self.query.facets_read(); },
+          doc::CrossingQuery_facets_read)
+      .def_prop_ro(
+          "pairs_tested", [](const HeldCrossings& self) { return self.query.pairs_tested(); },
+          doc::CrossingQuery_pairs_tested);
   m.def(
       "walk_pairs",
       [](ColliderGiven ga, ColliderGiven gb, nb::callable visit, std::optional<std::uint32_t> level, double margin) {
@@ -497,7 +577,8 @@ void bind_primitives(nb::module_& m) {
       },
       nb::arg("body"), nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
       nb::arg("any") = false, nb::arg("list") = false,
-      with_arguments("Does the body's surface touch a half space, a capsule or a sphere (x, y, z, radius), and where?",
+      with_arguments("Does the body's surface touch a half space, a capsule, a ConvexHull or a sphere (x, y, z, "
+                     "radius), and where?",
                      {{"margin", doc::TouchOptions_margin},
                       {"nearest", doc::TouchOptions_nearest},
                       {"any", doc::TouchOptions_any},

@@ -249,6 +249,12 @@ void bind_transform(nb::module_& m) {
           "__call__", [](const RigidTransform& self, Vec3 p) { return self(p); }, nb::arg("point"))
       .def("inverse", [](const RigidTransform& self) { return inverse(self); })
       .def(
+          "turn", [](const RigidTransform& self, Vec3 v) { return self.turn(v); }, nb::arg("v"),
+          "The rotation alone: of a direction.")
+      .def(
+          "turn_back", [](const RigidTransform& self, Vec3 v) { return self.turn_back(v); }, nb::arg("v"),
+          doc::RigidTransform_turn_back)
+      .def(
           "__eq__",
           [](const RigidTransform& a, nb::handle other) {
             return nb::isinstance<RigidTransform>(other) && a == nb::cast<const RigidTransform&>(other);
@@ -261,6 +267,8 @@ void bind_transform(nb::module_& m) {
       .def("__repr__", [](nb::handle self) {
         return "RigidTransform(" + nb::cast<std::string>(nb::repr(self.attr("matrix").attr("tolist")())) + ")";
       });
+  m.def("deviation_from_rigid", &deviation_from_rigid, nb::arg("t"), doc::deviation_from_rigid);
+  m.attr("largest_rigid_deviation") = largest_rigid_deviation;
   m.def("relative_to", &relative_to, nb::arg("base"), nb::arg("p"), doc::relative_to);
 }
 

@@ -40,7 +40,15 @@ NB_MODULE(_morula, m) {
   bind_collide(m);
   bind_scene(m);
   bind_surface(m);
+  bind_obstacles(m);
+  bind_solids(m);
+  bind_topology(m);
+  bind_grains(m);
   bind_io(m);
+  bind_files(m);
+#ifdef MORULA_PYTHON_ROBOT
+  bind_robots(m);
+#endif
   bind_page(m);
 #ifdef MORULA_PYTHON_COMMAND
   bind_command(m);

@@ -40,8 +40,6 @@ Skin skin_of(nb::handle given, const char* name) {
   return skin;
 }
 
-namespace {
-
 AffineTransform transform_of(const double* rows) {
   AffineTransform t;
   for (int row = 0; row < 3; ++row) {
@@ -50,8 +48,6 @@ AffineTransform transform_of(const double* rows) {
   }
   return t;
 }
-
-}  // namespace
 
 std::vector<AffineTransform> transforms_of(nb::handle given, const char* name) {
   std::vector<std::size_t> shape;

@@ -20,6 +20,8 @@ std::string joined(const std::vector<std::string>& faults) {
 
 void bind_sphere_tree(nb::module_& m) {
   m.attr("no_node") = no_node;
+  m.attr("max_branching") = max_branching;
+  m.attr("max_depth") = max_depth;
   nb::class_<SphereTree>(m, "SphereTree", doc::SphereTree)
       .def(
           "__init__",

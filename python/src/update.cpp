@@ -238,6 +238,14 @@ void bind_body(nb::module_& m) {
       },
       "Names of the update rules.");
   m.def(
+      "position_rules",
+      [] {
+        std::vector<std::string> names;
+        for (const Rule rule : position_rules()) names.emplace_back(name(rule));
+        return names;
+      },
+      doc::position_rules);
+  m.def(
       "rule_table", [] { return std::vector<RuleTraits>(rule_table.begin(), rule_table.end()); },
       "What is known of each rule.");
 
@@ -429,6 +437,37 @@ void bind_body(nb::module_& m) {
             });
           },
           nb::arg("positions"), nb::arg("workers") = nb::none(), doc::certify)
+      .def_prop_ro(
+          "any_promises_cover", [](const PosedBody& self) { return any_promises_cover(*self.owned); },
+          doc::any_promises_cover)
+      .def(
+          "certify_promised_levels",
+          [](const PosedBody& self, ArrayGiven given, Threads* workers) {
+            const std::vector<Vec3> positions = points_of(given.object, "positions");
+            if (positions.size() != self.owned->vertex_count()) {
+              throw std::invalid_argument("positions: " + std::to_string(positions.size()) +
+                                          " rows, but the body has " + std::to_string(self.owned->vertex_count()) +
+                                          " vertices");
+            }
+            return without_gil([&] {
+              CallWorkers call(workers);
+              const std::shared_lock lock(self.mutex);
+              return certify_promised_levels(*self.owned, positions, call);
+            });
+          },
+          nb::arg("positions"), nb::arg("workers") = nb::none(), doc::certify_promised_levels)
+      .def_prop_ro(
+          "any_promises_nesting", [](const PosedBody& self) { return any_promises_nesting(*self.owned); },
+          doc::any_promises_nesting)
+      .def(
+          "certify_promised_nesting",
+          [](const PosedBody& self) {
+            return without_gil([&] {
+              const std::shared_lock lock(self.mutex);
+              return certify_promised_nesting(*self.owned);
+            });
+          },
+          doc::certify_promised_nesting)
       .def_prop_ro(
           "mesh", [](const PosedBody& self) { return std::const_pointer_cast<Mesh>(self.mesh); }, "The mesh at rest.")
       .def_prop_ro(

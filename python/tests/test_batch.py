@@ -6,6 +6,7 @@ import concurrent.futures
 import csv
 import json
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -73,6 +74,87 @@ def test_manifests(folder, tmp_path):
     with pytest.raises(ValueError, match="column `mesh`"):
         morula.batch.meshes_of(folder / "wrong.csv")
     assert morula.batch.run([tmp_path / "nowhere.obj"], output=tmp_path)[0]["status"] == "failed"
+
+
+def test_other_file_systems_give_the_same(folder, tmp_path):
+    fsspec = pytest.importorskip("fsspec")
+    here = morula.batch.run(folder, options, output=tmp_path / "here", archives=True)
+    memory = fsspec.filesystem("memory")
+    memory.put(f"{folder}/", "/meshes/", recursive=True)
+    (folder / "list.txt").unlink(missing_ok=True)
+    try:
+        calls = []
+        there = morula.batch.run(
+            "memory://meshes", options, output="memory://out", archives=True, jobs=2, progress=lambda *state: calls.append(state)
+        )
+        assert [row["mesh"] for row in there] == [f"memory:///meshes/{row['mesh'].rsplit('/', 1)[-1]}" for row in here]
+        bare = [{name: value for name, value in row.items() if name not in ("mesh", "error", "key")} for row in there]
+        assert bare == [{name: value for name, value in row.items() if name not in ("mesh", "error", "key")} for row in here]
+        good = [(a["key"], b["key"]) for a, b in zip(there, here) if b["status"] == "ok"]
+        assert len(good) == 5 and all(a == b for a, b in good)
+        broken = next(row for row in there if row["status"] != "ok")
+        assert "memory:///meshes/broken.obj" in broken["error"]
+        for tree in (tmp_path / "here" / "trees").iterdir():
+            assert memory.cat_file(f"/out/trees/{tree.name}") == tree.read_bytes()
+        mesh = morula.read_mesh(folder / "limb.obj")
+        key = next(row["key"] for row in here if row["mesh"].endswith("limb.obj"))
+        assert morula.batch.tree_of("memory://out", key, mesh) == morula.build(mesh, **options)
+        with pytest.raises(KeyError):
+            morula.batch.tree_of("memory://out", "none", mesh)
+        table = memory.cat_file("/out/table.jsonl").decode()
+        assert [json.loads(line)["status"] for line in table.splitlines()] == [row["status"] for row in here]
+        # What is done is not done again, there too; without archives trees are files.
+        done = len(calls)
+        again = morula.batch.run("memory://meshes", options, output="memory://out", progress=lambda *state: calls.append(state))
+        assert again == there and len(calls) == done
+        memory.pipe_file("/some.csv", b"mesh\nmeshes/bar.obj\nmemory://meshes/nowhere.obj\n")
+        some = morula.batch.run("memory://some.csv", options, output="memory://other")
+        assert [row["status"] for row in some] == ["ok", "failed"] and "nowhere.obj" in some[1]["error"]
+        memory.cat_file(f"/other/trees/{some[0]['key']}.morula")
+    finally:
+        memory.rm("/", recursive=True)
+
+
+def test_urls_of_this_machine_are_paths(folder, tmp_path):
+    url = (tmp_path / "with a space").as_uri()
+    rows = morula.batch.run(folder.as_uri(), options, output=url)
+    assert rows == morula.batch.run(folder, options, output=tmp_path / "plain")
+    assert (tmp_path / "with a space" / "table.csv").read_bytes() == (tmp_path / "plain" / "table.csv").read_bytes()
+
+
+def test_a_file_system_without_fsspec_says_what_it_needs(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    with pytest.raises(ImportError, match="s3://bucket.*pip install fsspec"):
+        morula.batch.run("s3://bucket/meshes", options, output=tmp_path)
+
+
+def test_gltf_brings_its_buffers_from_elsewhere(tmp_path):
+    fsspec = pytest.importorskip("fsspec")
+    if ".gltf" not in morula.readable_mesh_extensions():
+        pytest.skip("this package reads no glTF")
+    positions = b"".join(struct.pack("<3f", *p) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    faces = struct.pack("<12H", 0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2)
+    scene = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": len(positions)},
+            {"buffer": 0, "byteOffset": len(positions), "byteLength": len(faces)},
+        ],
+        "buffers": [{"uri": "data%20of/it.bin", "byteLength": len(positions) + len(faces)}],
+    }
+    memory = fsspec.filesystem("memory")
+    try:
+        memory.pipe_file("/gltf/a.gltf", json.dumps(scene).encode())
+        memory.pipe_file("/gltf/data of/it.bin", positions + faces)
+        row = morula.batch.run(["memory://gltf/a.gltf"], options, output=tmp_path)[0]
+        assert row["status"] == "ok" and row["facets"] == 4
+    finally:
+        memory.rm("/", recursive=True)
 
 
 def test_limits_are_rows(folder, tmp_path):

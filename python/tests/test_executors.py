@@ -204,6 +204,66 @@ def test_jobs_that_are_no_futures(folder, expected, tmp_path):
     assert morula.batch.run(folder, options, output=tmp_path, executor=Jobs()) == expected[1]
 
 
+def same_as(expected, folder):
+    for name in ("table.csv", "table.jsonl"):
+        assert (folder / name).read_bytes() == (expected[0] / name).read_bytes()
+    assert {p.name: p.read_bytes() for p in (folder / "trees").iterdir()} == {
+        p.name: p.read_bytes() for p in (expected[0] / "trees").iterdir()
+    }
+
+
+def test_submitit_runs_jobs_of_its_own(folder, expected, tmp_path):
+    submitit = pytest.importorskip("submitit")
+    executor = submitit.AutoExecutor(folder=tmp_path / "logs", cluster="local")
+    executor.update_parameters(timeout_min=10)
+    assert morula.batch.run(folder, options, output=tmp_path / "out", executor=executor) == expected[1]
+    same_as(expected, tmp_path / "out")
+
+
+def test_tasks_of_ray(folder, expected, tmp_path):
+    ray = pytest.importorskip("ray")
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        rows = morula.batch.run(folder, options, output=tmp_path / "out", executor=morula.batch.RayExecutor())
+    finally:
+        ray.shutdown()
+    assert rows == expected[1]
+    same_as(expected, tmp_path / "out")
+
+
+def test_jobs_of_slurm_through_dask_jobqueue(folder, expected, tmp_path, monkeypatch):
+    """SLURM's commands are stood in for by two that start and end processes here; all else is what a cluster sees."""
+    jobqueue = pytest.importorskip("dask_jobqueue")
+    distributed = pytest.importorskip("distributed")
+    commands = tmp_path / "bin"
+    commands.mkdir()
+    (commands / "sbatch").write_text(
+        f"""#!/bin/sh
+job=$(mktemp {tmp_path}/job.XXXXXX)
+cp "$1" "$job"
+setsid sh "$job" >"$job.log" 2>&1 &
+echo $! >>{tmp_path}/jobs
+echo Submitted batch job $!
+"""
+    )
+    (commands / "scancel").write_text('#!/bin/sh\nkill -- "-$1" 2>/dev/null || kill "$1"\n')
+    for command in commands.iterdir():
+        command.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{commands}{os.pathsep}{os.environ['PATH']}")
+    with jobqueue.SLURMCluster(
+        cores=1, processes=1, memory="2GB", python=sys.executable, interface=None, local_directory=str(tmp_path),
+        log_directory=str(tmp_path / "logs"), walltime="00:10:00",
+        scheduler_options={"host": "127.0.0.1", "dashboard": False, "dashboard_address": None},
+    ) as cluster:
+        cluster.scale(jobs=2)
+        with distributed.Client(cluster, timeout=120) as client:
+            client.wait_for_workers(2, timeout=120)
+            with client.get_executor() as executor:
+                rows = morula.batch.run(folder, options, output=tmp_path / "out", executor=executor)
+    assert rows == expected[1] and len((tmp_path / "jobs").read_text().split()) == 2
+    same_as(expected, tmp_path / "out")
+
+
 def test_relative_paths_reach_workers_elsewhere(folder, expected, tmp_path, monkeypatch):
     with concurrent.futures.ProcessPoolExecutor(1, initializer=os.chdir, initargs=("/",)) as executor:
         executor.submit(os.getcwd).result()

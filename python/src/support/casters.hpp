@@ -9,8 +9,10 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -34,6 +36,7 @@ struct ArrayGiven : Given {};
 struct BudgetGiven : Given {};
 struct ColliderGiven : Given {};
 struct ShapeGiven : Given {};
+struct ObstacleGiven : Given {};
 
 /// A path: text, or what os.PathLike says.
 struct FilePath {
@@ -89,6 +92,7 @@ MORULA_GIVEN(ArrayGiven, "morula.typing.Array")
 MORULA_GIVEN(BudgetGiven, "morula.typing.Budget")
 MORULA_GIVEN(ColliderGiven, "morula.typing.ColliderLike")
 MORULA_GIVEN(ShapeGiven, "morula.typing.Shape")
+MORULA_GIVEN(ObstacleGiven, "morula.typing.Obstacle")
 #undef MORULA_GIVEN
 
 template <>

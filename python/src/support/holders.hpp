@@ -147,16 +147,17 @@ class Reading {
 /// A collider, or a body that becomes one for this call.
 std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name);
 
-/// Calls f with the half space, capsule or sphere that is given. Throws TypeError for anything else.
+/// Calls f with the half space, capsule, convex hull or sphere that is given. Throws TypeError for anything else.
 template <class F>
 auto with_shape(const ShapeGiven& given, const F& f) {
   if (nb::isinstance<HalfSpace>(given.object)) return f(nb::cast<HalfSpace>(given.object));
   if (nb::isinstance<Capsule>(given.object)) return f(nb::cast<Capsule>(given.object));
+  if (nb::isinstance<ConvexHull>(given.object)) return f(nb::cast<const ConvexHull&>(given.object));
   Sphere sphere;
   if (!nb::try_cast(given.object, sphere)) {
-    throw nb::type_error(
-        ("shape: " + describe(given.object) + ", but a HalfSpace, a Capsule or a sphere (x, y, z, radius) is needed")
-            .c_str());
+    throw nb::type_error(("shape: " + describe(given.object) +
+                          ", but a HalfSpace, a Capsule, a ConvexHull or a sphere (x, y, z, radius) is needed")
+                             .c_str());
   }
   return f(sphere);
 }

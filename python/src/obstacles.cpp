@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Obstacles of surfaces: floors, balls, capsules, hulls and distance fields, where they are or over a step.
+#include <algorithm>
+#include <morula/morula.hpp>
+
+#include "contacts.hpp"
+#include "holders.hpp"
+#include "module.hpp"
+#include "surfaces.hpp"
+
+namespace morula::python {
+
+namespace {
+
+/// A field as Python gives it: a SignedDistance, or a function of points.
+struct HeldField {
+  nb::object value, gradient;
+  double lipschitz, tolerance;
+};
+
+struct ObstacleContacts {
+  std::vector<ObstacleContact> rows;
+};
+struct ObstacleImpacts {
+  std::vector<ObstacleImpact> rows;
+};
+
+/// Of Python's functions the caller keeps references for as long as this is asked.
+DistanceField field_of(const HeldField& held) {
+  DistanceField field;
+  field.lipschitz = held.lipschitz;
+  field.tolerance = held.tolerance;
+  if (nb::isinstance<SignedDistance>(held.value)) {
+    const auto* distance = nb::cast<const SignedDistance*>(held.value);
+    field.value = [distance](const Vec3& p) { return (*distance)(p); };
+  } else {
+    field.value = [value = nb::handle(held.value)](const Vec3& p) {
+      const nb::gil_scoped_acquire gil;
+      return nb::cast<double>(nb::borrow<nb::callable>(value)(p));
+    };
+  }
+  if (!held.gradient.is_none()) {
+    field.gradient = [gradient = nb::handle(held.gradient)](const Vec3& p) {
+      const nb::gil_scoped_acquire gil;
+      return nb::cast<Vec3>(nb::borrow<nb::callable>(gradient)(p));
+    };
+  }
+  return field;
+}
+
+Obstacle obstacle_of(const ObstacleGiven& given) {
+  const nb::handle object = given.object;
+  if (nb::isinstance<HalfSpace>(object)) return nb::cast<HalfSpace>(object);
+  if (nb::isinstance<Capsule>(object)) return nb::cast<Capsule>(object);
+  if (nb::isinstance<ConvexHull>(object)) return nb::cast<const ConvexHull&>(object);
+  if (nb::isinstance<HeldField>(object)) return field_of(nb::cast<const HeldField&>(object));
+  Sphere sphere;
+  if (!nb::try_cast(object, sphere)) {
+    throw nb::type_error(("obstacle: " + describe(object) +
+                          ", but a HalfSpace, a Capsule, a ConvexHull, a DistanceField or a sphere (x, y, z, radius) "
+                          "is needed")
+                             .c_str());
+  }
+  return sphere;
+}
+
+ObstacleOptions options_of(double margin, std::string_view features, const nb::object& keeps,
+                           const BudgetGiven& budget) {
+  if (!keeps.is_none() && !PyCallable_Check(keeps.ptr()))
+    throw nb::type_error(("keeps: " + describe(keeps) + ", but None or a function of a number is needed").c_str());
+  ObstacleOptions options;
+  options.margin = margin;
+  options.features = choice<ObstacleFeatures>(
+      features, "features", {{"vertices", ObstacleFeatures::vertices}, {"facets", ObstacleFeatures::facets}});
+  if (!keeps.is_none()) {
+    options.keeps = [keeps = nb::handle(keeps)](std::uint32_t feature) {
+      const nb::gil_scoped_acquire gil;
+      return nb::cast<bool>(nb::borrow<nb::callable>(keeps)(feature));
+    };
+  }
+  options.budget = budget_of(budget);
+  return options;
+}
+
+/// A query that goes on, with the surface and the obstacle that it borrows, and the filter that it asks.
+template <class Query>
+struct HeldObstacleQuery {
+  ObstacleOptions options;
+  nb::object keeps;
+  nb::object given;  // the obstacle, as Python has it: what fields call
+  Obstacle obstacle;
+  Query query;
+  std::shared_ptr<HeldSurface> surface;
+  std::mutex mutex;
+
+  HeldObstacleQuery(ObstacleOptions&& how, nb::object filter)
+      : options(std::move(how)), keeps(std::move(filter)), query(options) {}
+
+  /// Asks with the surface locked. What a filter or a field raises ends the query: there is nothing to resume then.
+  template <class Call>
+  SurfaceQueryStatus ask(Threads* workers, const Call& call) {
+    const SurfaceQueryStatus status = without_gil([&] {
+      CallWorkers threads(workers);
+      std::shared_lock<std::shared_mutex> lock;
+      if (surface) lock = std::shared_lock(surface->mutex);
+      try {
+        return call(static_cast<Workers&>(threads));
+      } catch (...) {
+        query = Query(options);
+        throw;
+      }
+    });
+    require(status);
+    return status;
+  }
+};
+
+constexpr const char* obstacle_query_arguments = R"(
+
+Args:
+    margin: what is this far outside counts too, mesh units.
+    features: facets, or vertices: those that facets use, which are enough for a floor.
+    keeps: called with the number of every vertex or facet that is near; False leaves it out. Slow: it holds the
+        interpreter's lock.
+    budget: box tests, or a time.)";
+
+template <class Query>
+nb::class_<HeldObstacleQuery<Query>> bind_query(nb::module_& m, const char* name, const char* text) {
+  using Held = HeldObstacleQuery<Query>;
+  nb::class_<Held> query(m, name, text);
+  query
+      .def(
+          "__init__",
+          [](Held* self, double margin, std::string_view features, nb::object keeps, BudgetGiven budget) {
+            ObstacleOptions options = options_of(margin, features, keeps, budget);
+            new (self) Held(std::move(options), std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("keeps") = nb::none(),
+          nb::arg("budget") = nb::none(),
+          nb::sig("def __init__(self, *, margin: float = 0.0, features: str = 'facets', "
+                  "keeps: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
+                  "-> None"),
+          (std::string(doc::ObstacleQuery_ObstacleQuery) + obstacle_query_arguments).c_str())
+      .def(
+          "resume",
+          [](Held& self, Threads* workers) {
+            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
+            without_gil([&] { lock.lock(); });
+            return self.ask(workers, [&](Workers& call) { return self.query.resume(call); });
+          },
+          nb::arg("workers") = nb::none(), doc::ObstacleQuery_resume)
+      .def(
+          "set_budget",
+          [](Held& self, BudgetGiven budget) {
+            const Budget next = budget_of(budget);
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              ObstacleOptions options = self.options;
+              options.budget = next;
+              self.query.set_options(options);
+              self.options = std::move(options);
+            });
+          },
+          nb::arg("budget").none(), "For the next call.")
+      .def(
+          "open",
+          [](Held& self) {
+            std::vector<std::vector<std::uint32_t>> open;
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              for (const std::span<const std::uint32_t> part : self.query.open())
+                open.emplace_back(part.begin(), part.end());
+            });
+            nb::list all;
+            for (auto& facets : open) all.append(own_indices(std::move(facets)));
+            return all;
+          },
+          nb::sig("def open(self) -> list[numpy.typing.NDArray[numpy.uint32]]"), doc::ObstacleQuery_open);
+  return query;
+}
+
+/// Keeps what the query borrows, and asks.
+template <class Query, class Call>
+SurfaceQueryStatus run(HeldObstacleQuery<Query>& self, std::shared_ptr<HeldSurface> surface,
+                       const ObstacleGiven& obstacle, Threads* workers, const Call& call) {
+  nb::object given = nb::borrow(obstacle.object);
+  Obstacle made = obstacle_of(obstacle);
+  std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
+  without_gil([&] { lock.lock(); });
+  std::swap(self.given, given);
+  std::swap(self.obstacle, made);
+  std::swap(self.surface, surface);
+  return self.ask(workers, call);
+}
+
+}  // namespace
+
+void bind_obstacles(nb::module_& m) {
+  nb::class_<HeldField>(m, "DistanceField", doc::DistanceField)
+      .def(
+          "__init__",
+          [](HeldField* self, nb::object value, double lipschitz, double tolerance, nb::object gradient) {
+            if (!nb::isinstance<SignedDistance>(value) && !PyCallable_Check(value.ptr()))
+              throw nb::type_error(
+                  ("value: " + describe(value) + ", but a SignedDistance or a function of a point is needed").c_str());
+            if (!gradient.is_none() && !PyCallable_Check(gradient.ptr()))
+              throw nb::type_error(
+                  ("gradient: " + describe(gradient) + ", but None or a function of a point is needed").c_str());
+            new (self) HeldField{std::move(value), std::move(gradient), lipschitz, tolerance};
+          },
+          nb::arg("value"), nb::kw_only(), nb::arg("lipschitz") = 1.0, nb::arg("tolerance") = 0.0,
+          nb::arg("gradient") = nb::none(),
+          nb::sig("def __init__(self, value: SignedDistance | collections.abc.Callable[[tuple[float, float, float]], "
+                  "float], *, lipschitz: float = 1.0, tolerance: float = 0.0, gradient: "
+                  "collections.abc.Callable[[tuple[float, float, float]], morula.typing.Vector] | None = None) -> "
+                  "None"),
+          with_arguments("A function of Python is called with the interpreter's lock, for one point at a time; a "
+                         "SignedDistance without.",
+                         {{"value", doc::DistanceField_value},
+                          {"lipschitz", doc::DistanceField_lipschitz},
+                          {"tolerance", doc::DistanceField_tolerance},
+                          {"gradient", doc::DistanceField_gradient}})
+              .c_str())
+      .def_ro("lipschitz", &HeldField::lipschitz)
+      .def_ro("tolerance", &HeldField::tolerance);
+
+  Record<ObstacleContacts>(m, "ObstacleContacts", doc::ObstacleContact)
+      .property("feature", MORULA_COLUMN(ObstacleContacts, rows, feature), doc::ObstacleContact_feature)
+      .property("distance", MORULA_COLUMN(ObstacleContacts, rows, distance), doc::ObstacleContact_distance)
+      .property("point", MORULA_COLUMN3(ObstacleContacts, rows, point), doc::ObstacleContact_point)
+      .property("weights", MORULA_COLUMN3(ObstacleContacts, rows, weights), doc::ObstacleContact_weights)
+      .property("normal", MORULA_COLUMN3(ObstacleContacts, rows, normal), doc::ObstacleContact_normal)
+      .table([](const ObstacleContacts& self) { return self.rows.size(); });
+  Record<ObstacleImpacts>(m, "ObstacleImpacts", doc::ObstacleImpact)
+      .property("feature", MORULA_COLUMN(ObstacleImpacts, rows, feature), "(n,) uint32: a vertex or a facet.")
+      .property("time", MORULA_COLUMN(ObstacleImpacts, rows, time), doc::ObstacleImpact_time)
+      .table([](const ObstacleImpacts& self) { return self.rows.size(); });
+
+  using Still = HeldObstacleQuery<ObstacleQuery>;
+  bind_query<ObstacleQuery>(m, "ObstacleQuery", doc::ObstacleQuery)
+      .def(
+          "run",
+          [](Still& self, std::shared_ptr<HeldSurface> surface, ObstacleGiven obstacle, Threads* workers) {
+            return run(self, std::move(surface), obstacle, workers,
+                       [&](Workers& call) { return self.query.run(self.surface->tree, self.obstacle, call); });
+          },
+          nb::arg("surface"), nb::arg("obstacle"), nb::arg("workers") = nb::none(), doc::ObstacleQuery_run)
+      .def(
+          "contacts",
+          [](Still& self) {
+            return without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              const auto found = self.query.contacts();
+              return ObstacleContacts{{found.begin(), found.end()}};
+            });
+          },
+          doc::ObstacleQuery_contacts);
+  using Swept = HeldObstacleQuery<SweptObstacleQuery>;
+  bind_query<SweptObstacleQuery>(m, "SweptObstacleQuery", doc::SweptObstacleQuery)
+      .def(
+          "run",
+          [](Swept& self, std::shared_ptr<HeldSurface> surface, ObstacleGiven obstacle, Vec3 motion, Threads* workers) {
+            return run(self, std::move(surface), obstacle, workers,
+                       [&](Workers& call) { return self.query.run(self.surface->tree, self.obstacle, motion, call); });
+          },
+          nb::arg("surface"), nb::arg("obstacle"), nb::arg("motion") = Vec3{}, nb::arg("workers") = nb::none(),
+          doc::SweptObstacleQuery_run)
+      .def(
+          "impacts",
+          [](Swept& self) {
+            return without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              const auto found = self.query.impacts();
+              return ObstacleImpacts{{found.begin(), found.end()}};
+            });
+          },
+          doc::ObstacleImpact)
+      .def(
+          "collision_free_step",
+          [](Swept& self) {
+            return without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              return self.query.collision_free_step();
+            });
+          },
+          doc::SweptObstacleQuery_collision_free_step);
+}
+
+}  // namespace morula::python

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Surface trees with what they borrow, and lists of pairs of features as columns.
+#pragma once
+
+#include <cstdint>
+#include <morula/surface/feature_pairs.hpp>
+#include <morula/surface/surface_tree.hpp>
+#include <shared_mutex>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+/// A surface tree and the positions that it borrows.
+struct HeldSurface {
+  SurfaceTree tree;
+  std::vector<Positions> positions;
+  mutable std::shared_mutex mutex;
+
+  explicit HeldSurface(SurfaceTree&& made) : tree(std::move(made)) {}
+};
+
+struct FeaturePairs {
+  std::vector<FeaturePair> pairs;
+};
+
+template <class Holder, class Member>
+auto pair_column(Member FeaturePair::*member) {
+  return [member](nb::handle self) {
+    const auto& pairs = nb::cast<const Holder&>(self).pairs;
+    using Row = std::remove_cvref_t<decltype(pairs[0])>;
+    using Scalar = std::conditional_t<std::is_enum_v<Member>, std::uint8_t, Member>;
+    return column<Row>(std::span<const Row>(pairs),
+                       pairs.empty() ? nullptr : reinterpret_cast<const Scalar*>(&(pairs[0].*member)), self);
+  };
+}
+
+inline constexpr const char* kind_text = "(n,) uint8: morula.PairKind of each pair.";
+inline constexpr const char* index_text = "(n,) uint32: a vertex, a facet, or an edge of SurfaceTree.edges.";
+
+template <class Holder>
+Record<Holder>& pair_columns(Record<Holder>& record) {
+  record.property("kind", pair_column<Holder>(&FeaturePair::kind), kind_text)
+      .property("a", pair_column<Holder>(&FeaturePair::a), index_text)
+      .property("b", pair_column<Holder>(&FeaturePair::b), index_text)
+      .table([](const Holder& self) { return self.pairs.size(); });
+  return record;
+}
+
+}  // namespace morula::python
