@@ -58,12 +58,32 @@ function(morula_configure_msvc target)
   endif()
 endfunction()
 
-# morula_compile_together(TARGET): its sources are compiled ten at once where MORULA_UNITY says so, so that headers are read
-# once for all of them. For tests and benchmarks, most of whose time goes into headers: the library and the command are
-# tested as everybody compiles them. A source whose headers do not agree with others' sets SKIP_UNITY_BUILD_INCLUSION.
+# morula_compile_together(TARGET): its sources are compiled eight at once where MORULA_UNITY says so, so that headers are read
+# and templates made once for all of them: most of a build's time where text, JSON and the command line are handled. The core is
+# compiled source by source everywhere, so that what is measured is what everybody compiles; the preset dev and the test
+# of a project that adds Morula do so with all the rest. A name in a source's namespace without a name is its own among those of
+# its folder; a source whose headers do not agree with others' sets SKIP_UNITY_BUILD_INCLUSION.
 function(morula_compile_together target)
   if(MORULA_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    if(MORULA_GNU_LIKE)
+      # A local name like a function of another source hides nothing that its own source could see.
+      target_compile_options(${target} PRIVATE -Wno-shadow)
+    endif()
+  endif()
+endfunction()
+
+# morula_precompile(TARGET HEADERS...): these, and what nearly every source reads of the standard library, are read once for all
+# sources of the target where MORULA_PRECOMPILE says so. A source names what it uses all the same: builds without presets, the
+# preset dev and the tests of an installed library compile each source by itself, and stop where a header is missing.
+function(morula_precompile target)
+  if(MORULA_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE <algorithm> <array> <bit> <charconv> <cmath> <cstdint> <functional> <limits>
+      <map> <memory> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <utility> <vector> ${ARGN})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+      # GCC 12 warns of copies inside std::string that are too long where it is precompiled, and nowhere else.
+      target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
+    endif()
   endif()
 endfunction()
 

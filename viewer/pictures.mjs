@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of README and docs, taken from a page with two rules: usage: node pictures.mjs PACKAGES PAGE FOLDER
+// The pictures of README and docs, taken from a page with two rules and from a robot's:
+// usage: node pictures.mjs PACKAGES PAGE ROBOT_PAGE FOLDER
 import { join } from 'node:path';
 import { launch, open, settled, slide } from '../tests/viewer/browser.mjs';
 
-const [packages, file, folder] = process.argv.slice(2);
+const [packages, file, robot, folder] = process.argv.slice(2);
 const browser = await launch(packages);
 const worst = 12; // the frame in the middle of a motion out and back
 
@@ -61,4 +62,11 @@ await page.selectOption('#choose-rule', 'exact');
 await page.locator('#title').click();
 await settled(page);
 await page.screenshot({ path: join(folder, 'page.png') });
+
+const arm = await open(browser, robot, { width: 1200, height: 720 });
+await settled(arm.page);
+for (const [joint, value] of [[0, 0.9], [1, 0.5], [2, 1.2], [3, 0.08]]) await slide(arm.page, `joint-${joint}`, value);
+await arm.page.keyboard.press('f');
+await settled(arm.page);
+await arm.page.screenshot({ path: join(folder, 'robot_page.png') });
 await browser.close();

@@ -72,7 +72,6 @@ class Scene {
  public:
   Scene(const Input& input, const Settings& settings)
       : input_(input),
-        settings_(settings),
         built_(build(input.mesh, tree_options(settings))),
         bent_(input.mesh, built_),
         rest_(input.mesh, built_),
@@ -286,7 +285,6 @@ class Scene {
   }
 
   const Input& input_;
-  const Settings& settings_;
   CoveredTree built_;
   Body bent_, rest_;
   Frame positions_;

@@ -34,6 +34,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <morula/medial/inner_balls.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/scene/broad_phase.hpp>

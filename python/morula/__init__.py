@@ -11,7 +11,7 @@
 True
 
 Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk`,
-`morula.batch` and `morula.robot` are imported when they are asked for; the first two need packages of their own.
+`morula.usd`, `morula.batch` and `morula.robot` are imported when they are asked for; the first three need packages of their own.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ globals().pop("robot", None)
 
 __all__ = [name for name in dir(_morula) if not name.startswith("_") and name != "robot"] + ["Page", "Study", "__version__", "page", "study"]
 
-_MODULES = ("batch", "ipctk", "plot", "robot", "typing")
+_MODULES = ("batch", "ipctk", "plot", "robot", "typing", "usd")
 
 
 def __getattr__(name: str) -> Any:

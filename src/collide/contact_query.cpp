@@ -71,13 +71,13 @@ struct ContactQuery::State {
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
       const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, options.margin, options.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
-        Contact& contact = contacts.contacts.emplace_back();
-        describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
-        contact.pair = i;
-        contact.node_a = node_a;
-        contact.node_b = node_b;
-        contact.finished = true;
-      });
+                               Contact& contact = contacts.contacts.emplace_back();
+                               describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
+                               contact.pair = i;
+                               contact.node_a = node_a;
+                               contact.node_b = node_b;
+                               contact.finished = true;
+                             }).tests;
       contacts.achieved_level.push_back(trees.depth());
     }
     contacts.finished_count = contacts.contacts.size();

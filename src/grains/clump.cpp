@@ -6,10 +6,10 @@
 #include <morula/accuracy/looseness.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/grains/clump.hpp>
+#include <morula/medial/inner_balls.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <stdexcept>
 
-#include "grains/inner_balls.hpp"
 #include "grains/principal_axes.hpp"
 
 namespace morula {
@@ -140,7 +140,15 @@ Clump fit_clump(const Mesh& mesh, const ClumpOptions& options, Workers& workers)
     throw std::invalid_argument(
         "inner spheres need a closed surface that faces one way: morula repair may mend it, or take a cover");
   }
-  clump.spheres = inner_balls(mesh, object, options, allowance, workers);
+  const std::vector<Sphere> balls = inner_ball_candidates(mesh, object,
+                                                          {.candidates = options.candidates,
+                                                           .margin = allowance,
+                                                           .min_radius = options.min_radius,
+                                                           .max_radius = options.max_radius,
+                                                           .seed = options.seed},
+                                                          workers);
+  clump.spheres = fullest_balls(balls, options.spheres, options.stop);
+  if (options.stop.stop_requested()) throw BuildStopped();
   if (clump.spheres.empty()) {
     throw std::invalid_argument("no inner sphere is that large: lower the smallest radius, or take a cover");
   }

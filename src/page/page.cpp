@@ -23,6 +23,35 @@ using Json = nlohmann::ordered_json;
 
 constexpr int page_format = 1;
 
+/// What is wrong with joints, or nothing.
+const char* fault_of(const PageJoints& joints, std::size_t vertices) {
+  const std::size_t parts = joints.parts.size();
+  for (const PageJoints::Part& part : joints.parts) {
+    if (part.vertex_begin > part.vertex_end || part.vertex_end > vertices)
+      return "a part has vertices that are not there";
+  }
+  std::vector<bool> carried(parts, false);
+  for (std::size_t i = 0; i < joints.joints.size(); ++i) {
+    const PageJoints::Joint& joint = joints.joints[i];
+    if (joint.parent >= parts || joint.child >= parts || joint.parent == joint.child) return "a joint names no parts";
+    if (carried[joint.child]) return "two joints carry one part";
+    carried[joint.child] = true;
+    const auto carries_parent = [&](const PageJoints::Joint& other) { return other.child == joint.parent; };
+    if (std::any_of(joints.joints.begin() + static_cast<std::ptrdiff_t>(i), joints.joints.end(), carries_parent)) {
+      return "a joint stands before the one that carries its parent";
+    }
+    if (joint.leader && *joint.leader >= joints.joints.size()) return "a joint follows one that is not there";
+    std::size_t steps = 0;
+    for (const PageJoints::Joint* at = &joint; at->leader; at = &joints.joints[*at->leader]) {
+      if (*at->leader >= joints.joints.size() || ++steps > joints.joints.size()) return "joints follow each other";
+    }
+  }
+  for (const std::array<std::size_t, 2>& pair : joints.ignored) {
+    if (pair[0] >= pair[1] || pair[1] >= parts) return "a pair of parts is none";
+  }
+  return nullptr;
+}
+
 /// Rejects what the page could not show, before anything is packed.
 void check_content(const PageContent& content) {
   if (content.scenes.empty()) throw std::invalid_argument("a page needs at least one scene");
@@ -40,6 +69,9 @@ void check_content(const PageContent& content) {
     for (const Facet& facet : motion.facets) {
       if (*std::max_element(facet.begin(), facet.end()) >= vertices) refuse("a facet names a vertex that is not there");
     }
+    if (!motion.joints) continue;
+    if (motion.frames.size() != 1) refuse("joints move one frame, and there are more");
+    if (const char* fault = fault_of(*motion.joints, vertices)) refuse(fault);
   }
   for (std::size_t i = 0; i < content.scenes.size(); ++i) {
     const PageScene& scene = content.scenes[i];
@@ -63,6 +95,11 @@ void check_content(const PageContent& content) {
       if (shares.size() != nodes) refuse("not one empty share per node");
     }
     if (!scene.contacts.empty() && scene.contacts.size() != frames) refuse("contacts miss a frame");
+    const std::optional<PageJoints>& joints = content.motions[scene.motion].joints;
+    if (scene.parts.size() != (joints ? scene.rest.child_count[0] : 0)) refuse("not one part per child of the root");
+    for (const std::uint32_t part : scene.parts) {
+      if (part >= joints->parts.size()) refuse("a part is not there");
+    }
   }
 }
 
@@ -124,6 +161,34 @@ Json measured_json(const PageScene& scene) {
           {"gap", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.gap); })}};
 }
 
+Json joints_json(const PageJoints& joints) {
+  Json parts = Json::array(), list = Json::array();
+  for (const PageJoints::Part& part : joints.parts) {
+    parts.push_back({{"name", part.name},
+                     {"vertices", {part.vertex_begin, part.vertex_end}},
+                     {"protrusion", part.protrusion ? Json(*part.protrusion) : Json(nullptr)}});
+  }
+  for (const PageJoints::Joint& joint : joints.joints) {
+    constexpr std::array kinds{"fixed", "turns", "slides"};
+    Json rows = Json::array();
+    for (const Vec3& row : joint.origin.rows) rows.push_back(vector_json(row));
+    list.push_back({{"name", joint.name},
+                    {"kind", kinds[static_cast<std::size_t>(joint.kind)]},
+                    {"parent", joint.parent},
+                    {"child", joint.child},
+                    {"rows", rows},
+                    {"translation", vector_json(joint.origin.translation)},
+                    {"axis", vector_json(joint.axis)},
+                    {"lower", joint.lower},
+                    {"upper", joint.upper},
+                    {"rest", joint.rest},
+                    {"leader", joint.leader ? Json(*joint.leader) : Json(nullptr)},
+                    {"factor", joint.factor},
+                    {"offset", joint.offset}});
+  }
+  return {{"parts", parts}, {"joints", list}, {"ignored", joints.ignored}};
+}
+
 struct Packer {
   Json motions = Json::array();
   Json scenes = Json::array();
@@ -143,6 +208,7 @@ struct Packer {
                        {"frames", motion.frame_names},
                        {"origin", vector_json(grid.origin)},
                        {"step", vector_json(grid.step)},
+                       {"joints", motion.joints ? joints_json(*motion.joints) : Json(nullptr)},
                        {"data", bytes_json(id, packed.bytes())}});
     elements += data_element(id, packed.bytes());
     origins.push_back(grid.origin);
@@ -172,6 +238,8 @@ struct Packer {
                       {"empty_share", !scene.empty_share.empty()},
                       {"measured", measured_json(scene)},
                       {"contacts", contact_counts},
+                      {"parts", scene.parts},
+                      {"inside", scene.inside},
                       {"data", bytes_json(id, packed.bytes())}});
     elements += data_element(id, packed.bytes());
   }

@@ -5,17 +5,24 @@
 #include <algorithm>
 
 #include "collide/facets/contact_geometry.hpp"
+#include "collide/pairs/descent.hpp"
 #include "collide/pairs/tree_pair.hpp"
 
 namespace morula::detail {
+namespace {
+
+constexpr std::size_t least_for_a_try = 512;
+
+}  // namespace
 
 void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider& b) {
   id_a_ = id_a, id_b_ = id_b;
   query_.clear();
   query_.add(a, b);
   a_ = &a, b_ = &b;
-  has_front_ = is_current_ = roots_overlap_ = false;
+  has_front_ = is_current_ = roots_overlap_ = is_descended_ = false;
   tests_to_finish_.reset();
+  in_vain_ = 0;
 }
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
@@ -35,13 +42,58 @@ void PairFront::look(const SceneOptions& options) {
   describe(trees.placed(), trees.sphere_a(0), trees.sphere_b(0), coarse_);
 }
 
-std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool may_exceed) {
-  const bool is_extra = options.surfaces || options.exact;
-  if (most_tests && may_exceed && !is_extra && !is_current_ && tests_to_finish_ && *tests_to_finish_ <= *most_tests)
-    most_tests.reset();
+// A front is what a pair needs that takes more tests than it can have at a time. Most take few, and are done three to
+// four times as soon depth-first, without one.
+bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests) const {
+  if (options.surfaces || options.exact || is_current_ || carries()) return false;
+  // Somewhat more than last time, for bodies that have moved. Where nothing is known, as many as a round gives at
+  // least.
+  return tests_to_finish_ ? *tests_to_finish_ + *tests_to_finish_ / 4 <= most_tests
+                          : most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
+}
+
+// To carry a front over, all nodes are looked at once: dear where there are more of them than tests.
+bool PairFront::carries() const {
+  return has_front_ && tests_of_front_ > a_->tree().node_count() + b_->tree().node_count();
+}
+
+Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) {
+  const TreePair trees(*a_, *b_, options.margin, options.level.value_or(leaf_level));
+  descended_.clear();
+  const Descent done = each_overlapping(
+      trees,
+      [&](std::uint32_t node_a, std::uint32_t node_b) {
+        Contact& contact = descended_.emplace_back();
+        describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
+        contact.node_a = node_a;
+        contact.node_b = node_b;
+        contact.finished = true;
+      },
+      most_tests);
+  if (done.finished) {
+    is_current_ = is_descended_ = true;
+    has_front_ = extras_are_due = false;
+    tests_to_finish_ = done.tests;
+    in_vain_ = 0;
+  } else {
+    tests_to_finish_.reset();
+    in_vain_ = most_tests;
+  }
+  return done;
+}
+
+std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests) {
+  std::size_t spent = 0;
+  if (most_tests && is_worth_a_descent(options, *most_tests)) {
+    const Descent done = descend(options, *most_tests);
+    if (done.finished || done.tests >= *most_tests) return done.tests;
+    spent = done.tests;
+    *most_tests -= spent;
+  }
   CollideOptions asked = options_for(options, most_tests ? Budget(*most_tests) : Budget());
   if (!most_tests) asked.surfaces = options.surfaces, asked.exact = options.exact;
   query_.set_options(std::move(asked));
+  is_descended_ = false;
   ContactStatus status;
   if (is_current_ && has_front_) {
     status = query_.resume();
@@ -50,10 +102,9 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
     status = query_.run();
     has_front_ = false;
   } else {
-    // To carry a front over, all nodes are looked at once: dear where there are more of them than tests.
-    const bool carries = has_front_ && tests_of_front_ > a_->tree().node_count() + b_->tree().node_count();
-    if (carries) status = query_.carry();
-    if (!carries || !status) {
+    const bool carried = carries();
+    if (carried) status = query_.carry();
+    if (!carried || !status) {
       status = query_.start();
       tests_of_front_ = status.pair_tests;
     }
@@ -62,13 +113,14 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
   if (status.finished) tests_to_finish_ = has_front_ ? tests_of_front_ : status.pair_tests;
   is_current_ = static_cast<bool>(status);
   extras_are_due = is_current_ && most_tests.has_value();
-  return status.pair_tests;
+  return spent + status.pair_tests;
 }
 
 void PairFront::add_extras(const SceneOptions& options, const Budget& budget) {
   CollideOptions asked = options_for(options, has_front_ ? budget : Budget());
   asked.surfaces = options.surfaces, asked.exact = options.exact;
   query_.set_options(std::move(asked));
+  is_descended_ = false;
   if (has_front_) {
     query_.resume();
   } else {
@@ -79,16 +131,17 @@ void PairFront::add_extras(const SceneOptions& options, const Budget& budget) {
 
 std::span<const Contact> PairFront::contacts() const {
   if (!roots_overlap_) return {};
-  return is_current_ ? std::span<const Contact>(query_.contacts().contacts) : std::span(&coarse_, 1);
+  if (!is_current_) return std::span(&coarse_, 1);
+  return is_descended_ ? std::span<const Contact>(descended_) : query_.contacts().contacts;
 }
 
 std::span<const ContactSurface> PairFront::surfaces() const {
-  if (!roots_overlap_ || !is_current_) return {};
+  if (!roots_overlap_ || !is_current_ || is_descended_) return {};
   return query_.contacts().surfaces;
 }
 
 std::span<const Crossing> PairFront::crossings() const {
-  if (!roots_overlap_ || !is_current_) return {};
+  if (!roots_overlap_ || !is_current_ || is_descended_) return {};
   return query_.contacts().crossings;
 }
 

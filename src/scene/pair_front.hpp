@@ -5,6 +5,9 @@
 
 #include <morula/collide/contact_query.hpp>
 #include <morula/scene/scene.hpp>
+#include <vector>
+
+#include "collide/pairs/descent.hpp"
 
 namespace morula::detail {
 
@@ -24,14 +27,13 @@ class PairFront {
   /// No front of before fits any more.
   void forget_front() { has_front_ = false; }
 
-  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done. may_exceed: a pair
-  /// that took no more when it was last finished is looked at without a front, which is quicker, whatever it takes now.
-  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool may_exceed = false);
+  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done.
+  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests);
   /// Surfaces and crossings of what is finished, as options say. of_time: for surfaces.
   void add_extras(const SceneOptions& options, const Budget& budget);
 
   bool roots_overlap() const { return roots_overlap_; }
-  bool is_finished() const { return !roots_overlap_ || (is_current_ && query_.contacts().finished); }
+  bool is_finished() const { return !roots_overlap_ || (is_current_ && (is_descended_ || query_.contacts().finished)); }
   bool is_current() const { return is_current_; }
   double overlap_share() const { return overlap_share_; }
   std::span<const Contact> contacts() const;
@@ -46,6 +48,9 @@ class PairFront {
   bool touches = false, extras_are_due = false;
 
  private:
+  bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests) const;
+  bool carries() const;
+  Descent descend(const SceneOptions& options, std::size_t most_tests);
   CollideOptions options_for(const SceneOptions& options, const Budget& budget) const;
 
   ContactQuery query_;
@@ -55,9 +60,12 @@ class PairFront {
   double overlap_share_ = 0;
   std::size_t tests_of_front_ = 0;                ///< what a fresh front has cost
   std::optional<std::size_t> tests_to_finish_{};  ///< when it last was
+  std::vector<Contact> descended_;
+  std::size_t in_vain_ = 0;  ///< tests of the last descent that was stopped; 0 since one was not
   bool roots_overlap_ = false;
-  bool is_current_ = false;  ///< the query's contacts are of the present poses
-  bool has_front_ = false;   ///< of these or earlier poses
+  bool is_current_ = false;    ///< contacts are of the present poses
+  bool is_descended_ = false;  ///< they are descended_, not the query's
+  bool has_front_ = false;     ///< of these or earlier poses
 };
 
 }  // namespace morula::detail

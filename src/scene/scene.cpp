@@ -93,7 +93,10 @@ void Scene::replace(BodyId id, const Collider& collider) {
   body.collider = &collider;
   body.is_to_be_read = true;
   for (SceneState::Near& pair : s.near)
-    if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) pair.front->unbind();
+    if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {
+      pair.front->unbind();
+      pair.is_bound = false;
+    }
   std::erase_if(s.parted_fronts, [&](PairFront* front) {
     if (front->id_a() != id && front->id_b() != id) return false;
     front->unbind();

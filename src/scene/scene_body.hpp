@@ -28,6 +28,14 @@ struct SceneBody {
   bool is_looked_at() const { return collider != nullptr && (is_to_be_read || !(is_asleep || options.is_static)); }
 };
 
+/// What an update finds of a body, before it is known whether all can be used.
+struct BodyRead {
+  Status status{};
+  bool has_moved = false;
+  BodyStamp stamp{};
+  Sphere around{};
+};
+
 BodyStamp stamp_of(const Collider& collider);
 /// Two such balls have a point in common wherever the pair test of both roots says that they overlap or are no farther
 /// apart than the margin.

@@ -18,7 +18,9 @@ struct SceneState {
     std::uint32_t a = 0, b = 0;
     PairFront* front = nullptr;
     bool is_wanted = false;
-    bool is_new = false;  ///< asks the filter, and looks at the roots
+    bool is_new = false;    ///< asks the filter, and looks at the roots
+    bool is_bound = false;  ///< the front is of these bodies, of these generations
+    std::uint32_t generation_a = 0, generation_b = 0;
   };
 
   SceneOptions options;
@@ -58,7 +60,7 @@ struct SceneState {
  private:
   template <class Shape>
   SceneStatus touch_found(const Shape& shape, const TouchOptions& options);
-  SceneStatus read_bodies();
+  SceneStatus read_bodies(Workers& workers);
   void list_near();
   void end(const Near& pair);
   PairFront* front_of(BodyId a, BodyId b);
@@ -77,7 +79,8 @@ struct SceneState {
   std::vector<std::size_t> looked_at_;
   std::size_t next_to_forget_ = 0;
   std::size_t tests_done_ = 0;
-  std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update took last time
+  std::vector<BodyRead> read_;
+  std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update takes
 };
 
 }  // namespace morula::detail

@@ -26,27 +26,38 @@ std::chrono::nanoseconds SceneState::now() const {
   return options.clock ? options.clock() : std::chrono::steady_clock::now().time_since_epoch();
 }
 
-SceneStatus SceneState::read_bodies() {
-  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
-    const SceneBody& body = bodies[place];
-    if (!body.is_looked_at() && !(everything_anew || extras_anew)) continue;
-    if (body.collider == nullptr) continue;
-    if (const Status status = usable(*body.collider); !status) {
-      SceneStatus refused{status};
-      refused.offender = id_of(place);
-      return refused;
+// Bodies are read side by side, since their memory is cold; then all is taken over, or nothing.
+SceneStatus SceneState::read_bodies(Workers& workers) {
+  read_.resize(bodies.size());
+  parallel_for(workers, bodies.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t place = begin; place < end; ++place) {
+      const SceneBody& body = bodies[place];
+      BodyRead& read = read_[place];
+      read.status = {};
+      read.has_moved = false;
+      const bool is_looked_at = body.is_looked_at() || everything_anew;
+      if (body.collider == nullptr || !(is_looked_at || extras_anew)) continue;
+      read.status = usable(*body.collider);
+      if (!read.status || !is_looked_at) continue;
+      read.stamp = stamp_of(*body.collider);
+      read.has_moved = body.is_to_be_read || everything_anew || read.stamp != body.stamp;
+      if (read.has_moved) read.around = ball_around(*body.collider, options.margin);
     }
+  });
+  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
+    if (read_[place].status) continue;
+    SceneStatus refused{read_[place].status};
+    refused.offender = id_of(place);
+    return refused;
   }
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     SceneBody& body = bodies[place];
-    body.has_moved = false;
-    if (body.collider == nullptr || !(body.is_looked_at() || everything_anew)) continue;
-    const BodyStamp stamp = stamp_of(*body.collider);
-    body.has_moved = body.is_to_be_read || everything_anew || stamp != body.stamp;
-    body.is_to_be_read = false;
-    if (!body.has_moved) continue;
-    body.stamp = stamp;
-    body.around = ball_around(*body.collider, options.margin);
+    const BodyRead& read = read_[place];
+    body.has_moved = read.has_moved;
+    if (body.collider != nullptr && (body.is_looked_at() || everything_anew)) body.is_to_be_read = false;
+    if (!read.has_moved) continue;
+    body.stamp = read.stamp;
+    body.around = read.around;
     broad.move(place, box_around(body.around));
   }
   return {};
@@ -121,11 +132,17 @@ void SceneState::list_near() {
     if (pair.is_wanted && pair.front == nullptr) {
       pair.front = front_of(id_of(pair.a), id_of(pair.b));
       pair.is_new = true;
+      pair.is_bound = false;
     }
-    if (pair.front != nullptr && !pair.front->is_of(id_of(pair.a), id_of(pair.b))) {
+    // Asked of the pair alone: its front is elsewhere in memory.
+    if (pair.front == nullptr) continue;
+    if (pair.is_bound && pair.generation_a == a.generation && pair.generation_b == b.generation) continue;
+    if (!pair.front->is_of(id_of(pair.a), id_of(pair.b))) {
       pair.front->bind(id_of(pair.a), *a.collider, id_of(pair.b), *b.collider);
       pair.is_new = true;
     }
+    pair.is_bound = true;
+    pair.generation_a = a.generation, pair.generation_b = b.generation;
   }
 }
 
@@ -215,17 +232,28 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
   // A clock of the caller's is read from this thread alone.
   Workers& used_workers = options.clock ? serial_workers() : workers;
   std::atomic<bool> is_late = false;
+  // What a pair takes on average in this round, twice, is not begun after the deadline is that near. Of the first pair
+  // of a round it is what the round before says, twice.
+  std::atomic<std::int64_t> spent = 0, pairs = 0;
+  std::int64_t expected = 0;
   for (std::size_t share = quantum; !work_.empty() && !is_late; share *= 2) {
     used_.assign(work_.size(), 0);
+    spent = 0, pairs = 0;
     used_workers.run(work_.size(), [&](std::size_t i) {
       if (is_late) return;
-      if (now() >= deadline) {
+      const std::int64_t known = pairs;
+      const std::int64_t kept = known > 0 ? 2 * spent / known : expected;
+      const std::chrono::nanoseconds begin = now();
+      if (begin + std::chrono::nanoseconds(kept) >= deadline) {
         is_late = true;
         return;
       }
       work_[i]->updates_left_out = 0;
-      used_[i] = work_[i]->refine(options, share, true);
+      used_[i] = work_[i]->refine(options, share);
+      spent += (now() - begin).count();
+      ++pairs;
     });
+    expected = pairs > 0 ? 2 * spent / pairs : 0;
     for (const std::size_t used : used_) tests_done_ += used;
     std::erase_if(work_, [](const PairFront* front) { return front->is_finished(); });
   }
@@ -292,7 +320,7 @@ void SceneState::publish(SceneStatus& status) {
 SceneStatus SceneState::update(Workers& workers) {
   const bool by_time = options.budget.is_time();
   const std::chrono::nanoseconds start = by_time ? now() : std::chrono::nanoseconds(0);
-  SceneStatus status = read_bodies();
+  SceneStatus status = read_bodies(workers);
   if (!status) return status;
   ended.clear();
   broad.update();
@@ -302,7 +330,8 @@ SceneStatus SceneState::update(Workers& workers) {
   const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);
   publish(status);
   everything_anew = filter_anew = extras_anew = false;
-  if (by_time) to_publish_ = std::min(now() - refined, options.budget.time() / 2);
+  // The longest of late: it falls by an eighth an update.
+  if (by_time) to_publish_ = std::min(std::max(now() - refined, to_publish_ * 7 / 8), options.budget.time() / 2);
   return status;
 }
 

@@ -7,6 +7,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <numbers>
+#include <sstream>
 
 #include "workbench.hpp"
 
@@ -64,11 +65,38 @@ TEST(CollideScene, tells_the_contacts_of_every_two_bodies_frame_by_frame) {
   EXPECT_EQ(middle["pairs"][1]["a"], "limb");
   EXPECT_EQ(middle["pairs"][1]["b"], "tool");
   EXPECT_TRUE(middle["pairs"][1]["began"]);
-  EXPECT_EQ(json["frames"][2]["ended"], nlohmann::json{middle["pairs"][1]["touch"]});
+  EXPECT_EQ(json["frames"][2]["ended"], nlohmann::json::array({middle["pairs"][1]["touch"]}));
   for (const auto& f : json["frames"])
     for (const auto& pair : f["pairs"]) contacts += pair["contacts"].get<std::size_t>();
   EXPECT_EQ(row_count(bench.read("contacts.csv")), 1 + contacts);
   EXPECT_EQ(bench.read("contacts.csv").rfind("frame,a,b,touch,began,finished,node_a,node_b,x,y,z,", 0), 0u);
+}
+
+TEST(CollideScene, shows_bodies_and_contacts_on_a_page) {
+  const SceneBench bench;
+  if (!bench.has_page()) {
+    bench.expect_refused("collide --scene room.json --page room.html", "this morula was built without its page: ");
+    GTEST_SKIP() << "this build has no page: scripts/setup brings node and npm; then build again";
+  }
+  bench.expect_refused("collide --scene room.json --page room.json", "pages are written as .html");
+  bench.require("collide --scene room.json --page room.html -o contacts.csv");
+  const nlohmann::json content = page_manifest(bench.read("room.html"));
+  const Mesh mesh = read_mesh(bench / "limb.obj");
+  const nlohmann::json& motion = content["motions"][0];
+  EXPECT_EQ(motion["facets"], 3 * mesh.facet_count());
+  EXPECT_EQ(motion["frames"].size(), 3u);
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+  EXPECT_EQ(content["scenes"][0]["child_count"].size(), 3 * built.tree.node_count() + 1)
+      << "three trees below one root";
+  // Rows of the table whose surfaces touch, by frame.
+  std::vector<std::size_t> expected(3);
+  std::istringstream rows(bench.read("contacts.csv"));
+  std::string row;
+  std::getline(rows, row);
+  while (std::getline(rows, row))
+    if (std::stod(row.substr(row.rfind(',') + 1)) > 0) ++expected[std::stoul(row)];
+  EXPECT_EQ(content["scenes"][0]["contacts"], nlohmann::json(expected));
+  EXPECT_GT(expected[1], expected[0]) << "the tool has come";
 }
 
 TEST(CollideScene, keeps_to_a_budget_and_says_which_facets_cross) {

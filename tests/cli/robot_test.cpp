@@ -49,6 +49,39 @@ TEST(RobotCommand, formats_by_name_and_all_of_them) {
   EXPECT_FALSE(info.empty());
 }
 
+TEST(RobotCommand, inner_spheres_have_files_of_their_own) {
+  Workbench bench;
+  with_gripper(bench);
+  const nlohmann::json report =
+      bench.require("robot gripper.urdf -o out --spheres 2 --inner 4 --all-formats --json").json();
+  EXPECT_GT(report["inner_spheres"], 4);
+  EXPECT_GT(report["links"][0]["inner_volume"], 0);
+  // All but spheres.json, which has both, and the figures of those that cover.
+  EXPECT_EQ(report["files"].size(), 2 * 21u - 2);
+  EXPECT_NE(bench.read("out/inner/curobo.yml").find("they are inside the links and do not cover them"),
+            std::string::npos);
+  EXPECT_EQ(bench.read("out/curobo.yml").find("do not cover"), std::string::npos);
+  const std::string text = bench.require("robot gripper.urdf -o out --spheres 2 --inner 4").out;
+  EXPECT_NE(text.find("each proven to be inside its link, fill"), std::string::npos) << text;
+}
+
+TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
+  Workbench bench;
+  with_gripper(bench);
+  const std::string text = bench.require("robot gripper.urdf -o out --spheres 4 --clip palm=0,0,2,0").out;
+  EXPECT_NE(text.find("what clip planes cut off is left out"), std::string::npos) << text;
+  EXPECT_NE(text.find("clipped  palm: spheres reach at most"), std::string::npos) << text;
+  const nlohmann::json report =
+      bench.require("robot gripper.urdf -o out --spheres 4 --clip palm=0,0,1,0 --clip-margin 0.005 --json").json();
+  EXPECT_EQ(report["links"][0]["beyond_clip"], 0);
+  EXPECT_TRUE(report["covered"]);
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,0,1", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,nan", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip plam=0,0,1,0", "did you mean palm?");
+  bench.expect_refused("robot gripper.urdf -o out --clip-margin 0.01", "add it");
+}
+
 TEST(RobotCommand, mjcf_and_sdf_are_read_and_one_tree_holds_the_robot) {
   Workbench bench;
   for (const std::string name : {"mjcf/gripper.xml", "sdf/gripper.sdf"}) {

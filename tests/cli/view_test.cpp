@@ -12,12 +12,6 @@ namespace {
 
 constexpr std::size_t megabyte = 1'000'000;
 
-nlohmann::json manifest(const std::string& page) {
-  const std::string open = "id=\"morula-manifest\">";
-  const std::size_t begin = page.find(open) + open.size();
-  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
-}
-
 /// A build without node and npm has no page to test; what the command says about that is.
 struct ViewCommand : ::testing::Test {
   void SetUp() override {
@@ -42,7 +36,7 @@ TEST_F(ViewCommand, writes_one_page_with_everything_in_it) {
   EXPECT_EQ(report["frames"], 5);
   EXPECT_EQ(report["rules"], (std::vector<std::string>{"exact", "approach2"}));
 
-  const nlohmann::json content = manifest(page);
+  const nlohmann::json content = page_manifest(page);
   EXPECT_EQ(content["motions"].size(), 1u) << "two rules share one motion";
   ASSERT_EQ(content["scenes"].size(), 2u);
   const nlohmann::json& exact = content["scenes"][0]["measured"]["bare_area"];
@@ -78,7 +72,7 @@ TEST_F(ViewCommand, takes_bare_trees_open_meshes_and_bodies_at_rest) {
   bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nf 1 2 3\nf 2 4 3\n");
   bench.require("build open.obj -o open.morula --method grid --depth 1");
   bench.require("view open.obj open.morula -o open.html");
-  const nlohmann::json scene = manifest(bench.read("open.html"))["scenes"][0];
+  const nlohmann::json scene = page_manifest(bench.read("open.html"))["scenes"][0];
   EXPECT_EQ(scene["empty_share"], false) << "an open mesh has no inside";
   EXPECT_TRUE(scene["measured"]["looseness"][0][0].is_null());
   EXPECT_EQ(scene["measured"]["bare_area"][0][0], 0.0);
@@ -102,7 +96,7 @@ TEST_F(ViewCommand, text_from_outside_stays_text) {
   const std::string page = bench.read("study.html");
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_EQ(page.find("</title><b>"), std::string::npos);
-  EXPECT_EQ(manifest(page)["study"]["claims"][0]["claim"], "</script><script>alert(1)</script>");
+  EXPECT_EQ(page_manifest(page)["study"]["claims"][0]["claim"], "</script><script>alert(1)</script>");
 }
 
 TEST_F(ViewCommand, refuses_bad_input_and_writes_nothing) {
@@ -136,13 +130,13 @@ TEST_F(ViewCommand, shows_a_modal_model) {
   const auto json =
       bench.require("view limb.obj limb.morula --modes modes.npy --coords coords.npy -o limb.html --no-measure --json")
           .json();
-  const auto page = manifest(bench.read("limb.html"));
+  const auto page = page_manifest(bench.read("limb.html"));
   EXPECT_EQ(page["motions"][0]["name"], "coords.npy");
   EXPECT_EQ(page["motions"][0]["frames"].size(), json["frames"].get<std::size_t>());
   EXPECT_GT(json["frames"].get<std::size_t>(), 1U);
   // The box of all frames is larger than that of the body at rest: it moves.
   bench.require("view limb.obj limb.morula -o rest.html --no-measure");
-  EXPECT_NE(page["motions"][0]["step"], manifest(bench.read("rest.html"))["motions"][0]["step"]);
+  EXPECT_NE(page["motions"][0]["step"], page_manifest(bench.read("rest.html"))["motions"][0]["step"]);
   for (const char* wrong :
        {"--modes modes.npy", "--coords coords.npy", "limb.obj --modes modes.npy --coords coords.npy"})
     EXPECT_EQ(bench.run(std::string("view limb.obj limb.morula ") + wrong + " -o x.html").exit_code, 2) << wrong;

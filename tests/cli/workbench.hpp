@@ -43,4 +43,11 @@ class Workbench {
   ScratchFolder folder_;
 };
 
+/// What a page says it holds: counts, names, places of its data.
+inline nlohmann::json page_manifest(const std::string& page) {
+  const std::string open = "id=\"morula-manifest\">";
+  const std::size_t begin = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
 }  // namespace morula::test

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Motions, modes, their coordinates, and files of balls and spheres. The first byte says which, the others are the
-// file: a .npy, or a folder's files one after another, or the numbers that are written.
+// Motions, modes, their coordinates, point caches, and files of balls and spheres. The first byte says which, the
+// others are the file: a .npy, .pc2 or .mdd, or a folder's files one after another, or the numbers that are written.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
@@ -16,13 +17,16 @@
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/motion/array_motion.hpp"
+#include "io/motion/point_cache.hpp"
 #include "specimens.hpp"
 
 namespace morula::fuzz {
 using namespace detail;
 namespace {
 
-constexpr const char* array_name = "array.npy";
+constexpr const char* name_of(std::size_t what) {
+  return what == 4 ? "motion.pc2" : what == 5 ? "motion.mdd" : "array.npy";
+}
 
 const test::ScratchFolder& scratch() {
   static const test::ScratchFolder folder;
@@ -49,6 +53,18 @@ void read_modal_coordinates(const ByteSource& source) {
   const ModalCoordinates motion = coordinates_of(source, 2);
   require(motion.frame_count() * motion.mode_count == motion.coordinates.size(), "coordinates of half a frame");
   for (const double q : motion.coordinates) require(std::isfinite(q), "coordinates were read that are not finite");
+}
+
+void read_point_cache(const ByteSource& source) {
+  const std::shared_ptr<const FrameSource> cache = open_point_cache(source, specimen_mesh());
+  require(cache->frame_count() > 0, "a point cache without frames was opened");
+  require(cache->vertex_count() == specimen_mesh().vertex_count(), "a point cache of another mesh was opened");
+  const std::size_t last = cache->frame_count() - 1;
+  for (std::size_t i = 0; i <= last; i += std::max<std::size_t>(1, last / 7)) {
+    const std::vector<Vec3> positions = cache->frame(i);
+    require(positions.size() == cache->vertex_count(), "a frame has another number of vertices");
+    for (const Vec3& p : positions) require(is_finite(p), "a frame was read that is not finite");
+  }
 }
 
 // PATTERN '\x1f' NAME '\x1f' CONTENTS '\x1e' NAME …: at most four files; the pattern x means the folder itself.
@@ -116,20 +132,21 @@ void write_balls_and_spheres(Bytes in) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace morula::fuzz;
   Bytes in(data, size);
-  const std::size_t what = in.below(5);
-  if (what == 4) {
+  const std::size_t what = in.below(7);
+  if (what == 0) {
     write_balls_and_spheres(in);
     return 0;
   }
   const MemoryMeter memory;
   try {
-    const morula::detail::ByteSource source(array_name, in.rest());
-    if (what == 0) read_motion(source);
-    if (what == 1) read_modal_model(source);
-    if (what == 2) read_modal_coordinates(source);
-    if (what == 3) read_folder(in.rest());
+    const morula::detail::ByteSource source(name_of(what), in.rest());
+    if (what == 1) read_motion(source);
+    if (what == 2) read_modal_model(source);
+    if (what == 3) read_modal_coordinates(source);
+    if (what == 4 || what == 5) read_point_cache(source);
+    if (what == 6) read_folder(in.rest());
   } catch (const morula::FileError& error) {
-    require_good_message(error.what(), what == 3 ? scratch().path().string() : array_name);
+    require_good_message(error.what(), what == 6 ? scratch().path().string() : name_of(what));
   }
   memory.require_modest(size);
   return 0;

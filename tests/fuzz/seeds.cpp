@@ -18,6 +18,7 @@
 #include "io/array/npy.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
+#include "io/motion/point_cache.hpp"
 #include "io/tree/formats.hpp"
 #include "small_bodies.hpp"
 #include "specimens.hpp"
@@ -105,6 +106,7 @@ void add_solids(Seeds seeds) {
     seeds.add("6" + test::legacy_vtk(solid, binary));
     seeds.add("9" + test::gmsh_2(solid, binary));
     seeds.add("9" + test::gmsh_4(solid, binary));
+    seeds.add("9" + test::gmsh_4_0(solid, binary));
   }
   seeds.add("8" + test::xml_vtu(solid));
   seeds.add("7" + mesh_bytes(".vtp", specimen_mesh()));
@@ -134,7 +136,7 @@ void add_trees(Seeds seeds) {
 void add_arrays(Seeds seeds) {
   const std::array<double, 24> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0, 0, 1, 1, 1, 2, 1, 0, 0, 3, 1};
   const std::string motion = npy_bytes(numbers, std::array<std::size_t, 3>{2, 4, 3});
-  // A digit says what it is, modulo 5: "2" is 0, a motion.
+  // A digit says what it is, modulo 7: "2" is 1, a motion.
   seeds.add("2" + motion);
   seeds.add("3" + motion);
   seeds.add("4" + npy_bytes(numbers, std::array<std::size_t, 2>{12, 2}));
@@ -142,6 +144,13 @@ void add_arrays(Seeds seeds) {
   for (std::size_t i = 0; i < 12; ++i) store(floats, static_cast<float>(numbers[i]));
   seeds.add("2" + floats);
   const Mesh& mesh = specimen_mesh();
+  for (const auto& [digit, extension] : {std::pair("5", ".pc2"), std::pair("6", ".mdd")}) {
+    for (const std::size_t frames : {1u, 3u}) {
+      std::string cache = digit + point_cache_start(extension, mesh.vertex_count(), frames);
+      for (std::size_t i = 0; i < frames; ++i) append_point_cache_frame(cache, extension, mesh.positions);
+      seeds.add(cache);
+    }
+  }
   const std::string obj = mesh_bytes(".obj", mesh);
   seeds.add(
       "0x\x1f"

@@ -38,9 +38,9 @@ Mesh tiny_mesh(Random& random) {
   return mesh;
 }
 
-TEST(Tiling, holds_for_octrees_of_tiny_degenerate_meshes) {
-  Random random(17);
-  for (int trial = 0; trial < 1500; ++trial) {
+void expect_tiling_of_tiny_meshes(std::uint64_t seed, int trials) {
+  Random random(seed);
+  for (int trial = 0; trial < trials; ++trial) {
     const Mesh mesh = tiny_mesh(random);
     const int branching = std::array{2, 3, 4, 8, 16}[static_cast<std::size_t>(random.uniform(0, 5))];
     const int depth = 1 + static_cast<int>(random.uniform(0, 3));
@@ -48,6 +48,14 @@ TEST(Tiling, holds_for_octrees_of_tiny_degenerate_meshes) {
     EXPECT_EQ(first_fault(mesh, {.method = Method::octree, .branching = branching, .depth = depth}), "")
         << "trial " << trial << ", branching " << branching << ", depth " << depth;
   }
+}
+
+TEST(Tiling, holds_for_octrees_of_tiny_degenerate_meshes) {
+  expect_tiling_of_tiny_meshes(17, 200);
+}
+
+TEST(LongTiling, holds_for_octrees_of_many_tiny_degenerate_meshes) {
+  expect_tiling_of_tiny_meshes(17, 1500);
 }
 
 using TilingBy = test::ByMethod;

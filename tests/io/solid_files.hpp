@@ -153,4 +153,32 @@ inline std::string gmsh_4(const Solid& solid, bool binary) {
   return text + "\n$EndElements\n";
 }
 
+/// Numbers of entities come before their dimensions, tags have 32 bits and stand beside their nodes.
+inline std::string gmsh_4_0(const Solid& solid, bool binary) {
+  const auto size = [&](std::uint64_t value) { return binary ? raw(value) : std::to_string(value) + " "; };
+  const auto whole = [&](std::int32_t value) { return binary ? raw(value) : std::to_string(value) + " "; };
+  const std::uint64_t points = solid.points.size(), cells = solid.tetrahedra.size();
+  std::string text = "$MeshFormat\n4 " + std::string(binary ? "1" : "0") + " 8\n";
+  if (binary) text += raw(std::int32_t{1}) + "\n";
+  text += "$EndMeshFormat\n$Nodes\n" + size(2) + size(points);
+  const std::uint64_t half = points / 2;
+  const auto block = [&](std::uint64_t begin, std::uint64_t end, std::int32_t dimension) {
+    text += whole(5) + whole(dimension) + whole(dimension == 1 ? 1 : 0) + size(end - begin);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const Vec3& p = solid.points[i];
+      text += whole(gmsh_tag(i));
+      for (const double v : {p.x, p.y, p.z}) text += binary ? raw(v) : number_text(v) + " ";
+      if (dimension == 1) text += binary ? raw(0.25) : std::string("0.25 ");
+    }
+  };
+  block(0, half, 3);
+  block(half, points, 1);
+  text += "\n$EndNodes\n$Elements\n" + size(1) + size(cells) + whole(9) + whole(3) + whole(4) + size(cells);
+  for (std::uint64_t i = 0; i < cells; ++i) {
+    text += whole(static_cast<std::int32_t>(i + 1));
+    for (const std::uint32_t v : solid.tetrahedra[i]) text += whole(gmsh_tag(v));
+  }
+  return text + "\n$EndElements\n";
+}
+
 }  // namespace morula::test

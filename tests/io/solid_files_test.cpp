@@ -54,7 +54,8 @@ TEST(SolidFiles, surface_of_tetrahedra_in_every_format) {
       {"text.vtk", legacy_vtk(solid, false)}, {"binary.vtk", legacy_vtk(solid, true)},
       {"text.vtu", xml_vtu(solid)},           {"text2.msh", gmsh_2(solid, false)},
       {"binary2.msh", gmsh_2(solid, true)},   {"text4.msh", gmsh_4(solid, false)},
-      {"binary4.msh", gmsh_4(solid, true)}};
+      {"binary4.msh", gmsh_4(solid, true)},   {"text40.msh", gmsh_4_0(solid, false)},
+      {"binary40.msh", gmsh_4_0(solid, true)}};
   for (const auto& [name, bytes] : files) expect_surface(read_mesh(folder.file(name, bytes)), solid, 0.75, name);
 }
 
@@ -200,7 +201,7 @@ TEST(HostileSolids, are_refused_with_the_place_and_what_is_wrong) {
       {"part.vtk", vtk + "SPLINES 3\n", 5, "'splines' is not a part"},
       {"none.vtk", vtk + three, 0, "no facets"},
       {"empty.msh", "", 1, "begins with a line '$MeshFormat'"},
-      {"old.msh", "$MeshFormat\n4.0 0 8\n$EndMeshFormat\n", 2, "version '4.0' is not read"},
+      {"old.msh", "$MeshFormat\n3.0 0 8\n$EndMeshFormat\n", 2, "version '3.0' is not read"},
       {"size.msh", "$MeshFormat\n2.2 0 4\n$EndMeshFormat\n", 2, "numbers of 4 bytes"},
       {"no_nodes.msh", msh, 3, "ends before a section '$Nodes'"},
       {"early.msh", msh + "$Elements\n", 4, "'$Elements' comes before '$Nodes'"},

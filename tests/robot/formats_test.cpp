@@ -3,6 +3,7 @@
 // MJCF and SDF: the same robots written three times, and small ones whose poses are worked out by hand.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -336,6 +337,102 @@ TEST_F(Formats, sdf_parts_of_scenes_are_those_of_nodes_or_geometries) {
   EXPECT_NE(words.find("only those of COLLADA files are read"), std::string::npos) << words;
 }
 
+/// The tetrahedron above as MuJoCo writes it: four counts, then vertices, normals, places in a texture, facets.
+std::string mujoco_mesh(std::int32_t facets = 4, float first = 0) {
+  std::string bytes;
+  const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const std::int32_t count : {4, 1, 1, facets}) add(count);
+  for (const float x : {first, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f}) add(x);
+  for (const float x : {0.f, 0.f, 1.f, 0.5f, 0.5f}) add(x);
+  for (const std::int32_t v : {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) {
+    if (facets > 0) add(v);
+  }
+  return bytes;
+}
+
+TEST_F(Formats, meshes_of_mujoco_are_read_and_broken_ones_refused) {
+  static_assert(std::endian::native == std::endian::little, "the file is written as the machine has its numbers");
+  write("a/b/m/t.obj", tetrahedron);
+  write("a/b/m/t.msh", mujoco_mesh());
+  const auto surface = [&](const std::string& file) {
+    const robot::Robot r = mjcf("<body name='a'><geom type='mesh' mesh='t'/></body>",
+                                "<asset><mesh name='t' file='m/" + file + "' scale='2 1 1'/></asset>");
+    return robot::surface_of(r.file, r.links[0].collision).mesh;
+  };
+  EXPECT_EQ(surface("t.msh").positions, surface("t.obj").positions);
+  EXPECT_EQ(surface("t.msh").facets, surface("t.obj").facets);
+  const auto refusal = [&](const std::string& bytes) {
+    write("a/b/m/bad.msh", bytes);
+    return words_of([&] { surface("bad.msh"); });
+  };
+  const std::string whole = mujoco_mesh();
+  for (const std::size_t size : {0u, 3u, 15u, 16u, 100u}) {
+    EXPECT_NE(refusal(whole.substr(0, size)).find("bad.msh: "), std::string::npos) << size;
+  }
+  EXPECT_NE(refusal(whole + "x").find("has 133 bytes where its numbers"), std::string::npos) << refusal(whole + "x");
+  EXPECT_NE(refusal(mujoco_mesh(0)).find("has no facets"), std::string::npos);
+  EXPECT_NE(refusal(mujoco_mesh(4, std::nanf(""))).find("no number in vertex 0"), std::string::npos);
+  std::string bad = whole;
+  bad.back() = 1;  // the highest byte of the last index
+  EXPECT_NE(refusal(bad).find("facet 3 names vertex 16777219 of 4"), std::string::npos) << refusal(bad);
+  bad = whole;
+  bad[3] = '\x80';
+  EXPECT_NE(refusal(bad).find("below 0"), std::string::npos);
+}
+
+TEST_F(Formats, planes_are_left_out_and_meshes_stand_for_what_is_fitted_to_them) {
+  write("a/b/m/t.obj", tetrahedron);
+  const robot::Robot r = mjcf(
+      "<body name='a'><geom type='plane' size='1 1 1'/><geom size='0.1'/>"
+      "<geom type='capsule' mesh='t' pos='1 2 3'/></body>",
+      "<asset><mesh file='m/t.obj'/></asset><deformable><skin name='s'/></deformable>");
+  ASSERT_EQ(r.links[0].collision.size(), 2u);
+  EXPECT_EQ(robot::surface_of(r.file, r.links[0].collision).mesh.positions[0], (Vec3{1, 2, 3}));
+  ASSERT_EQ(r.notes.size(), 2u);
+  EXPECT_NE(r.notes[0].find("a plane in a (line 4) has no end and is left out"), std::string::npos) << r.notes[0];
+  EXPECT_NE(r.notes[1].find("the capsule that MuJoCo fits to mesh t (line 4)"), std::string::npos) << r.notes[1];
+}
+
+TEST_F(Formats, what_other_programs_write_is_taken_with_a_note) {
+  const robot::Robot fixed =
+      mjcf("<body name='a'><body name='b' pos='1 0 0'><joint type='fixed'/><geom size='1'/></body></body>");
+  EXPECT_EQ(origin_of(fixed, "b", {}), (Vec3{1, 0, 0}));
+  EXPECT_NE(fixed.notes.at(0).find("is fixed, which MuJoCo does not know"), std::string::npos);
+  // A plane, and a link called world that stands where the model does.
+  const robot::Robot arm_of_world =
+      sdf("<link name='world'/><link name='a'><pose>0 0 2 0 0 0</pose><collision "
+          "name='c'><geometry><plane/></geometry></collision>"
+          "<collision name='d'><geometry><sphere><radius>1</radius></sphere></geometry></collision></link>"
+          "<joint name='j' type='fixed'><parent>world</parent><child>a</child></joint>");
+  ASSERT_EQ(arm_of_world.links.size(), 2u);
+  EXPECT_EQ(origin_of(arm_of_world, "a", {}), (Vec3{0, 0, 2}));
+  EXPECT_EQ(arm_of_world.links[arm_of_world.find_link("a")].collision.size(), 1u);
+  EXPECT_NE(arm_of_world.notes.at(0).find("a plane in a"), std::string::npos);
+}
+
+TEST_F(Formats, a_file_may_be_included_from_beside_the_one_that_includes_it) {
+  write("a/b/sub/one.xml", "<mujocoinclude><include file='two.xml'/></mujocoinclude>");
+  write("a/b/sub/two.xml", "<mujocoinclude><geom size='0.5'/></mujocoinclude>");
+  const robot::Robot r = mjcf("<body name='a'><include file='sub/one.xml'/></body>");
+  ASSERT_EQ(r.links[0].collision.size(), 1u);
+  EXPECT_EQ(r.links[0].collision[0].radius, 0.5);
+  write("a/parts/three.xml", "<mujocoinclude><geom size='0.25'/></mujocoinclude>");
+  EXPECT_EQ(mjcf("<body name='a'><include file='../parts/three.xml'/></body>").links[0].collision[0].radius, 0.25);
+}
+
+TEST_F(Formats, a_file_without_bodies_is_one_link_and_a_mesh_may_be_named_twice_alike) {
+  write("a/b/m/t.obj", tetrahedron);
+  const robot::Robot r =
+      mjcf("<geom size='0.5'/><frame pos='1 0 0'><geom type='mesh' mesh='t'/></frame><geom type='plane' size='1 1 1'/>",
+           "<asset><mesh file='m/t.obj'/><mesh file='m/t.obj'/></asset>");
+  ASSERT_EQ(r.links.size(), 1u);
+  EXPECT_EQ(r.links[0].name, "world");
+  ASSERT_EQ(r.links[0].collision.size(), 2u);
+  EXPECT_EQ(robot::link_poses(r, {}).size(), 1u);
+  EXPECT_EQ(r.notes.size(), 2u);
+  EXPECT_NE(words_of([&] { mjcf("<joint name='j'/><geom size='1'/>"); }).find("joint"), std::string::npos);
+}
+
 TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
   write("a/b/m/t.obj", tetrahedron);
   write("a/b/twice.xml", "<mujocoinclude/>");
@@ -361,14 +458,12 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {body("<geom size='0'/>"), "", "is not above 0"},
       {body("<geom size='1' type='capsule'/>"), "", "is not 2 to 3 numbers"},
       {body("<geom size='1' type='capsule' fromto='1 1 1 1 1 1'/>"), "", "one point twice"},
-      {body("<geom type='plane' size='1 1 1'/>"), "", "is a plane"},
       {body("<geom type='hfield' hfield='h'/>"), "", "is a hfield"},
       {body("<geom type='torus' size='1'/>"), "", "is a torus"},
-      {body("<geom type='box' mesh='t'/>"), asset("<mesh file='m/t.obj'/>"), "fitted to mesh t"},
       {body("<geom type='mesh'/>"), "", "names no mesh"},
       {use, "", "there is no mesh t"},
       {use, asset("<mesh name='t' vertex='0 0 0'/>"), "written out or built in"},
-      {use, asset("<mesh file='m/t.msh'/>"), "MuJoCo's own binary"},
+      {use, asset("<mesh file='m/t.msh'/>"), "is missing; searched"},
       {use, asset("<mesh file='m/t.obj' scale='1 0 1'/>"), "scaled by 0"},
       {use, asset("<mesh file='m/t.obj'/><mesh file='t.obj'/>"), "two meshes t"},
       {use, asset("<mesh name='t' file='../../../../../etc/passwd'/>"), "r.xml:2: mesh \"../../../../../etc/passwd\""},
@@ -389,9 +484,9 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {body(""), "<compiler coordinate='global'/>", "coordinate=\"global\" is not supported"},
       {body(""), "<compiler angle='grad'/>", "neither degree nor radian"},
       {body(""), "<compiler eulerseq='xy'/>", "three of the letters"},
-      {body(""), "<include file='../escape.xml'/>", "leaves the folder"},
+      {body(""), "<include file='../../escape.xml'/>", "leaves the folder"},
       {body(""), "<include file='/etc/passwd'/>", "leaves the folder"},
-      {body(""), "<include file='x/../../escape.xml'/>", "leaves the folder"},
+      {body(""), "<include file='x/../../../escape.xml'/>", "leaves the folder"},
       {body(""), "<include file='no.xml'/>", "is missing; searched"},
       {body(""), "<include/>", "<include> has no file"},
       {body(""), "<include file='twice.xml'/><include file='twice.xml'/>", "a second time"},
@@ -402,7 +497,7 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
        "<equality><joint joint1='i' joint2='j'/><joint joint1='j' joint2='i'/></equality>", "follows itself"},
   };
   for (const auto& [inside, before, words] : cases) {
-    const std::string text = words_of([&] { mjcf(inside, before); });
+    const std::string text = words_of([&, &inside = inside, &before = before] { mjcf(inside, before); });
     EXPECT_NE(text.find(words), std::string::npos) << inside << before << "\n" << text;
     EXPECT_EQ(text.rfind(folder.path().string(), 0), 0u) << text;
   }
@@ -420,7 +515,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
   const std::vector<std::array<std::string, 2>> cases{
       {"", "there is no link"},
       {"<link/>", "<link> has no name"},
-      {"<link name='world'/>", "no name that may be given"},
+      {"<link name='world'><pose>1 0 0 0 0 0</pose></link>", "no name that may be given"},
       {"<link name='a'/><link name='a'/>", "two links a"},
       {"<link name='a'/><frame name='a'/>", "both called a"},
       {two, "both carried by no joint"},
@@ -447,7 +542,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {"<link name='a'><pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose></link>", "a quaternion is 0"},
       {"<link name='a'><pose rotation_format='matrix'>0</pose></link>", "neither euler_rpy nor quat_xyzw"},
       {shape(""), "has no geometry"},
-      {shape("<plane/>"), "<plane> is no geometry"},
+      {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<polyline/>"), "<polyline> is no geometry"},
       {shape("<sphere><radius>0</radius></sphere>"), "not above 0"},
@@ -462,7 +557,7 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {shape("<mesh><uri>no.stl</uri><scale>0 1 1</scale></mesh>"), "scaled by 0"},
   };
   for (const auto& [body, words] : cases) {
-    const std::string text = words_of([&] { sdf(body); });
+    const std::string text = words_of([&, &body = body] { sdf(body); });
     EXPECT_NE(text.find(words), std::string::npos) << body << "\n" << text;
     EXPECT_EQ(text.rfind((folder.path() / "a/b/r.sdf").string() + ":", 0), 0u) << text;
   }

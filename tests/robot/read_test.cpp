@@ -49,6 +49,35 @@ TEST(ReadRobot, links_joints_and_what_moves_by_itself) {
   EXPECT_EQ(robot::read_robot(gripper_file).own.size(), 1u) << "what follows another is no coordinate";
 }
 
+TEST(ReadRobot, what_readers_of_others_take_is_taken_with_a_note) {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "a/b/c/odd.urdf";
+  write(scratch.path() / "a/meshes/m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write(file, std::string(
+                  "<robot><link name='a'><collision><geometry><plane normal='0 0 1'/></geometry></collision>"
+                  "<collision><geometry><sphere radius='0'/></geometry></collision><collision><geometry>"
+                  "<mesh filename='/home/someone/ws/src/a/meshes/m.obj'/></geometry></collision></link><link name='b'/>"
+                  "<joint name='j' type='spherical'><parent link='a'/><child link='b'/><origin xyz='0.5, -1, 2.' "
+                  "rpy='0 0 0 9'/>"
+                  "<limit lower='-1.57.' upper='$(optenv NAME 1.5)'/></joint></robot>\n") +
+                  '\0');
+  const robot::Robot read = robot::read_robot(file);
+  EXPECT_EQ(read.name, "odd");
+  ASSERT_EQ(read.links[0].collision.size(), 1u);
+  EXPECT_EQ(read.links[0].collision[0].file, (scratch.path() / "a/meshes/m.obj").lexically_normal());
+  EXPECT_EQ(read.joints[0].kind, robot::Joint::Kind::floating);
+  EXPECT_EQ(read.joints[0].origin.translation, (Vec3{0.5, -1, 2}));
+  EXPECT_EQ(read.joints[0].lower, -1.57);
+  EXPECT_EQ(read.joints[0].upper, 1.5);
+  std::string notes;
+  for (const std::string& note : read.notes) notes += note + "\n";
+  for (const char* words : {"has no name and is called odd", "a plane in a (line 1)", "a sphere of radius 0 in a",
+                            "is spherical, which URDF does not have", "is read as 0.5 -1 2", "is read as -1.57",
+                            "rpy=\"0 0 0 9\" of <origin> (line 1) is read as 0 0 0"}) {
+    EXPECT_NE(notes.find(words), std::string::npos) << notes;
+  }
+}
+
 TEST(ReadRobot, a_mesh_is_scaled_first_and_placed_then) {
   const robot::Robot read = robot::read_robot(arm_file);
   const Mesh mesh = robot::surface_of(arm_file, read.links[read.find_link("shoulder")].collision).mesh;
@@ -210,7 +239,8 @@ TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
       {two + joint("j", "a", "b", "<axis xyz='0 nan 0'/>"), "is not three numbers"},
       {two + joint("j", "a", "b", "<limit lower='1e999'/>"), "is no number"},
       {two + joint("j", "a", "b", "<mimic joint='j'/>"), "follows itself"},
-      {collision("<sphere radius='0'/>"), "is not above 0"},
+      {collision("<sphere radius='-1'/>"), "is not above 0"},
+      {collision("<box size='${a} 1 1'/>"), "run xacro on the file first"},
       {collision("<sphere radius='0x10'/>"), "is no number"},
       {collision("<box size='1 1'/>"), "is not three numbers"},
       {collision("<box size='1 -1 1'/>"), "an edge not above 0"},

@@ -8,6 +8,7 @@
 #include <morula/page/page.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace morula {
 namespace {
@@ -68,6 +69,42 @@ TEST(Page, is_made_or_says_why_not) {
   wrong = content;
   wrong.scenes[0].frames.pop_back();
   EXPECT_THROW(make_page(wrong), std::invalid_argument);
+}
+
+TEST(Page, joints_that_hold_nothing_together_are_refused) {
+  if (!has_page()) GTEST_SKIP() << why_no_page();
+  PageContent good = small_page();
+  good.motions[0].frames.resize(1);
+  good.motions[0].frame_names.resize(1);
+  PageScene& scene = good.scenes[0];
+  scene.frames.resize(1);
+  scene.measured.clear();
+  scene.empty_share.clear();
+  scene.parts.assign(scene.rest.child_count[0], 1);
+  const std::size_t vertices = good.motions[0].frames[0].size();
+  PageJoints joints{.parts = {{.name = "a", .vertex_begin = 0, .vertex_end = 1}, {.name = "b"}, {.name = "c"}},
+                    .joints = {}};
+  joints.joints = {{.name = "j", .parent = 0, .child = 1}, {.name = "k", .parent = 1, .child = 2, .leader = 0}};
+  joints.ignored = {{0, 1}};
+  good.motions[0].joints = joints;
+  EXPECT_NE(make_page(good).find("\"leader\":0"), std::string::npos);
+  const auto refuses = [&](auto change) {
+    PageContent wrong = good;
+    change(wrong);
+    EXPECT_THROW(make_page(wrong), std::invalid_argument);
+  };
+  refuses([&](PageContent& c) { c.motions[0].joints->parts[2].vertex_end = vertices + 1; });
+  refuses([](PageContent& c) { c.motions[0].joints->parts[0].vertex_begin = 2; });
+  refuses([](PageContent& c) { c.motions[0].joints->joints[0].child = 3; });
+  refuses([](PageContent& c) { c.motions[0].joints->joints[0].child = 0; });
+  refuses([](PageContent& c) { c.motions[0].joints->joints[1].child = 1; });
+  refuses([](PageContent& c) { std::swap(c.motions[0].joints->joints[0], c.motions[0].joints->joints[1]); });
+  refuses([](PageContent& c) { c.motions[0].joints->joints[1].leader = 7; });
+  refuses([](PageContent& c) { c.motions[0].joints->joints[1].leader = 1; });
+  refuses([](PageContent& c) { c.motions[0].joints->ignored = {{1, 0}}; });
+  refuses([](PageContent& c) { c.scenes[0].parts.pop_back(); });
+  refuses([](PageContent& c) { c.scenes[0].parts[0] = 3; });
+  refuses([](PageContent& c) { c.motions[0].joints.reset(); });
 }
 
 }  // namespace

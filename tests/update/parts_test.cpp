@@ -394,7 +394,7 @@ TEST(Rounding, rounded_up_is_the_least_float_not_below) {
 TEST(Rounding, rounded_up_is_what_nextafter_says_for_every_kind_of_number) {
   constexpr double beyond_all = std::numeric_limits<double>::infinity();
   std::vector<double> numbers{0.0,
-                              infinity,
+                              beyond_all,
                               std::numeric_limits<double>::denorm_min(),
                               0x1p-149,
                               0x1p-150,

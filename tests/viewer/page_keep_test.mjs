@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The page in a real browser: what it keeps. Its state in the address; pictures, films and models as files.
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { at, check, claim, equal, morula } from './support.mjs';
 import { open, settled, slide } from './browser.mjs';
@@ -113,6 +113,25 @@ await claim('two_bodies_show_where_they_touch', async () => {
     check((await compare(marked, await picture(page))).changed > 0.0003, 'contacts are drawn');
     await page.check('#show-contacts');
     await page.screenshot({ path: at('touch.png') });
+  });
+});
+
+await claim('a_scene_shows_all_bodies_and_where_they_touch', async () => {
+  morula('sample capsule -o tool.obj --resolution 10');
+  writeFileSync(at('room.json'), JSON.stringify({ bodies: [
+    { name: 'limb', mesh: 'limb.obj', tree: 'limb.morula', motion: 'bend' },
+    { name: 'tool', mesh: 'tool.obj', place: [0, 0.9, 0] },
+    { name: 'far', mesh: 'tool.obj', path: [[5, 0, 0], [4, 0, 0], [3, 0, 0]] },
+  ] }));
+  morula('collide --scene room.json --page room.html -o room.csv');
+  const touching = readFileSync(at('room.csv'), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','))
+    .filter((row) => row[0] === '0' && Number(row[row.length - 1]) > 0);
+  check(touching.length > 0, 'they touch');
+  await opened('room.html', {}, async (page) => {
+    equal(await page.title(), 'room · Morula', 'title');
+    await slide(page, 'frame', 0);
+    check((await words(page, '#contacts-chip')).startsWith(`${touching.length.toLocaleString('en')} contact`), await words(page, '#contacts-chip'));
+    await page.screenshot({ path: at('room.png') });
   });
 });
 

@@ -8,16 +8,23 @@ const kinds = {
   measure: ['looseness', 'bare_area', 'gap', 'growth'],
   body: 'flag', spheres: 'flag', bare: 'flag', facets: 'flag', contacts: 'flag',
   opacity: 'share', sectionAxis: ['', 'x', 'y', 'z'], sectionAt: 'share', sectionFlip: 'flag',
+  joints: 'list',
 };
 
 function read(kind, text) {
   if (Array.isArray(kind)) return kind.includes(text) ? text : undefined;
   if (kind === 'flag') return text === '1' ? true : text === '0' ? false : undefined;
+  if (kind === 'list') {
+    const numbers = text.split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
+    return numbers.every(Number.isFinite) ? numbers : undefined;
+  }
   const value = text.trim() === '' ? NaN : Number(text);
   if (kind === 'count') return Number.isInteger(value) && value >= 0 && value < 2 ** 31 ? value : undefined;
   return value >= 0 && value <= 1 ? value : undefined;
 }
-const written = (kind, value) => (kind === 'flag' ? (value ? '1' : '0') : kind === 'share' ? String(Number(value.toFixed(3))) : String(value));
+const brief = (value, digits) => String(Number(value.toFixed(digits)));
+const written = (kind, value) =>
+  kind === 'flag' ? (value ? '1' : '0') : kind === 'share' ? brief(value, 3) : kind === 'list' ? value.map((x) => brief(x, 4)).join(',') : String(value);
 
 /** {values: of the state, camera: text or null}; null when the address says nothing of them. What is unknown is passed over. */
 export function readAddress(hash) {
@@ -34,7 +41,7 @@ export function readAddress(hash) {
 /** values, first: of the state now and as the page began. camera: '' when it was not moved. */
 export function writeAddress(values, first, camera) {
   const parameters = Object.entries(kinds)
-    .filter(([name]) => values[name] !== undefined && values[name] !== first[name] && !(name === 'picked' && values[name] < 0))
+    .filter(([name, kind]) => values[name] !== undefined && (first[name] === undefined || written(kind, values[name]) !== written(kind, first[name])) && !(name === 'picked' && values[name] < 0))
     .map(([name, kind]) => `${name}=${written(kind, values[name])}`);
   if (camera) parameters.push(`camera=${camera}`);
   return parameters.length === 0 ? '' : `#${parameters.join('&')}`;

@@ -6,6 +6,7 @@ import { PageError, readManifest } from './decode.js';
 import { SceneList, State } from './model.js';
 import { Stage } from './stage.js';
 import { Panel } from './panel.js';
+import { Sliders } from './sliders.js';
 import { Report } from './report.js';
 import { drawPicked } from './picked.js';
 import { bindKeys } from './keys.js';
@@ -76,13 +77,14 @@ function start() {
   const state = new State({
     scene: -1, frame: 0, level: -1, colour: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
     body: true, spheres: true, bare: true, facets: false, contacts: true, opacity: 0.5,
-    sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false,
+    sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [],
   });
   let stage = null;
   let scene = null;
   let begun = null; // the values that the page began with
   let report = null;
   const panel = new Panel(sceneList, state);
+  const sliders = new Sliders(state);
   const toggleTheme = bindTheme(() => {
     stage?.theme();
     panel.curves.retheme();
@@ -93,26 +95,38 @@ function start() {
   state.listen((changed) => {
     const has = (...names) => names.some((name) => changed.has(name));
     if (has('scene')) {
+      const wasInside = scene?.entry.inside === true;
       scene = sceneList.scene(state.get('scene'));
+      // The body would hide what is inside. Once all have heard of the scene.
+      if (wasInside !== (scene.entry.inside === true)) queueMicrotask(() => state.set({ body: wasInside }));
       const level = state.get('level');
       // The second level, which is few spheres and yet the body's shape, unless the reader chose one that is there.
       state.values.level = level < 0 || level >= scene.levelCount ? Math.min(2, scene.levelCount - 1) : level;
       state.values.frame = Math.min(state.get('frame'), scene.frameCount - 1);
       if (state.get('picked') >= scene.nodeCount) state.values.picked = -1;
       for (const name of ['level', 'frame', 'picked']) changed.add(name);
+      if (scene.joints && state.get('joints').length !== scene.joints.own.length) state.values.joints = scene.joints.rest;
       stage?.show(scene);
+      sliders.show(scene.joints);
       panel.show(scene);
       byId('about').textContent = [
         sceneList.describe(state.get('scene')).body,
         counted(scene.motionEntry.facets, 'facet'),
         counted(scene.nodeCount, 'sphere'),
-        `rule ${scene.entry.rule}`,
+        scene.joints ? counted(scene.joints.own.length, 'joint') : `rule ${scene.entry.rule}`,
       ].join(' · ');
     }
     if (!scene) return;
+    if (scene.joints && has('scene', 'joints')) {
+      scene.pose(state.get('joints'));
+      changed.add('frame');
+      panel.meeting = scene.meeting();
+      sliders.follow(panel.meeting);
+      stage?.surround(scene.bounds());
+    }
     if (stage) {
       if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
-      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare'));
+      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare') && !scene.entry.inside);
       if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
       if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);
@@ -148,6 +162,8 @@ function start() {
       if (rest[name] >= most) rest[name] = most - 1;
     }
     if (rest.colour === 'empty' && scene.emptyShare === null) delete rest.colour;
+    if (rest.joints?.length !== scene.joints?.own.length) delete rest.joints;
+    else if (rest.joints) rest.joints = rest.joints.map((value, k) => scene.joints.within(k, value));
     state.set(rest);
     if (wanted.camera) stage?.lookAs(wanted.camera);
   }
@@ -164,7 +180,7 @@ function start() {
     theme: toggleTheme,
     fit: () => stage?.fit(),
     turnUp: () => stage?.fit(ups[stage.up]),
-    hasColour: (colour) => colour !== 'empty' || scene.emptyShare !== null,
+    hasColour: (colour) => (colour !== 'empty' || scene.emptyShare !== null) && (colour !== 'growth' || scene.joints === null),
     step: (name, by) => {
       const most = (name === 'frame' ? scene.frameCount : scene.levelCount) - 1;
       state.set({ [name]: Math.min(Math.max(state.get(name) + by, 0), most), ...(name === 'frame' ? { playing: false } : {}) });
@@ -173,6 +189,7 @@ function start() {
   byId('fit')?.addEventListener('click', () => stage.fit());
 
   const name = fileName(manifest.title);
+  const swingFrames = () => 3 * framesPerSecond * scene.joints.own.length;
   const save = (id, how) => {
     const button = byId(id);
     button.disabled = !stage;
@@ -192,27 +209,33 @@ function start() {
   };
   save('save-png', () => savePicture(stage, name));
   save('save-webm', async (tell) => {
-    const before = state.get('frame');
-    await saveFilm(stage, name, scene.frameCount, framesPerSecond, (frame) => state.set({ frame }),
-      (frame) => tell(`${frame + 1} / ${scene.frameCount}`));
-    state.set({ frame: before });
+    const before = { frame: state.get('frame'), joints: state.get('joints') };
+    const count = scene.joints ? swingFrames() : scene.frameCount;
+    const show = scene.joints ? (frame) => state.set({ joints: scene.joints.swing(before.joints, frame / (count - 1)) }) : (frame) => state.set({ frame });
+    await saveFilm(stage, name, count, framesPerSecond, show, (frame) => tell(`${frame + 1} / ${count}`));
+    state.set(before);
   });
   save('save-gltf', () =>
     saveModel(scene, state.get('frame'), scene.levelSets[state.get('level')], colouring(scene, state), name));
   byId('save-webm').hidden = !canFilm();
 
   let lastStep = 0;
+  let swung = 0; // frames since a robot began to swing
+  let swungFrom = [];
   const tick = (now) => {
     if (!state.get('playing')) return;
     if (now - lastStep >= 1000 / framesPerSecond) {
       lastStep = now;
-      state.set({ frame: (state.get('frame') + 1) % scene.frameCount });
+      if (scene.joints) state.set({ joints: scene.joints.swing(swungFrom, (++swung % swingFrames()) / swingFrames()) });
+      else state.set({ frame: (state.get('frame') + 1) % scene.frameCount });
     }
     requestAnimationFrame(tick);
   };
   state.listen((changed) => {
+    if (changed.has('playing')) sliders.playing(state.get('playing'));
     if (!changed.has('playing') || !state.get('playing')) return;
-    if (scene.frameCount < 2) state.set({ playing: false });
+    [swung, swungFrom] = [0, state.get('joints')];
+    if (scene.joints ? scene.joints.own.length === 0 : scene.frameCount < 2) state.set({ playing: false });
     else requestAnimationFrame(tick);
   });
 

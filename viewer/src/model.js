@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is shown: the scenes of the page, decoded when they are first asked for, and the reader's choices.
 import { PageError, decodeMotion, decodeScene, readBytes } from './decode.js';
+import { Joints, placed } from './joints.js';
 
 /** A value that others listen to: set() calls every listener with the names of what changed. */
 export class State {
@@ -53,6 +54,65 @@ class Scene {
     );
     this.ranges = new Map();
     this.pointsOf = { frame: -1, positions: new Float32Array(motion.frames[0].length) };
+    this.joints = null;
+    if (motionEntry.joints) this.prepareJoints(motionEntry.joints);
+  }
+
+  /** A body of parts: `frames[0]` becomes what pose() fills, from the spheres as they were. */
+  prepareJoints(entry) {
+    this.joints = new Joints(entry);
+    const parts = this.joints.parts;
+    this.partOf = new Int32Array(this.nodeCount).fill(-1);
+    for (let node = 1; node < this.nodeCount; ++node) this.partOf[node] = this.entry.parts[this.branchOf[node]] ?? -1;
+    if (parts.length === 0 || this.frameCount !== 1 || this.partOf.subarray(1).some((part) => !(part >= 0 && part < parts.length))) {
+      throw new PageError('spheres of a part that is not there');
+    }
+    this.values = this.joints.rest;
+    this.atRest = this.frames[0].slice();
+    this.moves = this.joints.moves(this.values);
+  }
+  /** values: one per joint that the reader moves. */
+  pose(values) {
+    const [spheres] = this.frames;
+    const { atRest, origin } = this;
+    this.values = values;
+    this.moves = this.joints.moves(values);
+    const center = [0, 0, 0];
+    for (let node = 1; node < this.nodeCount; ++node) {
+      for (let k = 0; k < 3; ++k) center[k] = atRest[4 * node + k] + origin[k];
+      placed(this.moves[this.partOf[node]], center).forEach((x, k) => (spheres[4 * node + k] = x - origin[k]));
+    }
+    // The root is around its children wherever they are.
+    const children = this.levelSets[Math.min(1, this.levelCount - 1)];
+    const ends = (k, sign) => children.reduce((most, node) => Math.max(most, sign * spheres[4 * node + k] + spheres[4 * node + 3]), -Infinity);
+    for (let k = 0; k < 3; ++k) spheres[k] = 0.5 * (ends(k, 1) - ends(k, -1));
+    spheres[3] = children.reduce((most, node) => Math.max(most,
+      Math.hypot(...[0, 1, 2].map((k) => spheres[4 * node + k] - spheres[k])) + spheres[4 * node + 3]), 0);
+    this.pointsOf.frame = -1;
+  }
+  /** Pairs of parts whose spheres meet now although they are not to: [[name, name], …]. */
+  meeting() {
+    const [spheres] = this.frames;
+    const heads = [...this.levelSets[Math.min(1, this.levelCount - 1)]];
+    const meet = (a, b) => {
+      const radii = spheres[4 * a + 3] + spheres[4 * b + 3];
+      let square = 0;
+      for (let k = 0; k < 3; ++k) square += (spheres[4 * a + k] - spheres[4 * b + k]) ** 2;
+      return square <= radii * radii;
+    };
+    const below = (node) => Array.from({ length: this.entry.child_count[node] }, (_, i) => this.firstChild[node] + i);
+    const pairs = [];
+    heads.forEach((a, i) => {
+      for (const b of heads.slice(i + 1)) {
+        const [first, second] = [this.partOf[a], this.partOf[b]].sort((x, y) => x - y);
+        if (this.joints.ignored.has(`${first} ${second}`) || !meet(a, b)) continue;
+        const others = below(b).filter((leaf) => meet(a, leaf));
+        if (below(a).some((leaf) => others.some((other) => meet(leaf, other)))) {
+          pairs.push([first, second].map((part) => this.joints.parts[part].name));
+        }
+      }
+    });
+    return pairs;
   }
 
   /** x, y, z of every vertex of a frame. The array is reused by the next call. */
@@ -66,9 +126,31 @@ class Scene {
         positions[i + 1] = places[i + 1] * y;
         positions[i + 2] = places[i + 2] * z;
       }
+      if (this.joints) this.placeParts(positions);
       this.pointsOf.frame = frame;
     }
     return positions;
+  }
+  placeParts(positions) {
+    const { origin } = this;
+    this.joints.parts.forEach(({ vertices: [begin, end] }, part) => {
+      const move = this.moves[part];
+      for (let i = 3 * begin; i < 3 * end; i += 3) {
+        const at = placed(move, [positions[i] + origin[0], positions[i + 1] + origin[1], positions[i + 2] + origin[2]]);
+        for (let k = 0; k < 3; ++k) positions[i + k] = at[k] - origin[k];
+      }
+    });
+  }
+  /** [low, high] of the vertices of now. */
+  bounds() {
+    const positions = this.positions(0);
+    const low = [Infinity, Infinity, Infinity];
+    const high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < positions.length; ++i) {
+      if (positions[i] < low[i % 3]) low[i % 3] = positions[i];
+      if (positions[i] > high[i % 3]) high[i % 3] = positions[i];
+    }
+    return { low, high };
   }
   /** Half of what rounding to steps may have moved a vertex by, at most. */
   get tolerance() {

@@ -3,7 +3,7 @@
 // The controls beside the picture: what is shown, how, and the figures of the frame.
 import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
-import { levelColours, mapGradient } from './colours.js';
+import { css, kindColour, levelColours, mapGradient } from './colours.js';
 import { counted, figure, percent } from './numbers.js';
 
 export const colourings = [
@@ -101,9 +101,11 @@ export class Panel {
       ),
     );
     byId('contacts-box').hidden = !scene.contacts;
-    document.body.dataset.moves = String(scene.frameCount > 1);
+    document.body.dataset.moves = String(scene.frameCount > 1 || (scene.joints?.own.length ?? 0) > 0);
+    document.body.dataset.joints = String(scene.joints !== null);
     for (const button of this.colourButtons) {
       if (button.dataset.value === 'empty') button.disabled = scene.emptyShare === null;
+      if (button.dataset.value === 'growth') button.disabled = scene.joints !== null;
     }
     for (const button of this.measureButtons) {
       button.disabled = button.dataset.value !== 'growth' && this.series(button.dataset.value).every((s) => s.y.every((y) => y === null));
@@ -143,6 +145,10 @@ export class Panel {
 
   drawFigures() {
     const { scene, state } = this;
+    if (scene.joints) {
+      this.drawParts();
+      return;
+    }
     const frame = state.get('frame');
     const measured = scene.entry.measured !== null;
     const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Bare area', 'Gap'] : ['Largest growth'])];
@@ -169,6 +175,24 @@ export class Panel {
     );
   }
 
+  /** Of a body of parts: their spheres, in the colours of the picture. */
+  drawParts() {
+    const { scene } = this;
+    const heads = [...scene.levelSets[Math.min(1, scene.levelCount - 1)]];
+    const rows = heads.map((node) => {
+      const part = scene.joints.parts[scene.partOf[node]];
+      const dot = element('i', { class: 'dot', style: `background:${css(kindColour(scene.branchOf[node]))}` });
+      return element('tr', { onclick: () => this.state.set({ picked: node }) },
+        element('th', { scope: 'row' }, dot, part.name),
+        element('td', {}, Math.max(1, scene.entry.child_count[node]).toLocaleString('en')),
+        element('td', {}, figure(part.protrusion)));
+    });
+    byId('figures').replaceChildren(
+      element('thead', {}, element('tr', {}, ...['Link', 'Spheres', 'Stick out by'].map((text) => element('th', { scope: 'col' }, text)))),
+      element('tbody', {}, ...rows),
+    );
+  }
+
   drawLegend() {
     const { scene, state } = this;
     const level = state.get('level');
@@ -191,14 +215,19 @@ export class Panel {
           element('div', { class: 'kinds' },
             ...(colour === 'level'
               ? levels.map((l) => element('span', { class: 'kind' }, element('i', { class: 'dot', style: `background:${levelColours[l % levelColours.length]}` }), text(l)))
-              : [element('span', { class: 'kind' }, 'one colour for every child of the root')])),
+              : [element('span', { class: 'kind' }, scene.joints ? 'one colour for every link' : 'one colour for every child of the root')])),
         );
       }
     }
-    if (state.get('bare') && state.get('body')) {
+    if (state.get('bare') && state.get('body') && !scene.entry.inside) {
       const share = scene.measured('bare_area', level, state.get('frame'));
       const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
+    }
+    if (scene.joints && this.meeting?.length > 0) {
+      const named = this.meeting.slice(0, 3).map((pair) => pair.join(' – '));
+      const more = this.meeting.length > 3 ? ` and ${this.meeting.length - 3} more` : '';
+      parts.push(element('span', { class: 'kind', id: 'meet-chip' }, `meet: ${named.join(', ')}${more}`));
     }
     if (scene.contacts && state.get('contacts')) {
       const now = scene.contacts[state.get('frame')];
@@ -227,7 +256,7 @@ export class Panel {
     }
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
-    if (has('scene', 'level', 'frame')) this.drawFigures();
+    if (scene.joints ? has('scene') : has('scene', 'level', 'frame')) this.drawFigures();
     if (has('scene', 'level', 'frame', 'colour', 'spheres', 'bare', 'body', 'contacts')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {

@@ -139,8 +139,14 @@ export class Stage {
     this.box = { low, high };
     this.body.show(scene);
     this.spheres.show(scene);
-    if (!same) this.fit();
+    // A robot stands on its z.
+    if (!same) this.fit(scene.joints ? 'z' : undefined);
     this.ask();
+  }
+
+  /** The same mesh in another pose, as large as this. */
+  surround(box) {
+    this.box = box;
   }
 
   /** Puts the camera where the two longer sides of the box are seen, a little from above. up: 'y', 'z' or 'x'. */

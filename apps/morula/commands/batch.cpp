@@ -35,7 +35,7 @@ namespace morula::cli {
 namespace {
 namespace fs = std::filesystem;
 
-struct Options {
+struct BatchArguments {
   std::string manifest;
   std::string output;
   std::string shard = "1/1";
@@ -53,7 +53,7 @@ struct Options {
 };
 
 // Given to `morula build` as they are; also what tells one batch's results from another's.
-std::vector<std::string> build_arguments(const Options& o) {
+std::vector<std::string> build_arguments(const BatchArguments& o) {
   std::vector<std::string> words;
   const auto add = [&](const char* option, const std::string& value) { words.insert(words.end(), {option, value}); };
   if (!o.method.empty()) add("--method", o.method);
@@ -92,7 +92,7 @@ std::string first_line(const std::string& text) {
 }
 
 // What is kept of one build. All but `cost` is the same on every run.
-Json result_of(const JobResult& job, const Options& o) {
+Json result_of(const JobResult& job, const BatchArguments& o) {
   Json result{{"status", "ok"}, {"message", ""}};
   const auto failed = [&](const char* status, std::string message) {
     result["status"] = status, result["message"] = std::move(message);
@@ -139,7 +139,7 @@ std::optional<Json> read_result(const fs::path& path) {
 }
 
 // An option that no build takes is told before any mesh is read.
-void try_options(const Options& o) {
+void try_options(const BatchArguments& o) {
   const fs::path scratch = fs::temp_directory_path() / fmt::format("morula-batch-{}", getpid());
   const fs::path mesh = scratch.string() + ".obj";
   struct Remove {
@@ -170,7 +170,7 @@ struct Work {
   std::vector<std::size_t> waiting;     // rows, one per key without a result
 };
 
-Work plan(const std::vector<ManifestRow>& all, const Options& o, const Places& places, const Shard& shard) {
+Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const Places& places, const Shard& shard) {
   std::string options;
   for (const std::string& word : build_arguments(o)) options += word + " ";
   Work work;
@@ -200,7 +200,7 @@ Work plan(const std::vector<ManifestRow>& all, const Options& o, const Places& p
 }
 
 // Builds what waits, `jobs` at a time. False when a signal asked for the end.
-bool work_off(Work& work, const Options& o, const Places& places, unsigned jobs, const Interrupt& interrupt) {
+bool work_off(Work& work, const BatchArguments& o, const Places& places, unsigned jobs, const Interrupt& interrupt) {
   struct Running {
     Job job;
     std::size_t row;
@@ -254,7 +254,7 @@ std::string cell(const Json& value) {
   return value.is_string() ? csv_cell(value.get<std::string>()) : value.is_null() ? "" : value.dump();
 }
 
-Json row_json(const Work& work, const Options& o, std::size_t row) {
+Json row_json(const Work& work, const BatchArguments& o, std::size_t row) {
   Json line{{"name", work.rows[row].name}};
   if (work.keys[row].empty()) {
     line["key"] = nullptr;
@@ -271,7 +271,7 @@ Json row_json(const Work& work, const Options& o, std::size_t row) {
 }
 
 // The tables: the same bytes whenever and however often the batch was interrupted. What it cost is in one of its own.
-std::map<std::string, std::size_t> write_tables(const Work& work, const Options& o, const Places& places,
+std::map<std::string, std::size_t> write_tables(const Work& work, const BatchArguments& o, const Places& places,
                                                 const std::string& suffix) {
   std::string csv = "name,key", lines, costs = "name,key,seconds,cpu_seconds,peak_mb\n";
   for (const char* column : columns) csv += fmt::format(",{}", column);
@@ -295,7 +295,7 @@ std::map<std::string, std::size_t> write_tables(const Work& work, const Options&
   return counts;
 }
 
-int run_batch(const Options& o) {
+int run_batch(const BatchArguments& o) {
   const Shard shard = parse_shard(o.shard);
   if (o.time_limit && !(*o.time_limit > 0)) throw UsageError("--time-limit: give seconds above 0");
   if (o.memory_limit && *o.memory_limit < 64) throw UsageError("--memory-limit: give at least 64 MB");
@@ -334,7 +334,7 @@ int run_batch(const Options& o) {
 }  // namespace
 
 void add_batch(CLI::App& app, Run& run) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<BatchArguments>();
   CLI::App* command = add_command(app, "batch", "Build a tree for each of many meshes, one process each");
   add_option(*command, "manifest", o->manifest, "A folder of meshes, a .csv with a column mesh, or a list of paths")
       ->required()

@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct BuildArguments {
   std::string mesh;
   std::string output;
   std::string method{name(BuildOptions{}.method)};
@@ -55,7 +55,7 @@ struct Options {
 };
 
 /// Contradictions and outputs that cannot be: before anything is read.
-void require_sense(const Options& o) {
+void require_sense(const BuildArguments& o) {
   if (o.flat() && o.depth) {
     throw UsageError(
         fmt::format("{} and --depth contradict each other: leave out one; the tree becomes as deep as needed",
@@ -86,7 +86,7 @@ void require_sense(const Options& o) {
   require_output_place(o.output);
 }
 
-BuildOptions build_options(const Options& o) {
+BuildOptions build_options(const BuildArguments& o) {
   return {.method = parse_method(o.method),
           .branching = o.branching,
           .depth = o.depth,
@@ -107,7 +107,7 @@ struct Seconds {
   double read, build, check, report, write;
 };
 
-Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, const Certificate& certificate,
+Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& built, const Certificate& certificate,
                  const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& seconds,
                  const Workers& workers) {
   Json json{{"mesh", o.mesh},
@@ -145,7 +145,7 @@ Json json_report(const Options& o, const Mesh& mesh, const CoveredTree& built, c
   return json;
 }
 
-void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
+void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& built,
                   const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& s,
                   const Workers& workers) {
   fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
@@ -171,7 +171,7 @@ void print_report(const Options& o, const Mesh& mesh, const CoveredTree& built,
   fmt::print("written       {}\n", o.output);
 }
 
-std::vector<NamedPose> candidate_poses(const Options& o, const Mesh& mesh) {
+std::vector<NamedPose> candidate_poses(const BuildArguments& o, const Mesh& mesh) {
   if (o.poses == "strains") return principal_strains(mesh);
   const Motion motion(o.poses, mesh);
   std::vector<NamedPose> poses;
@@ -179,7 +179,7 @@ std::vector<NamedPose> candidate_poses(const Options& o, const Mesh& mesh) {
   return poses;
 }
 
-KnownPosesReport add_poses(const Options& o, const Mesh& mesh, CoveredTree& built, const Interrupt& interrupt,
+KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, CoveredTree& built, const Interrupt& interrupt,
                            Workers& workers) {
   if (o.poses.empty()) return {};
   Progress progress("trees for known poses");
@@ -198,7 +198,7 @@ KnownPosesReport add_poses(const Options& o, const Mesh& mesh, CoveredTree& buil
 }
 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
-int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
+int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   BuildOptions options = build_options(o);
   Workers workers = make_workers(o.threads);
 
@@ -246,7 +246,7 @@ int build_unless_stopped(const Options& o, const Interrupt& interrupt) {
   return built.report.complete ? exit_done : exit_check_failed;
 }
 
-int build_command(const Options& o) {
+int build_command(const BuildArguments& o) {
   require_sense(o);
   require_not_input(o.output, {o.mesh, o.poses});
   const Interrupt interrupt;
@@ -267,7 +267,7 @@ std::optional<int> parse_depth(const std::string& text) {
 }  // namespace
 
 void add_build(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<BuildArguments>();
   CLI::App* command = add_command(app, "build", "Build a sphere tree that covers a mesh at every level");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "-o,--output", o->output,

@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct CollideArguments {
   SideFiles a{.letter = 'a'}, b{.letter = 'b'};
   std::string rule = "exact";
   std::string sph_origin = "none";
@@ -67,7 +67,7 @@ Budget parse_budget(const std::string& text) {
       fmt::format("--budget '{}' is neither a number of pair tests such as 5000 nor a time such as 200us", text));
 }
 
-CollideOptions query_options(const Options& o) {
+CollideOptions query_options(const CollideArguments& o) {
   check_name("priority", o.priority, {"overlap", "level"});
   CollideOptions options{.level = o.level, .margin = o.margin, .budget = parse_budget(o.budget), .surfaces = true};
   options.priority = o.priority == "level" ? Priority::level : Priority::overlap;
@@ -75,7 +75,7 @@ CollideOptions query_options(const Options& o) {
 }
 
 /// The option that the library refuses, in the words of the command line.
-ContactQuery make_query(const Options& o) {
+ContactQuery make_query(const CollideArguments& o) {
   if (!(o.margin >= 0) || !std::isfinite(o.margin)) {
     throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
   }
@@ -86,7 +86,7 @@ void require_good(const ContactStatus& status) {
   if (!status) throw UsageError(message(status));
 }
 
-CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
+CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::size_t frame, ContactQuery& query,
                             CrossingQuery& crossed, Workers& workers) {
   a.move_to(frame, workers);
   b.move_to(frame, workers);
@@ -111,18 +111,20 @@ CollidedFrame collide_frame(const Options& o, Side& a, Side& b, std::size_t fram
   return result;
 }
 
+std::string stem(const Side& side) {
+  return std::filesystem::path(side.name()).stem().string();
+}
+
 /// Two bodies' own options that were given, for refusals; nothing where there is none.
-std::string given_of_two(const Options& o) {
-  const std::vector<std::pair<const char*, bool>> all{{"--carry", o.carry},
-                                                      {"--priority", o.priority != "overlap"},
-                                                      {"--page", !o.page.empty()},
-                                                      {"--plot", !o.plot.empty()}};
+std::string given_of_two(const CollideArguments& o) {
+  const std::vector<std::pair<const char*, bool>> all{
+      {"--carry", o.carry}, {"--priority", o.priority != "overlap"}, {"--plot", !o.plot.empty()}};
   for (const auto& [name, given] : all)
     if (given) return name;
   return {};
 }
 
-int run_scene(const Options& o) {
+int run_scene(const CollideArguments& o) {
   for (const SideFiles* side : {&o.a, &o.b})
     if (!(side->mesh + side->tree + side->motion + side->place + side->turn).empty())
       throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
@@ -144,11 +146,13 @@ int run_scene(const Options& o) {
                         .sph_origin = o.sph_origin,
                         .budget = o.budget,
                         .output = o.output,
+                        .page = o.page,
+                        .rule = o.rule,
                         .threads = o.threads,
                         .json = o.json});
 }
 
-int run_features(const Options& o) {
+int run_features(const CollideArguments& o) {
   const char* const asked = o.within ? "--within" : "--self";
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
@@ -172,7 +176,7 @@ int run_features(const Options& o) {
                            .json = o.json});
 }
 
-int collide_command(const Options& o) {
+int collide_command(const CollideArguments& o) {
   if (!o.scene.empty()) return run_scene(o);
   if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
   if (o.with_self || o.within) return run_features(o);
@@ -187,13 +191,7 @@ int collide_command(const Options& o) {
     require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
   require_plot_output(o.plot, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
-  if (!o.page.empty()) {
-    if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
-    if (const std::string ending = extension(o.page); ending != ".html" && ending != ".htm")
-      throw UsageError(fmt::format("--page {}: pages are written as .html", o.page));
-    require_output_place(o.page);
-    require_not_input(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
-  }
+  require_page(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   Workers workers = make_workers(o.threads);
   Side a(o.a, o.sph_origin, workers), b(o.b, o.sph_origin, workers);
   a.prepare(rules, workers);
@@ -208,14 +206,19 @@ int collide_command(const Options& o) {
   CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
   std::optional<CollidePage> page;
-  if (!o.page.empty()) page.emplace(a, b, o.rule);
+  if (!o.page.empty()) page.emplace(stem(a) + " and " + stem(b), std::vector{&a.collider(), &b.collider()}, o.rule);
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
       progress.update(static_cast<double>(frame) / static_cast<double>(count));
       frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
-      if (page) page->add(a, b, frames.back());
+      if (page) {
+        const CollidedFrame& found = frames.back();
+        std::vector<PageContact> marks;
+        add_marks(found.contacts, found.surfaces, marks);
+        page->add(found.name_a + ", " + found.name_b, std::move(marks));
+      }
     }
   }
   if (!o.output.empty()) {
@@ -266,7 +269,7 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
 }  // namespace
 
 void add_collide(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CollideArguments>();
   CLI::App* command = add_command(app, "collide", "Contacts of two bodies, frame by frame, within a budget");
   add_option(*command, "A", o->a.mesh, "Mesh at rest: " + readable_mesh_extensions())->type_name("");
   add_option(*command, "B", o->b.mesh, "The other mesh at rest")->type_name("");
@@ -296,7 +299,7 @@ void add_collide(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
       ->type_name("FILE");
-  add_option(*command, "--page", o->page, "Both bodies, their spheres and contacts in motion, as a page for a browser")
+  add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
       ->type_name("PAGE");
   add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
@@ -307,7 +310,8 @@ void add_collide(CLI::App& app, Run& run) {
       "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
       "200us\n"
       "  morula collide liver.obj tool.obj --exact -o pairs.csv\n"
-      "  morula collide --scene room.json --budget 1ms");
+      "  morula collide --scene room.json --budget 1ms\n"
+      "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });
 }
 

@@ -14,7 +14,9 @@
 #include <morula/io/motion_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/parallel/stopwatch.hpp>
+#include <optional>
 
+#include "commands/collide_page.hpp"
 #include "commands/scene_file.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -207,7 +209,8 @@ void print_text(const SceneRun& run, const Members& members, const std::vector<S
   if (stopped > 0)
     fmt::print("budget    {} ended {} early: no crossing is missed, but contacts marked unfinished may be none\n",
                run.budget, counted(stopped, "frame"));
-  if (!run.output.empty()) fmt::print("written   {}\n", run.output);
+  for (const std::string& file : {run.output, run.page})
+    if (!file.empty()) fmt::print("written   {}\n", file);
 }
 
 void print_json_report(const SceneRun& run, const Members& members, const std::vector<SceneFrame>& frames,
@@ -245,14 +248,17 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
 }  // namespace
 
 int collide_scene(const SceneRun& run) {
-  if (!run.output.empty()) {
-    if (extension(run.output) != ".csv")
-      throw UsageError(fmt::format("-o {}: contacts are written as .csv", run.output));
-    require_output_place(run.output);
+  if (!run.output.empty() || !run.page.empty()) {
     std::vector<std::filesystem::path> inputs{run.file};
     for (const SceneFileBody& body : read_scene_file(run.file))
       inputs.insert(inputs.end(), {body.mesh, body.tree, body.motion});
-    require_not_input(run.output, inputs);
+    if (!run.output.empty()) {
+      if (extension(run.output) != ".csv")
+        throw UsageError(fmt::format("-o {}: contacts are written as .csv", run.output));
+      require_output_place(run.output);
+      require_not_input(run.output, inputs);
+    }
+    require_page(run.page, inputs);
   }
   Workers workers = make_workers(run.threads);
   const Members members = read_members(run, workers);
@@ -265,6 +271,12 @@ int collide_scene(const SceneRun& run) {
     count = std::max(count, members[i]->frame_count());
   }
   std::vector<SceneFrame> frames;
+  std::optional<CollidePage> page;
+  if (!run.page.empty()) {
+    std::vector<const Collider*> colliders;
+    for (const auto& member : members) colliders.push_back(&member->collider());
+    page.emplace(std::filesystem::path(run.file).stem().string(), std::move(colliders), run.rule);
+  }
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
@@ -275,11 +287,20 @@ int collide_scene(const SceneRun& run) {
       const double microseconds = 1e6 * watch.lap();
       if (!status) throw UsageError(message(status));
       frames.push_back(frame_of(scene, status, microseconds));
+      if (page) {
+        std::vector<PageContact> marks;
+        for (const PairRow& pair : frames.back().pairs) add_marks(pair.contacts, pair.surfaces, marks);
+        page->add(fmt::format("frame {}", frame), std::move(marks));
+      }
     }
   }
   if (!run.output.empty()) {
     write_whole(run.output, scene_csv(run, members, frames));
     note_written(run.output);
+  }
+  if (page) {
+    write_whole(run.page, page->text());
+    note_written(run.page);
   }
   if (run.json) {
     print_json_report(run, members, frames, workers.thread_count());

@@ -17,6 +17,8 @@ struct SceneRun {
   std::string sph_origin;
   std::string budget;  ///< as given
   std::string output;
+  std::string page;
+  std::string rule;  ///< as given
   unsigned threads = 0;
   bool json = false;
 };

@@ -248,14 +248,14 @@ std::string manual(const CLI::App& app, const std::vector<Command>& commands) {
   return text;
 }
 
-struct Options {
+struct CompletionArguments {
   std::string kind;
 };
 
 }  // namespace
 
 void add_completion(CLI::App& app, Run& run) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<CompletionArguments>();
   CLI::App* command =
       add_command(app, "completion", "Print what a shell completes morula's words by, or the manual page");
   add_option(*command, "kind", o->kind, "bash, zsh, fish, or man")->required();

@@ -26,7 +26,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct ConvertArguments {
   std::string input;
   std::string output;
   std::string mesh;
@@ -40,7 +40,7 @@ struct Options {
 };
 
 /// What was written; `growth` of a cover that had to be made.
-int report(const Options& o, const std::string& line, const BuildReport* growth) {
+int report(const ConvertArguments& o, const std::string& line, const BuildReport* growth) {
   note_written(o.output);
   if (o.json) {
     Json json{{"input", o.input}, {"output", o.output}};
@@ -53,7 +53,7 @@ int report(const Options& o, const std::string& line, const BuildReport* growth)
   return exit_done;
 }
 
-int convert_mesh(const Options& o) {
+int convert_mesh(const ConvertArguments& o) {
   require_mesh_output(o.output);
   if (!o.index_map.empty()) {
     if (!o.used_only) throw UsageError("--index-map belongs to --used-only: without it vertices keep their numbers");
@@ -75,7 +75,7 @@ int convert_mesh(const Options& o) {
   return report(o, mesh_line(o.output, mesh), nullptr);
 }
 
-SphereTree read_frame(const Options& o) {
+SphereTree read_frame(const ConvertArguments& o) {
   const SphereFrames frames(o.input);
   if (*o.frame >= frames.frame_count()) {
     throw UsageError(fmt::format("--frame {}: {} has frames 0 to {}", *o.frame, o.input, frames.frame_count() - 1));
@@ -84,13 +84,13 @@ SphereTree read_frame(const Options& o) {
 }
 
 /// The leaves alone, or balls in another order of bytes.
-int write_leaves(const Options& o, std::span<const Sphere> balls) {
+int write_leaves(const ConvertArguments& o, std::span<const Sphere> balls) {
   write_balls(o.output, balls);
   return report(o, fmt::format("{}: {} without a tree", o.output, counted(balls.size(), "ball")), nullptr);
 }
 
 /// Frames from one kind of file to another.
-int convert_motion(const Options& o) {
+int convert_motion(const ConvertArguments& o) {
   const std::string ending = extension(o.output);
   const bool is_file = ending == ".npy" || ending == ".pc2" || ending == ".mdd";
   if (!is_file && !ending.empty()) {
@@ -115,7 +115,7 @@ int convert_motion(const Options& o) {
 }
 
 /// One level, the leaves where none is named, as SOFA loads spheres.
-int write_sofa(const Options& o) {
+int write_sofa(const ConvertArguments& o) {
   require_output_place(o.output);
   if (extension(o.output) != ".sph") throw UsageError(fmt::format("{}: SOFA loads spheres from .sph", o.output));
   std::optional<Mesh> mesh;
@@ -132,7 +132,7 @@ int write_sofa(const Options& o) {
 }
 
 /// One level of every frame, the leaves where none is named, as an animated scene.
-int write_scene(const Options& o) {
+int write_scene(const ConvertArguments& o) {
   require_output_place(o.output);
   std::optional<Mesh> mesh;
   if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
@@ -157,11 +157,11 @@ int write_scene(const Options& o) {
                 nullptr);
 }
 
-bool writes_scene(const Options& o) {
+bool writes_scene(const ConvertArguments& o) {
   return extension(o.output) == ".glb";
 }
 
-int convert_tree(const Options& o) {
+int convert_tree(const ConvertArguments& o) {
   if (o.sofa) return write_sofa(o);
   if (writes_scene(o)) return write_scene(o);
   const bool to_balls = extension(o.output) == ".ply";
@@ -206,7 +206,7 @@ int convert_tree(const Options& o) {
                 file.cover ? nullptr : &built.report);
 }
 
-int convert_command(const Options& o) {
+int convert_command(const ConvertArguments& o) {
   require_not_input(o.output, {o.input, o.mesh});
   const FileKind kind = file_kind(o.input);
   if (o.frame && kind != FileKind::sphere_frames) {
@@ -246,7 +246,7 @@ int convert_command(const Options& o) {
 }  // namespace
 
 void add_convert(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ConvertArguments>();
   CLI::App* command = add_command(app, "convert", "Convert between mesh formats, tree formats, or motions");
   add_option(*command, "IN", o->input,
              "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh")

@@ -27,7 +27,7 @@ std::string vector_text(const Vec3& v) {
   return fmt::format("{},{},{}", v.x, v.y, v.z);
 }
 
-struct Options {
+struct DeformArguments {
   std::string mesh;
   std::string output;
   std::vector<double> stretch, twist, bend, noise, rotate;
@@ -47,7 +47,7 @@ struct Options {
 };
 
 /// In the order given; an option may be given more than once.
-Deformations deformations_in_order(const Options& o, const CLI::App& command) {
+Deformations deformations_in_order(const DeformArguments& o, const CLI::App& command) {
   const Axis axis = parse_axis(o.axis);
   const Poke poke{.center = parse_vector("--poke-center", o.poke_center),
                   .push = parse_vector("--poke-push", o.poke_push),
@@ -72,7 +72,7 @@ Deformations deformations_in_order(const Options& o, const CLI::App& command) {
   return list;
 }
 
-int deform_command(const Options& o, const CLI::App& command) {
+int deform_command(const DeformArguments& o, const CLI::App& command) {
   const Deformations deformations = deformations_in_order(o, command);
   if (o.frames < 3 && !o.one_way) {
     throw UsageError("--frames 2, out and back, never leaves rest: give 3 or more, or --one-way");
@@ -137,7 +137,7 @@ int deform_command(const Options& o, const CLI::App& command) {
 }  // namespace
 
 void add_deform(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DeformArguments>();
   CLI::App* command = add_command(app, "deform", "Make a motion: stretch, twist, bend, poke, shake or turn a mesh");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "-o,--output", o->output, "Folder for 0000.obj, 0001.obj, ... or one .npy, .pc2 or .mdd file")

@@ -26,7 +26,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct DemoArguments {
   std::string output = "morula-demo";
   bool quick = false;
   unsigned threads = 0;
@@ -160,7 +160,7 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
   }
 }
 
-int demo_command(const Options& o) {
+int demo_command(const DemoArguments& o) {
   require_folder_place(o.output);
   Workers workers = make_workers(o.threads);
   Demo demo{make_plan(o.quick), {}};
@@ -197,7 +197,7 @@ int demo_command(const Options& o) {
 }  // namespace
 
 void add_demo(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DemoArguments>();
   CLI::App* command = add_command(app, "demo", "Show what every rule does to a tree while its body deforms");
   add_option(*command, "-o,--output", o->output, "Folder for figures, trees, meshes and spheres")
       ->type_name("FOLDER")

@@ -22,7 +22,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct InfoArguments {
   std::string file;
   std::string mesh;
   std::string sph_origin = "none";
@@ -69,7 +69,7 @@ std::string repair_line(const std::string& file, const MeshReport& r) {
   return fmt::format("morula repair {} -o OUT {}", file, fmt::join(gains, ", "));
 }
 
-int mesh_info(const Options& o) {
+int mesh_info(const InfoArguments& o) {
   if (!o.mesh.empty()) throw UsageError("--mesh belongs to a tree file, and this is a mesh: leave it out");
   const Mesh mesh = read_mesh(o.file);
   const MeshReport r = inspect(mesh);
@@ -113,7 +113,7 @@ int mesh_info(const Options& o) {
 }
 
 /// Faults of the tree; with its mesh, of its cover as well.
-std::vector<std::string> check_tree(const Options& o, const TreeFile& file, const std::optional<Mesh>& mesh) {
+std::vector<std::string> check_tree(const InfoArguments& o, const TreeFile& file, const std::optional<Mesh>& mesh) {
   std::vector<std::string> faults = validate(file.tree);
   if (!faults.empty() || !file.cover || !mesh) return faults;
   if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // says so
@@ -130,7 +130,7 @@ std::string nesting_line(const SphereTree& tree) {
                      figure(nesting.worst_excess));
 }
 
-void print_tree(const Options& o, const TreeFile& file) {
+void print_tree(const InfoArguments& o, const TreeFile& file) {
   const SphereTree& tree = file.tree;
   fmt::print("{}: tree of {}, {}, branching {}\n\n{}\n", o.file, counted(tree.node_count(), "sphere"),
              counted(tree.level_count(), "level"), tree.branching, level_table(tree));
@@ -152,7 +152,7 @@ void print_tree(const Options& o, const TreeFile& file) {
   for (const std::string& note : file.report.notes) fmt::print("note       {}\n", note);
 }
 
-Json tree_json(const Options& o, const TreeFile& file) {
+Json tree_json(const InfoArguments& o, const TreeFile& file) {
   Json json{{"file", o.file},
             {"kind", "tree"},
             {"nodes", file.tree.node_count()},
@@ -182,7 +182,7 @@ Json tree_json(const Options& o, const TreeFile& file) {
   return json;
 }
 
-int tree_info(const Options& o) {
+int tree_info(const InfoArguments& o) {
   std::optional<Mesh> mesh;
   if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
@@ -213,12 +213,12 @@ int tree_info(const Options& o) {
   return faults.empty() ? exit_done : exit_check_failed;
 }
 
-void require_no_tree_options(const Options& o, const char* what) {
+void require_no_tree_options(const InfoArguments& o, const char* what) {
   if (!o.mesh.empty())
     throw UsageError(fmt::format("--mesh belongs to a tree file, and this is {}: leave it out", what));
 }
 
-int balls_info(const Options& o) {
+int balls_info(const InfoArguments& o) {
   require_no_tree_options(o, "balls without a tree");
   const std::vector<Sphere> balls = read_balls(o.file);
   std::vector<double> radii;
@@ -249,7 +249,7 @@ int balls_info(const Options& o) {
   return exit_done;
 }
 
-int frames_info(const Options& o) {
+int frames_info(const InfoArguments& o) {
   require_no_tree_options(o, "spheres of a motion");
   const SphereFrames frames(o.file);
   const SphereTree tree = frames.frame(0);
@@ -276,7 +276,7 @@ int frames_info(const Options& o) {
   return exit_done;
 }
 
-int info_command(const Options& o) {
+int info_command(const InfoArguments& o) {
   switch (file_kind(o.file)) {
     case FileKind::balls:
       return balls_info(o);
@@ -299,7 +299,7 @@ int info_command(const Options& o) {
 }  // namespace
 
 void add_info(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<InfoArguments>();
   CLI::App* command = add_command(app, "info", "Say what a mesh or a tree file is, and what it is good for");
   add_option(*command, "FILE", o->file, "Mesh, tree, balls (.ply) or spheres of frames (.npz)")
       ->required()

@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct MeasureArguments {
   std::string mesh;
   std::string trees;
   std::string motion;
@@ -43,7 +43,7 @@ struct Options {
   bool json = false;
 };
 
-MeasureOptions measure_options(const Options& o, const Mesh& rest) {
+MeasureOptions measure_options(const MeasureArguments& o, const Mesh& rest) {
   check_name("grid", o.grid, {"level", "fixed"});
   if (o.voxel_edge > 0 && o.grid != "fixed") throw UsageError("--voxel-edge belongs to --grid fixed: add it");
   MeasureOptions options;
@@ -101,7 +101,7 @@ class MeasuredFiles {
   std::optional<SphereFrames> archive_;
 };
 
-std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, const MeasureOptions& options,
+std::vector<MeasuredFrame> measure_frames(const MeasureArguments& o, const Mesh& rest, const MeasureOptions& options,
                                           Workers& workers) {
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
   const MeasuredFiles trees(o.trees);
@@ -128,7 +128,7 @@ std::vector<MeasuredFrame> measure_frames(const Options& o, const Mesh& rest, co
   return frames;
 }
 
-void print_text(const Options& o, const Mesh& rest, const std::vector<MeasuredFrame>& frames) {
+void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
   fmt::print("{}\n\n{}\n", mesh_line(o.mesh, rest), measure_table(frames, worst, !o.no_protrusion));
   fmt::print("{}\n", cover_sentence(worst));
@@ -199,7 +199,7 @@ std::string csv_text(const std::vector<MeasuredFrame>& frames, bool with_sampled
 }
 
 /// Nor may it be a file of the folders that are read.
-void require_csv_not_input(const Options& o) {
+void require_csv_not_input(const MeasureArguments& o) {
   std::vector<std::filesystem::path> inputs{o.mesh, o.trees, o.motion};
   for (const std::string& folder : {o.trees, o.motion}) {
     if (file_kind(folder) != FileKind::folder) continue;
@@ -211,7 +211,7 @@ void require_csv_not_input(const Options& o) {
   require_not_input(o.csv, inputs);
 }
 
-int measure_command(const Options& o) {
+int measure_command(const MeasureArguments& o) {
   require_plot_output(o.plot, {o.mesh, o.trees, o.motion});
   if (!o.csv.empty()) {
     require_output_place(o.csv);
@@ -243,7 +243,7 @@ int measure_command(const Options& o) {
 }  // namespace
 
 void add_measure(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<MeasureArguments>();
   CLI::App* command = add_command(app, "measure", "Measure looseness, cover and protrusion of every level");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "TREE", o->trees,

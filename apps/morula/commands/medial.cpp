@@ -22,7 +22,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct MedialArguments {
   std::string mesh;
   std::string output;
   std::string kind = "shrinking";
@@ -34,7 +34,7 @@ struct Options {
 
 constexpr std::size_t most_samples = 10'000'000;
 
-MedialBalls medial_balls(const Options& o, const Mesh& mesh, Workers& workers) {
+MedialBalls medial_balls(const MedialArguments& o, const Mesh& mesh, Workers& workers) {
   const SignedDistance shape(mesh, workers);
   std::vector<Vec3> points;
   std::vector<Vec3> normals;
@@ -47,7 +47,7 @@ MedialBalls medial_balls(const Options& o, const Mesh& mesh, Workers& workers) {
   return shrinking_balls(shape, points, normals, workers);
 }
 
-int medial_command(const Options& o) {
+int medial_command(const MedialArguments& o) {
   check_name("kind", o.kind, {"shrinking", "voronoi"});
   if (extension(o.output) != ".ply") throw UsageError(fmt::format("{}: balls are written as .ply", o.output));
   require_output_place(o.output);
@@ -104,7 +104,7 @@ int medial_command(const Options& o) {
 }  // namespace
 
 void add_medial(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<MedialArguments>();
   CLI::App* command = add_command(app, "medial", "Write the balls that fit inside a mesh");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "-o,--output", o->output, "Ball file: .ply with x, y, z and radius a vertex")

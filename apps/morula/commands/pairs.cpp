@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct PairsArguments {
   std::string from, to;
   bool swept = false, crossing = false, candidates = false;
   std::optional<double> within;
@@ -70,7 +70,7 @@ Found ask(Query& query, const SurfaceTree& tree, Workers& workers) {
   return found;
 }
 
-Found find_pairs(const Options& o, const SurfaceTree& tree, Workers& workers) {
+Found find_pairs(const PairsArguments& o, const SurfaceTree& tree, Workers& workers) {
   const PairFilter filter{.rings = o.rings, .rest_distance = o.rest_distance, .same_component = !o.with_self};
   if (o.crossing) {
     SurfaceCrossingQuery query({.filter = filter});
@@ -133,7 +133,7 @@ Summary summary(const std::vector<Row>& rows) {
   return s;
 }
 
-void print_text(const Options& o, const SurfaceTree& tree, const Found& found) {
+void print_text(const PairsArguments& o, const SurfaceTree& tree, const Found& found) {
   const Summary s = summary(found.rows);
   fmt::print("{}: {} vertices, {} facets, {} edges\n\n", o.from, tree.vertex_count(), tree.facets().size(),
              tree.edges().size());
@@ -158,7 +158,7 @@ void print_text(const Options& o, const SurfaceTree& tree, const Found& found) {
     note("{} is one piece, and pairs within a piece are left out: add --self", o.from);
 }
 
-void print_json_report(const Options& o, const SurfaceTree& tree, const Found& found) {
+void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const Found& found) {
   const Summary s = summary(found.rows);
   Json json{{"from", o.from}};
   if (!o.to.empty()) json["to"] = o.to;
@@ -183,7 +183,7 @@ void print_json_report(const Options& o, const SurfaceTree& tree, const Found& f
   print_json(json);
 }
 
-int pairs_command(const Options& o) {
+int pairs_command(const PairsArguments& o) {
   if (int{o.swept} + int{o.crossing} + int{o.within.has_value()} != 1)
     throw UsageError("give one of --swept, --within LENGTH and --crossing");
   if (o.swept == o.to.empty())
@@ -222,7 +222,7 @@ int pairs_command(const Options& o) {
 }  // namespace
 
 void add_pairs(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<PairsArguments>();
   CLI::App* command = add_command(app, "pairs", "Features of a mesh that cross, are near, or may meet within a step");
   add_option(*command, "FROM", o->from, "Mesh, of one piece or several: " + readable_mesh_extensions())
       ->required()

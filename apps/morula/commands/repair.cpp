@@ -18,7 +18,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct RepairArguments {
   std::string mesh;
   std::string output;
   double merge = 0;
@@ -48,7 +48,8 @@ std::string state_text(const MeshReport& r) {
                      r.has_volume() ? fmt::format(", volume {}", figure(r.volume)) : "");
 }
 
-void print_text(const Options& o, const RepairedMesh& repaired, const MeshReport& before, const MeshReport& after) {
+void print_text(const RepairArguments& o, const RepairedMesh& repaired, const MeshReport& before,
+                const MeshReport& after) {
   const RepairReport& r = repaired.report;
   fmt::print("{}\n\nbefore   {}\n", mesh_line(o.output, repaired.mesh), state_text(before));
   const auto line = [](bool is_there, const std::string& text) {
@@ -70,7 +71,7 @@ void print_text(const Options& o, const RepairedMesh& repaired, const MeshReport
   line(r.merged_vertices > 0, "vertices have other numbers now: a motion of the old mesh does not fit");
 }
 
-int repair_command(const Options& o) {
+int repair_command(const RepairArguments& o) {
   require_mesh_output(o.output);
   require_not_input(o.output, {o.mesh});
   const Mesh mesh = read_mesh(o.mesh);
@@ -107,7 +108,7 @@ int repair_command(const Options& o) {
 }  // namespace
 
 void add_repair(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RepairArguments>();
   CLI::App* command = add_command(app, "repair", "Merge vertices, turn facets, cap small holes, and say what was done");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "-o,--output", o->output, "Mesh file: " + writable_mesh_list())->type_name("MESH")->required();

@@ -21,7 +21,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct SampleArguments {
   std::string name;
   std::string output;
   int resolution = 48;
@@ -41,7 +41,7 @@ std::vector<std::string> array_names() {
   return {"modes", "coords", "weights", "bones"};
 }
 
-int write_array(const Options& o, const std::string& body, const std::string& array) {
+int write_array(const SampleArguments& o, const std::string& body, const std::string& array) {
   check_name("sample array", array, array_names());
   if (extension(o.output) != ".npy") throw UsageError(o.output + ": arrays are written as .npy");
   require_output_place(o.output);
@@ -73,7 +73,7 @@ int write_array(const Options& o, const std::string& body, const std::string& ar
   return exit_done;
 }
 
-int sample_command(const Options& o) {
+int sample_command(const SampleArguments& o) {
   const std::size_t dash = o.name.find('-');
   const std::string body = o.name.substr(0, dash);
   check_name("body", body, body_names());
@@ -101,7 +101,7 @@ int sample_command(const Options& o) {
 }  // namespace
 
 void add_sample(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<SampleArguments>();
   CLI::App* command = add_command(app, "sample", "Write a sample mesh made by formula, or arrays that move it");
   add_option(*command, "NAME", o->name,
              fmt::format("{}; or arrays that move one, with -{} after its name", fmt::join(body_names(), ", "),

@@ -23,13 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options : StudyOptions {
+struct StudyArguments : StudyOptions {
   std::string output = "morula-study";
   unsigned threads = 0;
   bool json = false;
 };
 
-int study_command(const Options& o) {
+int study_command(const StudyArguments& o) {
   const fs::path folder = o.output;
   // Folders on the way are made, if there are none.
   const fs::path above = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
@@ -79,7 +79,7 @@ int study_command(const Options& o) {
 }  // namespace
 
 void add_study(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<StudyArguments>();
   CLI::App* command = add_command(app, "study", "Repeat the evaluation of the paper, and say which claims hold");
   add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
       ->type_name("FOLDER")

@@ -28,7 +28,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct UpdateArguments {
   std::string mesh;
   std::string tree;
   FrameFiles files;
@@ -97,7 +97,7 @@ void add_growth(Outcome& outcome, const SphereTree& rest, const Body& body) {
   }
 }
 
-study::Plot update_plot(const Options& o, const Outcome& outcome) {
+study::Plot update_plot(const UpdateArguments& o, const Outcome& outcome) {
   study::Plot plot{.title = fmt::format("{}: spheres in motion", o.tree), .x_label = "frame", .panels = {}};
   study::PlotPanel growth{.label = "radii, of those at rest", .lines = {}};
   for (std::size_t level = outcome.growth.size() > 1 ? 1 : 0; level < outcome.growth.size(); ++level)
@@ -129,8 +129,8 @@ void check_frame(Outcome& outcome, const Body& body, const std::vector<Vec3>& po
   }
 }
 
-Outcome update_frames(const Options& o, const Mesh& rest, const SphereTree& rest_tree, Frames& frames, Mover& mover,
-                      SphereOutput& output, Workers& workers) {
+Outcome update_frames(const UpdateArguments& o, const Mesh& rest, const SphereTree& rest_tree, Frames& frames,
+                      Mover& mover, SphereOutput& output, Workers& workers) {
   Outcome outcome;
   outcome.checked = o.check && any_promises_cover(mover.body());
   outcome.nesting_checked = o.check && any_promises_nesting(mover.body());
@@ -159,7 +159,7 @@ Outcome update_frames(const Options& o, const Mesh& rest, const SphereTree& rest
   return outcome;
 }
 
-Json outcome_json(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+Json outcome_json(const UpdateArguments& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
                   unsigned threads) {
   const double typical = median(outcome.microseconds);
   const BindReport& bind = body.bind_report();
@@ -227,7 +227,7 @@ std::string covering_rules() {
   return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
-void print_text(const Options& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+void print_text(const UpdateArguments& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
                 const SphereOutput& output, unsigned threads) {
   const std::vector<Rule>& rules = body.options().rules;
   const std::size_t levels = body.rest_tree().level_count();
@@ -271,7 +271,7 @@ void print_text(const Options& o, const CoveredTree& built, const Body& body, co
   if (o.measure) print_measured(outcome.measured);
 }
 
-UpdateOptions update_options(const Options& o) {
+UpdateOptions update_options(const UpdateArguments& o) {
   // Who gives a modal model wants it used; with positions `exact` is best.
   const Rule usual = o.files.are_modal() ? Rule::modal : Rule::exact;
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
@@ -281,13 +281,13 @@ UpdateOptions update_options(const Options& o) {
 }
 
 /// Trees for known poses follow positions, by the rule that keeps what it promises whatever tree serves.
-bool follows_poses(const Options& o, const CoveredTree& built, const UpdateOptions& options) {
+bool follows_poses(const UpdateArguments& o, const CoveredTree& built, const UpdateOptions& options) {
   const bool exact = std::all_of(options.rules.begin(), options.rules.end(), [](Rule r) { return r == Rule::exact; });
   return !built.poses.empty() && exact && o.files.follow() == RuleTraits::Follows::positions;
 }
 
-int update_command(const Options& given) {
-  Options o = given;
+int update_command(const UpdateArguments& given) {
+  UpdateArguments o = given;
   require_frames(o.files);
   UpdateOptions options = update_options(o);
   require_rules_followed(options.rules, o.files);
@@ -338,7 +338,7 @@ int update_command(const Options& given) {
 }  // namespace
 
 void add_update(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<UpdateArguments>();
   CLI::App* command = add_command(app, "update", "Move the spheres of a tree along with a motion of its mesh");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "TREE", o->tree,

@@ -27,7 +27,7 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct ViewArguments {
   std::string mesh;
   std::string tree;
   std::string motion;
@@ -51,7 +51,7 @@ std::string file_name(const std::filesystem::path& path) {
   return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
-PageMotion read_motion(const Options& o, const Mesh& mesh) {
+PageMotion read_motion(const ViewArguments& o, const Mesh& mesh) {
   PageMotion motion{.body = std::filesystem::path(o.mesh).stem().string(),
                     .name = o.moving().empty() ? "rest" : file_name(o.moving()),
                     .facets = mesh.facets,
@@ -94,12 +94,12 @@ std::string read_study(const std::string& path) {
 }
 
 /// Spheres that are shown as they are: of every frame, or balls without a motion that they would have to follow.
-bool shows_given_spheres(const Options& o) {
+bool shows_given_spheres(const ViewArguments& o) {
   const FileKind kind = file_kind(o.tree);
   return kind == FileKind::sphere_frames || (kind == FileKind::balls && o.motion.empty());
 }
 
-PageScene given_spheres(const Options& o, const Mesh& mesh, const PageMotion& motion, Workers& workers) {
+PageScene given_spheres(const ViewArguments& o, const Mesh& mesh, const PageMotion& motion, Workers& workers) {
   Progress progress("measuring");
   const auto tell = [&](double share) { progress.update(share); };
   if (file_kind(o.tree) == FileKind::balls) {
@@ -119,7 +119,7 @@ PageScene given_spheres(const Options& o, const Mesh& mesh, const PageMotion& mo
       workers, tell);
 }
 
-void print_result(const Options& o, const PageContent& content, const BuildReport& report, std::size_t bytes) {
+void print_result(const ViewArguments& o, const PageContent& content, const BuildReport& report, std::size_t bytes) {
   const PageMotion& motion = content.motions.front();
   std::vector<std::string> rules;
   for (const PageScene& scene : content.scenes) rules.push_back(scene.rule);
@@ -145,7 +145,7 @@ void print_result(const Options& o, const PageContent& content, const BuildRepor
   fmt::print("written  {}, {} MB: open it in a browser\n", o.output, figure(1e-6 * static_cast<double>(bytes)));
 }
 
-int view_command(const Options& o) {
+int view_command(const ViewArguments& o) {
   if (!has_page()) throw UsageError(fmt::format("this morula was built without its page: {}", why_no_page()));
   const std::string ending = extension(o.output);
   if (ending != ".html" && ending != ".htm") throw UsageError(fmt::format("{}: pages are written as .html", o.output));
@@ -197,7 +197,7 @@ int view_command(const Options& o) {
 }  // namespace
 
 void add_view(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ViewArguments>();
   o->rules = {"exact"};
   CLI::App* command = add_command(app, "view", "Write a page that shows a body and its spheres in motion");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");

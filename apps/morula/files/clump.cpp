@@ -25,7 +25,7 @@ namespace {
 const std::size_t default_spheres = ClumpOptions{}.spheres;
 constexpr std::size_t most_spheres = 100'000, most_candidates = 1'000'000;
 
-struct Options {
+struct ClumpArguments {
   std::string mesh, output, format;
   std::string kind{name(ClumpOptions{}.kind)};
   std::optional<std::size_t> spheres;
@@ -44,7 +44,7 @@ std::vector<std::string> format_names() {
 }
 
 /// By name, else by the extension of the output.
-const ClumpFormat& chosen_format(const Options& o) {
+const ClumpFormat& chosen_format(const ClumpArguments& o) {
   const std::string ending = extension(o.output);
   if (!o.format.empty()) check_name("format", o.format, format_names());
   for (const ClumpFormat& format : clump_formats()) {
@@ -54,7 +54,7 @@ const ClumpFormat& chosen_format(const Options& o) {
                                fmt::join(format_names(), ", ")));
 }
 
-ClumpOptions clump_options(const Options& o) {
+ClumpOptions clump_options(const ClumpArguments& o) {
   check_name("kind", o.kind, {"cover", "inner"});
   const bool inner = o.kind == "inner";
   if (inner && o.max_protrusion > 0) {
@@ -116,7 +116,7 @@ std::string promise(const Clump& clump) {
                       : fmt::format("no: surface lies {} outside", figure(clump.gap));
 }
 
-int clump_unless_stopped(const Options& o, const Interrupt& interrupt) {
+int clump_unless_stopped(const ClumpArguments& o, const Interrupt& interrupt) {
   const ClumpFormat& format = chosen_format(o);
   ClumpOptions options = clump_options(o);
   require_output_place(o.output);
@@ -171,7 +171,7 @@ int clump_unless_stopped(const Options& o, const Interrupt& interrupt) {
   return exit_code;
 }
 
-int clump_command(const Options& o) {
+int clump_command(const ClumpArguments& o) {
   const Interrupt interrupt;
   try {
     return clump_unless_stopped(o, interrupt);
@@ -183,7 +183,7 @@ int clump_command(const Options& o) {
 }  // namespace
 
 void add_clump(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ClumpArguments>();
   CLI::App* command =
       add_command(app, "clump", "Stand for a grain by a few overlapping spheres, for discrete element codes");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");

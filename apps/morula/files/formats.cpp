@@ -17,12 +17,12 @@
 namespace morula::cli {
 namespace {
 
-struct Options {
+struct FormatsArguments {
   bool json = false;
 };
 
 /// The library's, and what single commands write by the names of their --format.
-int formats_command(const Options& o) {
+int formats_command(const FormatsArguments& o) {
   const std::vector<FileFormat> formats = file_formats();
   Json json = Json::array();
   std::size_t purpose_width = 0;
@@ -59,7 +59,7 @@ int formats_command(const Options& o) {
 }  // namespace
 
 void add_formats(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<FormatsArguments>();
   CLI::App* command = add_command(app, "formats", "List the files that are read and written");
   add_json(*command, o->json);
   set_footer(*command, "Example:\n  morula formats --json");

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ParaviewArguments {
   std::string mesh, tree, motion, contacts, output;
   std::string sph_origin = "none";
   std::optional<std::size_t> level;
@@ -40,7 +40,8 @@ struct Options {
 /// The tree with its spheres frame by frame: as given, or as they follow the motion.
 class FrameSpheres {
  public:
-  FrameSpheres(const Options& o, const Mesh& mesh, std::size_t frame_count, Workers& workers) : workers_(workers) {
+  FrameSpheres(const ParaviewArguments& o, const Mesh& mesh, std::size_t frame_count, Workers& workers)
+      : workers_(workers) {
     if (o.tree.empty()) return;
     if (file_kind(o.tree) == FileKind::sphere_frames) {
       given_.emplace(o.tree);
@@ -218,7 +219,7 @@ class Series {
   std::vector<PvdEntry> entries_;
 };
 
-int paraview_command(const Options& o) {
+int paraview_command(const ParaviewArguments& o) {
   if (o.level && o.tree.empty()) throw UsageError("--level belongs to a tree, and none is given");
   require_folder_place(o.output);
   require_not_input_folder(o.output, {o.mesh, o.tree, o.motion, o.contacts});
@@ -295,7 +296,7 @@ int paraview_command(const Options& o) {
 }  // namespace
 
 void add_paraview(CLI::App& app, Run& run) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ParaviewArguments>();
   CLI::App* command = add_command(app, "paraview", "Write a surface, its spheres and contacts for ParaView");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "TREE", o->tree, "Its tree, balls (.ply), or the spheres of all frames (.npz of morula update)")

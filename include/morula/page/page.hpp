@@ -3,15 +3,44 @@
 // Page: one self-contained HTML file that shows bodies, their spheres in motion, and what was measured of them.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <morula/accuracy/measure.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/update/rules.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace morula {
+
+/// A body of several parts that joints hold together, which the reader moves.
+struct PageJoints {
+  /// Vertices and spheres that move as one.
+  struct Part {
+    std::string name;
+    std::size_t vertex_begin = 0, vertex_end = 0;
+    std::optional<double> protrusion{};  ///< how far its spheres stick out at most, where it has some
+  };
+  struct Joint {
+    enum class Kind { fixed, turns, slides };
+    std::string name;
+    Kind kind = Kind::fixed;
+    std::size_t parent = 0, child = 0;    ///< parts
+    RigidTransform origin{};              ///< of the child in the parent, at 0
+    Vec3 axis{0, 0, 1};                   ///< unit, in the child
+    double lower = 0, upper = 0;          ///< radians or mesh units
+    double rest = 0;                      ///< its value in the motion's frame
+    std::optional<std::size_t> leader{};  ///< the joint whose value it follows: factor × that + offset
+    double factor = 1, offset = 0;
+  };
+  std::vector<Part> parts;
+  std::vector<Joint> joints;  ///< each after the one that carries its parent; every part but one is one's child
+  /// Pairs of parts that may overlap; the page names others whose spheres meet. Ascending within a pair.
+  std::vector<std::array<std::size_t, 2>> ignored{};
+};
 
 /// A mesh, and where its vertices are in every frame.
 struct PageMotion {
@@ -20,6 +49,7 @@ struct PageMotion {
   std::vector<Facet> facets;
   std::vector<std::string> frame_names;
   std::vector<std::vector<Vec3>> frames;  ///< at least one
+  std::optional<PageJoints> joints{};     ///< of the only frame; the part that no joint carries stays where it is
 };
 
 /// A mark on the picture: where two bodies touch.
@@ -40,6 +70,8 @@ struct PageScene {
   /// Per frame and node: share of the sphere's volume outside the body, 0 to 1; empty when not measured.
   std::vector<std::vector<float>> empty_share;
   std::vector<std::vector<PageContact>> contacts{};  ///< per frame of the motion; empty when there is nothing to mark
+  bool inside = false;  ///< the spheres are inside the body: the page hides it first, and calls nothing bare
+  std::vector<std::uint32_t> parts{};  ///< of a motion with joints: the part of each child of the root
 };
 
 /// At least one scene. The page shows the first, and lets the reader choose when there are more.

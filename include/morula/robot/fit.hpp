@@ -13,6 +13,13 @@
 
 namespace morula::robot {
 
+/// Half of space in a link's axes: what is kept has normal · x ≥ offset.
+struct ClipPlane {
+  Vec3 normal{0, 0, 1};  ///< unit, towards what is kept
+  double offset = 0;
+  bool operator==(const ClipPlane&) const = default;
+};
+
 struct FitOptions {
   std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
   /// Not 0: most of the whole robot, shared so that the next sphere goes where it takes away most outside volume.
@@ -26,6 +33,12 @@ struct FitOptions {
   bool visual = false;               ///< the visual shapes, not those of collision
   std::set<std::string> left_out{};  ///< links that get none
   std::map<std::string, std::vector<Sphere>> kept{};  ///< links that keep these, which are certified anew
+  /// What lies beyond one of a link's planes is left out: it need not be covered.
+  std::map<std::string, std::vector<ClipPlane>> clip{};
+  /// Not 0: what is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it
+  /// takes.
+  double clip_margin = 0;
+  std::size_t inner = 0;  ///< not 0: each link also gets at most so many spheres inside its shapes
   Method method = Method::morula;
   Quality quality = Quality::fast;
   std::uint64_t seed = 1;
@@ -41,6 +54,7 @@ struct LinkFigures {
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;  ///< over spheres, of (r + φ(c))⁺: upper bounds
   std::optional<double> object_volume;   ///< nothing: the shapes tell no inside from outside, or overlap with spheres
   std::optional<double> outside_volume;  ///< inside the spheres and outside the shapes
+  std::optional<double> beyond_clip;     ///< how far a sphere reaches beyond a clip plane; nothing: there is none
   UnionMass solid{};
   double mass = 0;  ///< the robot's own where it gives one, else density × volume of the union
 };
@@ -52,14 +66,22 @@ struct LinkSpheres {
   LinkSurface surface;
   std::shared_ptr<const CoveredTree> tree;  ///< whose leaves became these, without padding; none for spheres alone
   LinkFigures figures;
+  /// Each proven to be inside a closed surface of the shapes, and on the side of all clip planes that is kept, also
+  /// when its numbers are read as float.
+  std::vector<Sphere> inner;
+  double inner_volume = 0;  ///< of the union of the inner spheres
   std::vector<std::string> notes;
 };
 
 struct RobotSpheres {
   std::vector<LinkSpheres> links;  ///< those with shapes and not left out, in the robot's order
+  std::vector<std::string> notes;  ///< about links that are not among them
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;
+  std::size_t inner_count() const;
+  /// The inner spheres in the place of those that cover, of the links that have some: for writers.
+  RobotSpheres with_inner_spheres() const;
 };
 
 /// Throws std::invalid_argument for options out of range and links that are not there, FileError for meshes that cannot

@@ -13,6 +13,7 @@ struct OutputOptions {
   std::optional<std::filesystem::path> srdf{};  ///< what the SRDF that is written adds to
   std::uint64_t seed = 1;                       ///< of the sampled configurations
   double density = 1000;                        ///< for MorphIt's masses of links that have none
+  bool inner = false;  ///< the spheres are inside the links and do not cover them, which files with comments say
 };
 
 /// Everything that is written about a robot.

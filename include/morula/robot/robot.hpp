@@ -110,16 +110,22 @@ Robot read_robot(const std::filesystem::path& path, const ReadOptions& options =
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& robot_file,
                                 std::span<const std::filesystem::path> package_paths, int line);
 
+/// Which polyhedra stand for cylinders, capsules and ellipsoids.
+enum class RoundShapes {
+  around,  ///< they contain the true shapes
+  inside,  ///< the true shapes contain them
+};
 /// A link's surface in the link's own axes: meshes scaled, then placed; facets of mirrored ones turned round. Boxes are
-/// exact. Cylinders, capsules and ellipsoids are polyhedra that contain the true shapes and stick out by at most 0.3 %
-/// of the radius, of ellipsoids of each half axis. Spheres are apart: they are their own cover.
+/// exact. The polyhedra of round shapes differ from these by at most 0.3 % of the radius, of ellipsoids of each half
+/// axis. Spheres are apart: they are their own cover.
 struct LinkSurface {
   Mesh mesh;
   std::vector<Sphere> spheres;
   bool empty() const { return mesh.facets.empty() && spheres.empty(); }
 };
 /// Throws FileError for meshes that cannot be read.
-LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes);
+LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
+                       RoundShapes round = RoundShapes::around);
 
 /// Where the links are, in the root's axes. values: one per joint of robot.own, in that order. Joints that follow
 /// others are computed; floating and planar ones stay at 0.

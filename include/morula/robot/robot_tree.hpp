@@ -8,6 +8,17 @@
 
 namespace morula::robot {
 
+/// The surfaces of all links with spheres as one mesh; of balls polyhedra.
+struct RobotMesh {
+  Mesh mesh;
+  std::vector<std::size_t> links;         ///< those with spheres, as indices of robot.links
+  std::vector<std::size_t> vertex_begin;  ///< vertices of links[k]: [vertex_begin[k], vertex_begin[k + 1])
+};
+/// With the links at the poses of these values. balls: which polyhedra stand for them. Throws std::invalid_argument for
+/// another number of values.
+RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values,
+                  RoundShapes balls = RoundShapes::around);
+
 struct RobotTree {
   Mesh mesh;                              ///< all links' surfaces where they stand; of balls polyhedra around them
   CoveredTree built;                      ///< its leaves are the links' spheres, grown where a polyhedron asks for it

@@ -3,28 +3,42 @@
 // Descent to all final pairs that overlap. Without a budget it is depth-first: no queue, and nothing to remember.
 #pragma once
 
+#include <limits>
+
 #include "collide/pairs/tree_pair.hpp"
 
 namespace morula::detail {
 
+struct Descent {
+  std::size_t tests = 0;  ///< of pairs of nodes
+  bool finished = true;   ///< else there was more to test than allowed, and f has not been told of all
+};
+
 /// f(node of a, node of b) for every final pair that overlaps, as do all pairs above it: depth-first, by the nodes of
-/// b, then of a. Returns the pair tests done.
+/// b, then of a. Stops where it would do more than most_tests.
 template <class Final>
-std::size_t each_overlapping(const TreePair& trees, const Final& f) {
-  std::size_t tests = 1;
+Descent each_overlapping(const TreePair& trees, const Final& f,
+                         std::size_t most_tests = std::numeric_limits<std::size_t>::max()) {
+  if (most_tests == 0) return {.finished = false};
+  Descent result{.tests = 1};
   const auto enter = [&](const auto& self, std::uint32_t a, std::uint32_t b, std::uint32_t depth) -> void {
     if (trees.is_final(a, b, depth)) return f(a, b);
     const NodeRange below_a = trees.below_a(a, depth), below_b = trees.below_b(b, depth);
+    const std::size_t tests = std::size_t{below_a.count} * below_b.count;
+    if (tests > most_tests - result.tests) {
+      result.finished = false;
+      return;
+    }
     std::uint64_t masks[max_branching];
     trees.test(below_a, below_b, masks);
-    tests += std::size_t{below_a.count} * below_b.count;
+    result.tests += tests;
     any_overlapping(below_a, below_b, masks, [&](std::uint32_t child_a, std::uint32_t child_b) {
       self(self, child_a, child_b, depth + 1);
-      return false;
+      return !result.finished;
     });
   };
   if (trees.overlaps(0, 0)) enter(enter, 0, 0, 0);
-  return tests;
+  return result;
 }
 
 }  // namespace morula::detail

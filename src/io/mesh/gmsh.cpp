@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Gmsh's .msh, versions 2.2 and 4.1, text and binary: nodes in the order of the file, and the surface of the elements.
+// Gmsh's .msh, versions 2.2, 4.0 and 4.1, text and binary: nodes in the order of the file, and the surface of the
+// elements.
 #include <limits>
 #include <unordered_map>
 
@@ -77,10 +78,11 @@ class GmshReader {
  private:
   void read_format() {
     const std::string_view version = in_.require_word("the version");
-    if (version == "4.1") {
+    if (version == "4.1" || version == "4" || version == "4.0") {
       is_new_ = true;
+      is_4_0_ = version != "4.1";
     } else if (version != "2.2" && version != "2" && version != "2.1") {
-      in_.fail("version " + in_quotes(version) + " is not read; save the mesh as version 2.2 or 4.1");
+      in_.fail("version " + in_quotes(version) + " is not read; save the mesh as version 2.2, 4.0 or 4.1");
     }
     const std::uint64_t binary = in_.text_count("the type of file"), size = in_.text_count("the size of numbers");
     if (binary > 1) in_.fail("type of file " + std::to_string(binary) + " is neither 0, text, nor 1, binary");
@@ -142,27 +144,40 @@ class GmshReader {
     }
   }
 
+  /// Of a block: its entity's number and dimension, in the order of the version.
+  std::int64_t entity_dimension() {
+    if (is_4_0_) in_.integer<std::int32_t>("the number of an entity");
+    const std::int64_t dimension = in_.integer<std::int32_t>("the dimension of an entity");
+    if (!is_4_0_) in_.integer<std::int32_t>("the number of an entity");
+    return dimension;
+  }
+
   void read_nodes_4() {
     const std::uint64_t blocks = count("the number of blocks"), total = count("the number of nodes");
-    count("the least number of a node");
-    count("the largest number of a node");
-    mesh_.positions.reserve(in_.require_room(total, in_.is_binary() ? 32 : 8, "nodes"));
+    if (!is_4_0_) {
+      count("the least number of a node");
+      count("the largest number of a node");
+    }
+    mesh_.positions.reserve(in_.require_room(total, in_.is_binary() ? (is_4_0_ ? 28 : 32) : 8, "nodes"));
     std::vector<std::int64_t> tags;
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::int64_t dimension = in_.integer<std::int32_t>("the dimension of an entity");
-      in_.integer<std::int32_t>("the number of an entity");
+      const std::int64_t dimension = entity_dimension();
       const std::int64_t parametric = in_.integer<std::int32_t>("whether nodes have parameters");
       const std::uint64_t nodes = count("the number of nodes of a block");
       if (dimension < 0 || dimension > 3)
         in_.fail("an entity of dimension " + std::to_string(dimension) + "; entities have 0 to 3");
       if (nodes > total - mesh_.vertex_count())
         in_.fail("blocks have more nodes than the " + std::to_string(total) + " that the section counts");
-      tags.clear();
-      for (std::uint64_t i = 0; i < nodes; ++i) tags.push_back(in_.integer<std::int64_t>("the number of a node"));
-      for (const std::int64_t tag : tags) {
+      const auto add = [&](std::int64_t tag) {
         add_node(tag, position());
         for (std::int64_t k = 0; parametric != 0 && k < dimension; ++k) in_.number<double>("a parameter");
-      }
+      };
+      // Each number beside its place, or all of them first.
+      for (std::uint64_t i = 0; is_4_0_ && i < nodes; ++i) add(in_.integer<std::int32_t>("the number of a node"));
+      if (is_4_0_) continue;
+      tags.clear();
+      for (std::uint64_t i = 0; i < nodes; ++i) tags.push_back(in_.integer<std::int64_t>("the number of a node"));
+      for (const std::int64_t tag : tags) add(tag);
     }
     if (mesh_.vertex_count() != total)
       in_.fail("blocks have " + std::to_string(mesh_.vertex_count()) + " nodes, but the section counts " +
@@ -222,20 +237,26 @@ class GmshReader {
 
   void read_elements_4() {
     const std::uint64_t blocks = count("the number of blocks"), total = count("the number of elements");
-    count("the least number of an element");
-    count("the largest number of an element");
-    in_.require_room(total, in_.is_binary() ? 16 : 4, "elements");
+    if (!is_4_0_) {
+      count("the least number of an element");
+      count("the largest number of an element");
+    }
+    in_.require_room(total, in_.is_binary() ? (is_4_0_ ? 8 : 16) : 4, "elements");
     std::uint64_t done = 0;
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      in_.integer<std::int32_t>("the dimension of an entity");
-      in_.integer<std::int32_t>("the number of an entity");
+      entity_dimension();
       const ElementType type = known_type(in_.integer<std::int32_t>("the type of elements"));
       const std::uint64_t elements = count("the number of elements of a block");
       if (elements > total - done)
         in_.fail("blocks have more elements than the " + std::to_string(total) + " that the section counts");
       for (std::uint64_t i = 0; i < elements; ++i, ++done) {
-        in_.integer<std::int64_t>("the number of an element");
-        read_corners<std::int64_t>(type);
+        if (is_4_0_) {
+          in_.integer<std::int32_t>("the number of an element");
+          read_corners<std::int32_t>(type);
+        } else {
+          in_.integer<std::int64_t>("the number of an element");
+          read_corners<std::int64_t>(type);
+        }
       }
     }
     if (done != total)
@@ -243,7 +264,7 @@ class GmshReader {
   }
 
   MixedReader in_;
-  bool is_new_ = false;
+  bool is_new_ = false, is_4_0_ = false;
   Mesh mesh_;
   CellSurface cells_;
   std::unordered_map<std::int64_t, std::uint32_t> index_of_;

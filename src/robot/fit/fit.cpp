@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
@@ -17,38 +16,15 @@
 #include <stdexcept>
 
 #include "robot/fit/budget.hpp"
+#include "robot/fit/clip.hpp"
+#include "robot/fit/inner.hpp"
+#include "robot/fit/rounding.hpp"
 
 namespace morula::robot {
 
 namespace {
 
 constexpr std::size_t most_spheres_for_radius = 256;
-
-/// A number as a decimal with so many digits after the point, towards the nearest.
-double in_decimals(double value, int digits) {
-  char text[64];
-  const auto written = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, digits);
-  double result = value;
-  std::from_chars(text, written.ptr, result);
-  return result == 0 ? 0 : result;
-}
-
-/// Spheres in few decimals that contain the given ones, also when their numbers are read as float: what rounding may
-/// move is added to the radius.
-void round_outward(std::vector<Sphere>& spheres) {
-  double extent = 0;
-  for (const Sphere& s : spheres) extent = std::max(extent, max_norm(s.center) + s.radius);
-  if (!(extent > 0)) return;
-  const int digits = std::clamp(7 - static_cast<int>(std::floor(std::log10(extent))), 0, 30);
-  const double step = std::pow(10.0, -digits);
-  // A float is off by 2⁻²⁴ of a number: of three coordinates and of the radius.
-  const double allowance = 3 * 0x1p-24 * extent;
-  for (Sphere& s : spheres) {
-    const Vec3 moved{in_decimals(s.center.x, digits), in_decimals(s.center.y, digits), in_decimals(s.center.z, digits)};
-    s.radius = in_decimals(s.radius + distance(s.center, moved) + allowance + step, digits);
-    s.center = moved;
-  }
-}
 
 void require_sense(const Robot& robot, const FitOptions& o) {
   const auto require_link = [&](const std::string& name, const char* what) {
@@ -61,10 +37,18 @@ void require_sense(const Robot& robot, const FitOptions& o) {
     if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
   }
   for (const auto& kept : o.kept) require_link(kept.first, "kept");
+  for (const auto& [name, planes] : o.clip) {
+    require_link(name, "clip");
+    for (const ClipPlane& plane : planes) {
+      if (!(std::abs(length(plane.normal) - 1) < 1e-9) || !(std::abs(plane.offset) < 1e30)) {
+        throw std::invalid_argument(fmt::format("clip: the normal of a plane of link {} is not of length 1", name));
+      }
+    }
+  }
   const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
   if (!in_range(o.padding) || !in_range(o.min_radius) || !in_range(o.max_radius) || !in_range(o.max_protrusion) ||
-      !in_range(o.max_protrusion_share) || !(o.density > 0 && o.density < 1e30)) {
-    throw std::invalid_argument("padding, radii, protrusion and density are numbers not below 0");
+      !in_range(o.max_protrusion_share) || !in_range(o.clip_margin) || !(o.density > 0 && o.density < 1e30)) {
+    throw std::invalid_argument("padding, radii, protrusion, margin and density are numbers not below 0");
   }
   if (o.max_radius > 0 && o.max_radius < o.min_radius) {
     throw std::invalid_argument("the largest radius is below the smallest");
@@ -133,20 +117,39 @@ class Fitter {
   void read_surfaces() {
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       const Link& link = robot_.links[i];
-      if ((o_.visual ? link.visual : link.collision).empty() || o_.left_out.count(link.name) != 0) continue;
+      if (shapes_of(link).empty() || o_.left_out.count(link.name) != 0) continue;
       LinkSpheres spheres;
       spheres.link = i;
       result_.links.push_back(std::move(spheres));
     }
     workers_.run(result_.links.size(), [&](std::size_t i) {
       const Link& link = robot_.links[result_.links[i].link];
-      result_.links[i].surface = surface_of(robot_.file, o_.visual ? link.visual : link.collision);
+      LinkSurface& surface = result_.links[i].surface;
+      surface = surface_of(robot_.file, shapes_of(link));
+      if (const std::vector<ClipPlane>& planes = planes_of(result_.links[i]); !planes.empty()) {
+        surface = clipped(surface, planes, o_.clip_margin);
+      }
     });
+    std::erase_if(result_.links, [&](const LinkSpheres& link) {
+      if (!link.surface.empty()) return false;
+      result_.notes.push_back(
+          planes_of(link).empty()
+              ? fmt::format("link {} has shapes without a facet: it gets no spheres", name_of(link))
+              : fmt::format("link {} lies beyond its clip planes: it gets no spheres", name_of(link)));
+      return true;
+    });
+  }
+
+  const std::vector<Shape>& shapes_of(const Link& link) const { return o_.visual ? link.visual : link.collision; }
+  const std::vector<ClipPlane>& planes_of(const LinkSpheres& link) const {
+    static const std::vector<ClipPlane> none_of_them;
+    const auto found = o_.clip.find(name_of(link));
+    return found == o_.clip.end() ? none_of_them : found->second;
   }
 
   bool stands_alone(const LinkSpheres& link) const {
     const std::string& name = name_of(link);
-    return o_.kept.count(name) != 0 || o_.link_spheres.count(name) != 0;
+    return o_.kept.count(name) != 0 || o_.link_spheres.count(name) != 0 || o_.clip.count(name) != 0;
   }
 
   void find_alike() {
@@ -237,11 +240,22 @@ class Fitter {
       fit_new(link, group.budget);
     }
     measure(link);
+    if (o_.inner > 0) {
+      link.inner =
+          inner_spheres(robot_.file, shapes_of(robot_.links[link.link]), planes_of(link), o_.inner, o_.seed, o_.stop);
+      if (o_.stop.stop_requested()) throw BuildStopped();
+      link.inner_volume = union_mass(link.inner).volume;
+      if (link.inner.empty()) {
+        link.notes.push_back(fmt::format("link {} has no inner spheres: no surface of it is closed", name_of(link)));
+      }
+    }
     for (std::size_t k = 1; k < group.members.size(); ++k) {
       LinkSpheres& other = result_.links[group.members[k]];
       other.spheres = link.spheres;
       other.tree = link.tree;
       other.figures = link.figures;
+      other.inner = link.inner;
+      other.inner_volume = link.inner_volume;
       other.notes = link.notes;
     }
   }
@@ -268,6 +282,7 @@ class Fitter {
       }
       auto built = std::make_shared<CoveredTree>(build_link(link, options));
       enforce_max_radius(link, options, *built);
+      if (o_.clip_margin > 0 && !planes_of(link).empty()) keep_from_planes(link, *built);
       if (!built->report.complete) {
         link.notes.push_back(
             fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
@@ -276,8 +291,27 @@ class Fitter {
       link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
       link.tree = std::move(built);
     }
-    for (Sphere& s : link.spheres) s.radius = std::max(s.radius + o_.padding, o_.min_radius);
+    for (Sphere& s : link.spheres) s.radius = final_radius(s);
     round_outward(link.spheres);
+  }
+
+  double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
+
+  void keep_from_planes(LinkSpheres& link, CoveredTree& built) const {
+    const std::vector<ClipPlane>& planes = planes_of(link);
+    double extent = 0;
+    for (const Vec3& p : link.surface.mesh.positions) extent = std::max(extent, max_norm(p));
+    // Rounding to decimals moves less than 1e-6 of the size, and a float is nearer still.
+    const auto stays = [&](const Sphere& s) {
+      const Sphere last{s.center, final_radius(s)};
+      return !(reach_beyond(std::span(&last, 1), planes, 2e-6 * extent) > 0);
+    };
+    const std::size_t before = built.tree.leaf_count();
+    divide_until(stays, link.surface.mesh, built, {.seed = o_.seed, .quality = Quality::draft, .stop = o_.stop});
+    if (built.tree.leaf_count() == before) return;
+    link.notes.push_back(
+        fmt::format("link {} has {} spheres instead of {}, so that none reaches beyond its clip planes", name_of(link),
+                    built.tree.leaf_count(), before));
   }
 
   void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& built) const {
@@ -312,6 +346,13 @@ class Fitter {
       if (!std::any_of(link.spheres.begin(), link.spheres.end(), contains)) figures.covered = false;
     }
     figures.solid = union_mass(link.spheres);
+    if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
+      figures.beyond_clip = reach_beyond(link.spheres, planes);
+      if (o_.clip_margin > 0 && *figures.beyond_clip > 0) {
+        link.notes.push_back(fmt::format(
+            "link {}: spheres reach beyond its clip planes; give a larger margin or less padding", name_of(link)));
+      }
+    }
     std::vector<double> protrusions;
     const auto beyond_own = [&](const Sphere& s) {
       double least = std::numeric_limits<double>::infinity();
@@ -364,6 +405,22 @@ std::size_t RobotSpheres::sphere_count() const {
 
 bool RobotSpheres::covered() const {
   return std::all_of(links.begin(), links.end(), [](const LinkSpheres& link) { return link.figures.covered; });
+}
+
+std::size_t RobotSpheres::inner_count() const {
+  std::size_t count = 0;
+  for (const LinkSpheres& link : links) count += link.inner.size();
+  return count;
+}
+
+RobotSpheres RobotSpheres::with_inner_spheres() const {
+  RobotSpheres result;
+  for (const LinkSpheres& link : links) {
+    if (link.inner.empty()) continue;
+    result.links.push_back(link);
+    result.links.back().spheres = link.inner;
+  }
+  return result;
 }
 
 const LinkSpheres* RobotSpheres::of(std::size_t link) const {

@@ -84,6 +84,10 @@ void Assembly::carry(std::size_t parent, std::size_t child, const RigidTransform
   add_joint(std::move(joint));
 }
 
+std::string endless_plane_note(const std::string& link, int line) {
+  return fmt::format("a plane in {} (line {}) has no end and is left out: nothing covers it", link, line);
+}
+
 void require_no_mimic_circle(const Robot& robot) {
   for (const Joint& joint : robot.joints) {
     std::size_t steps = 0;

@@ -55,6 +55,9 @@ void arrange(Robot& robot);
 /// Throws FileError where joints follow each other in a circle.
 void require_no_mimic_circle(const Robot& robot);
 
+/// What is said of a plane among a link's shapes.
+std::string endless_plane_note(const std::string& link, int line);
+
 Robot read_urdf(const Xml& xml, const ReadOptions& options);
 Robot read_mjcf(const Xml& xml, const ReadOptions& options);
 Robot read_sdf(const Xml& xml, const ReadOptions& options);

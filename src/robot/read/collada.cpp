@@ -29,7 +29,7 @@ struct Affine {
   bool mirrors() const { return dot(rows[0], cross(rows[1], rows[2])) < 0; }
 };
 
-Affine composed(const Affine& a, const Affine& b) {
+Affine affine_product(const Affine& a, const Affine& b) {
   Affine result;
   for (int column = 0; column < 3; ++column) {
     const Vec3 v = a.linear({b.rows[0][column], b.rows[1][column], b.rows[2][column]});
@@ -239,7 +239,7 @@ struct Reader {
       } else if (name == "node") {
         add_node(*it, pose, depth + 1, within);
       } else {
-        pose = composed(pose, step(*it));
+        pose = affine_product(pose, step(*it));
       }
     }
   }

@@ -87,6 +87,15 @@ fs::path find_mesh(const std::string& name, const fs::path& robot_file, std::spa
   std::vector<fs::path> candidates;
   if (written.is_absolute()) {
     candidates.push_back(written);
+    // A place on the machine that it was written on: what follows some folder of it may be here.
+    for (fs::path tail = written.relative_path(); !climbs(written) && !tail.empty();) {
+      candidates.push_back(folder / tail);
+      candidates.push_back(folder.parent_path() / tail);
+      candidates.push_back(folder.parent_path().parent_path() / tail);
+      const fs::path first = *tail.begin();
+      tail = tail.lexically_relative(first);
+      if (tail == ".") break;
+    }
   } else {
     candidates.push_back(folder / written);
     for (const fs::path& path : package_paths) candidates.push_back(path / written);

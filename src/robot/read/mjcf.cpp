@@ -65,9 +65,9 @@ RigidTransform z_to(const Vec3& direction) {
   return RigidTransform::from_axis(axis, angle_of(sine, to.z));
 }
 
-class Reader {
+class MjcfReader {
  public:
-  Reader(const Xml& xml, const ReadOptions& options) : main_(xml), options_(options) {
+  MjcfReader(const Xml& xml, const ReadOptions& options) : main_(xml), options_(options) {
     files_[xml.root().GetDocument()] = &xml;
     robot().file = xml.file();
     robot().format = Robot::Format::mjcf;
@@ -95,7 +95,7 @@ class Reader {
     world.line = main_.root().GetLineNum();
     robot().links.push_back(std::move(world));
     each("worldbody", [&](const XMLElement& at) { add_children(at, 0, {}, "main", 0); });
-    if (robot().links.size() == 1) fail(main_.root(), "there is no <body> in a <worldbody>");
+    if (robot().links.size() == 1) take_world(sections);
     each("equality", [&](const XMLElement& at) { read_equalities(at); });
     drop_world();
     if (scenery_ > 0) {
@@ -137,15 +137,26 @@ class Reader {
     if (const auto found = includes_.find(&at); found != includes_.end()) return *found->second;
     const std::string name = file_of(at).text(at, "file");
     const fs::path written(name);
-    if (written.is_absolute() || std::find(written.begin(), written.end(), "..") != written.end()) {
-      fail(at, fmt::format("file \"{}\" leaves the folder of the robot's file, which is not followed: copy it there",
-                           name));
+    // Descriptions that share parts lie side by side.
+    const auto leaves = [&](const fs::path& from) {
+      const fs::path way = (from / written).lexically_normal().lexically_relative(main_.file().parent_path());
+      return way.empty() || (*way.begin() == ".." && way.has_parent_path() && *std::next(way.begin()) == "..");
+    };
+    if (written.is_absolute() || leaves(main_.file().parent_path()) || leaves(file_of(at).file().parent_path())) {
+      fail(at,
+           fmt::format(
+               "file \"{}\" leaves the folder around that of the robot's file, which is not followed: copy it there",
+               name));
     }
-    const fs::path path = (main_.file().parent_path() / written).lexically_normal();
+    // Relative to the robot's file, or to the one that includes it.
+    fs::path path = (main_.file().parent_path() / written).lexically_normal();
+    const fs::path beside = (file_of(at).file().parent_path() / written).lexically_normal();
     std::error_code error;
-    if (!fs::is_regular_file(path, error)) {
-      fail(at, fmt::format("file \"{}\" is missing; searched: {}", name, path.string()));
+    if (!fs::is_regular_file(path, error) && !fs::is_regular_file(beside, error)) {
+      fail(at, fmt::format("file \"{}\" is missing; searched: {}{}", name, path.string(),
+                           beside == path ? "" : " " + beside.string()));
     }
+    if (!fs::is_regular_file(path, error)) path = beside;
     const fs::path plain = fs::weakly_canonical(path);
     if (plain == fs::weakly_canonical(main_.file()) || !included_.insert(plain).second) {
       fail(at, fmt::format("file \"{}\" is included a second time, or includes itself", name));
@@ -326,6 +337,7 @@ class Reader {
     std::string file;
     Vec3 scale{1, 1, 1};
     RigidTransform before{};
+    bool operator==(const MeshAsset&) const = default;
   };
 
   void read_assets(const XMLElement& of) {
@@ -351,12 +363,14 @@ class Reader {
       }
       mesh.before.translation = vector(e, "refpos", {});
       mesh.before = inverse(mesh.before);
-      if (!meshes_.emplace(name, std::pair{mesh, at}).second) fail(*at, fmt::format("there are two meshes {}", name));
+      const auto [known, fresh] = meshes_.emplace(name, std::pair{mesh, at});
+      if (!fresh && !(known->second.first == mesh)) fail(*at, fmt::format("there are two meshes {}", name));
     }
   }
 
   void refuse_children(const XMLElement& of) {
     for (const XMLElement* at : children(of)) {
+      if (std::string_view(at->Name()) == "skin") continue;  // is seen and touches nothing
       fail(*at, fmt::format("<{}> of <{}> is not supported: take it out of the robot's file", at->Name(), of.Name()));
     }
   }
@@ -487,6 +501,13 @@ class Reader {
       body.free = true;
       return;
     }
+    if (type == "fixed") {
+      // Not MuJoCo's: other simulators read it in its files. A body without a joint is fixed anyway.
+      robot().notes.push_back(
+          fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is passed over",
+                      robot().links[body.link].name, at.GetLineNum()));
+      return;
+    }
     if (type != "hinge" && type != "slide" && type != "ball") {
       fail(at, fmt::format("a joint is {}: hinge, slide, ball and free are known", type));
     }
@@ -569,24 +590,28 @@ class Reader {
     const bool needed = options_.visual ? seen : collides;
     if (!collides && !seen) return;
     const char* given = e.find("type");
-    const std::string_view type = given == nullptr ? "sphere" : given;
+    std::string_view type = given == nullptr ? "sphere" : given;
     Shape shape;
     shape.line = at.GetLineNum();
     if (file_of(at).file() != main_.file()) shape.described_in = file_of(at).file();
     if (type == "plane" || type == "hfield" || type == "sdf") {
-      if (needed)
+      if (!needed) return;
+      if (type != "plane") {
         fail(at, fmt::format("a geom is a {}, which no spheres are made for: sphere, capsule, ellipsoid, cylinder, box "
                              "and mesh are known",
                              type));
+      }
+      robot().notes.push_back(endless_plane_note(link.name, at.GetLineNum()));
       return;
     }
     if (type != "mesh" && e.find("mesh") != nullptr) {
+      // The fit would depend on the version that fits. The mesh is what the robot is.
       if (needed) {
-        fail(at, fmt::format(
-                     "a {} is fitted to mesh {}, which is not supported: give it type=\"mesh\", or a size and no mesh",
-                     type, e.find("mesh")));
+        robot().notes.push_back(
+            fmt::format("the {} that MuJoCo fits to mesh {} (line {}) is not made: the mesh itself is covered", type,
+                        e.find("mesh"), at.GetLineNum()));
       }
-      return;
+      type = "mesh";
     }
     shape.origin = composed(frame, pose(e));
     std::optional<double> span;  // half of fromto
@@ -636,12 +661,6 @@ class Reader {
     shape.scale = mesh.scale;
     shape.before = mesh.before;
     if (!needed) return;
-    std::string ending = name.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-    if (ending == ".msh")
-      fail(at, fmt::format("mesh \"{}\" is MuJoCo's own binary, which is not supported: save it as OBJ or STL",
-                           shape.file_name));
     try {
       shape.file = find_mesh(shape.file_name, main_.file(), options_.package_paths, at.GetLineNum());
     } catch (const FileError& error) {
@@ -679,9 +698,23 @@ class Reader {
     }
   }
 
+  /// Of a file without bodies: a part or a prop, which others put somewhere.
+  void take_world(const std::vector<const XMLElement*>& sections) {
+    Body world{0, {}};
+    for (const XMLElement* at : sections) {
+      if (std::string_view(at->Name()) == "worldbody") add_own(*at, world, {}, "main", 0);
+    }
+    const Link& link = robot().links[0];
+    if (!world.movements.empty() || world.free) fail(main_.root(), "there is a joint of the world itself");
+    if (link.collision.empty() && link.visual.empty()) fail(main_.root(), "there is no <body> in a <worldbody>");
+    robot().notes.push_back("there is no body: geoms of the world itself are taken for the only link");
+    scenery_ = 0;
+  }
+
   /// The world is left out where the robot is one body in its origin, or a free one.
   void drop_world() {
     Robot& r = robot();
+    if (r.joints.empty()) return;
     const auto on_world = std::count_if(r.joints.begin(), r.joints.end(), [](const Joint& j) { return j.parent == 0; });
     const Joint& first = r.joints[0];
     const bool free = first.kind == Joint::Kind::floating;
@@ -720,7 +753,7 @@ class Reader {
 }  // namespace
 
 Robot read_mjcf(const Xml& xml, const ReadOptions& options) {
-  return Reader(xml, options).run();
+  return MjcfReader(xml, options).run();
 }
 
 }  // namespace morula::robot

@@ -18,9 +18,9 @@ using tinyxml2::XMLElement;
 
 constexpr double no_limit = 1e15;  // what files say that mean none
 
-class Reader {
+class SdfReader {
  public:
-  Reader(const Xml& xml, const ReadOptions& options) : xml_(xml), options_(options) {
+  SdfReader(const Xml& xml, const ReadOptions& options) : xml_(xml), options_(options) {
     robot().file = xml.file();
     robot().format = Robot::Format::sdf;
   }
@@ -176,7 +176,12 @@ class Reader {
 
   void add_frame(const XMLElement& at, std::string_view kind) {
     const std::string name = xml_.text(at, "name");
-    if (name == "world" || name.starts_with("__")) xml_.fail(at, fmt::format("{} is no name that may be given", name));
+    // A link of this name may stand where the model does, which is where others take it to be.
+    const bool stands_for_world =
+        name == "world" && kind == "link" && relative_name(at).empty() && own_pose(at) == RigidTransform{};
+    if ((name == "world" && !stands_for_world) || name.starts_with("__")) {
+      xml_.fail(at, fmt::format("{} is no name that may be given", name));
+    }
     const auto [found, fresh] = frames_.emplace(name, Frame{.at = &at, .kind = kind});
     if (!fresh) {
       xml_.fail(at, found->second.kind == kind
@@ -304,6 +309,10 @@ class Reader {
     shape.origin = pose_in_link(of, link);
     const std::string_view kind = at->Name();
     if (kind == "empty") return;
+    if (kind == "plane") {
+      if (needed) robot().notes.push_back(endless_plane_note(link, at->GetLineNum()));
+      return;
+    }
     if (kind == "mesh") {
       shape.file_name = text(*at, "uri");
       shape.scale = vector(*at, "scale", {1, 1, 1});
@@ -487,7 +496,7 @@ class Reader {
 }  // namespace
 
 Robot read_sdf(const Xml& xml, const ReadOptions& options) {
-  return Reader(xml, options).run();
+  return SdfReader(xml, options).run();
 }
 
 }  // namespace morula::robot

@@ -10,6 +10,7 @@
 #include <morula/robot/robot.hpp>
 #include <numbers>
 
+#include "robot/read/mujoco_mesh.hpp"
 #include "robot/read/xml.hpp"
 
 namespace morula::robot {
@@ -63,17 +64,20 @@ Mesh turned_mesh(double bottom, const std::vector<Ring>& rings, double top) {
 /// What rounding may take from a polyhedron that is to contain a round shape.
 constexpr double outward = 1 + 0x1p-44;
 
-Mesh cylinder_mesh(double radius, double length) {
-  const double ring = outward * radius / sin_cos(std::numbers::pi / around).cos;
-  const double half = outward * 0.5 * length;
+Mesh cylinder_mesh(double radius, double length, RoundShapes round) {
+  const bool inside = round == RoundShapes::inside;
+  const double ring = inside ? radius / outward : outward * radius / sin_cos(std::numbers::pi / around).cos;
+  const double half = (inside ? 1 / outward : outward) * 0.5 * length;
   return turned_mesh(-half, {{ring, -half}, {ring, half}}, half);
 }
 
 /// Contains the capsule because it is convex and every plane of a facet is `radius` or more from the segment's ends.
-/// The meridians are polygons about the circle, and so are the parallels.
-Mesh capsule_mesh(double radius, double length) {
+/// The meridians are polygons about the circle, and so are the parallels. The one inside has its corners on the
+/// capsule, which is convex, too.
+Mesh capsule_mesh(double radius, double length, RoundShapes round) {
   constexpr int quarter = around / 4;
-  const double widened = outward * radius / sin_cos(std::numbers::pi / around).cos;
+  const bool inside = round == RoundShapes::inside;
+  const double widened = inside ? radius / outward : outward * radius / sin_cos(std::numbers::pi / around).cos;
   std::vector<Ring> rings;
   for (int i = 1; i <= quarter; ++i) {
     const SinCos at = sin_cos(0.5 * std::numbers::pi * i / quarter);
@@ -85,6 +89,7 @@ Mesh capsule_mesh(double radius, double length) {
   for (auto ring = below.rbegin(); ring != below.rend(); ++ring) rings.push_back({ring->radius, -ring->height});
   const double pole = 0.5 * length + widened;
   Mesh mesh = turned_mesh(-pole, rings, pole);
+  if (inside) return mesh;
   // Facets lie deeper than the edges of the profile where both kinds of polygon meet: measured, then made good.
   double least = widened;
   for (std::size_t facet = 0; facet < mesh.facet_count(); ++facet) {
@@ -101,9 +106,9 @@ Mesh capsule_mesh(double radius, double length) {
   return mesh;
 }
 
-/// About the unit ball; stretched it is about an ellipsoid, as planes stay planes.
-Mesh ball_mesh() {
-  return capsule_mesh(1, 0);
+/// About the unit ball, or inside of it; stretched it is about an ellipsoid, as planes stay planes.
+Mesh ball_mesh(RoundShapes round) {
+  return capsule_mesh(1, 0, round);
 }
 
 void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& origin) {
@@ -126,7 +131,9 @@ Mesh mesh_of(const Shape& shape) {
                     "file of its own",
                     file.string(), shape.part));
   }
-  Mesh mesh = ending == ".dae" ? read_collada(file, shape.part) : read_mesh(file);
+  Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part)
+              : is_mujoco_mesh(file) ? read_mujoco_mesh(file)
+                                     : read_mesh(file);
   if (shape.part_centered) {
     Box box;
     for (const Vec3& p : mesh.positions) box.add(p);
@@ -140,7 +147,7 @@ Mesh mesh_of(const Shape& shape) {
 
 }  // namespace
 
-LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes) {
+LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes, RoundShapes round) {
   LinkSurface surface;
   for (const Shape& shape : shapes) {
     switch (shape.kind) {
@@ -155,13 +162,13 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
         add(surface.mesh, box_mesh(shape.size), {1, 1, 1}, shape.origin);
         break;
       case Shape::Kind::cylinder:
-        add(surface.mesh, cylinder_mesh(shape.radius, shape.length), {1, 1, 1}, shape.origin);
+        add(surface.mesh, cylinder_mesh(shape.radius, shape.length, round), {1, 1, 1}, shape.origin);
         break;
       case Shape::Kind::capsule:
-        add(surface.mesh, capsule_mesh(shape.radius, shape.length), {1, 1, 1}, shape.origin);
+        add(surface.mesh, capsule_mesh(shape.radius, shape.length, round), {1, 1, 1}, shape.origin);
         break;
       case Shape::Kind::ellipsoid:
-        add(surface.mesh, ball_mesh(), 0.5 * shape.size, shape.origin);
+        add(surface.mesh, ball_mesh(round), 0.5 * shape.size, shape.origin);
         break;
       case Shape::Kind::sphere:
         surface.spheres.push_back({shape.origin.translation, shape.radius});

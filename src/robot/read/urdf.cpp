@@ -14,7 +14,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-struct Reader {
+struct UrdfReader {
   const Xml& xml;
   const ReadOptions& options;
   Robot robot;
@@ -32,7 +32,10 @@ struct Reader {
     return value;
   }
 
-  Shape shape(const XMLElement& of, bool needed) const {
+  void leave_out(const std::string& what) { robot.notes.push_back(what); }
+
+  /// Nothing for shapes that cannot be covered and need not be, with a note where it is needed.
+  std::optional<Shape> shape(const XMLElement& of, const std::string& link, bool needed) {
     Shape shape{.origin = origin(of), .file_name = {}, .file = {}, .line = of.GetLineNum()};
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
@@ -52,11 +55,18 @@ struct Reader {
       if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) xml.fail(*at, "a box has an edge not above 0");
     } else if (kind == "sphere") {
       shape.kind = Shape::Kind::sphere;
+      if (xml.number(*at, "radius") == 0) {
+        if (needed) leave_out(fmt::format("a sphere of radius 0 in {} (line {}) is left out", link, at->GetLineNum()));
+        return std::nullopt;
+      }
       shape.radius = above_zero(*at, "radius");
     } else if (kind == "cylinder" || kind == "capsule") {
       shape.kind = kind == "cylinder" ? Shape::Kind::cylinder : Shape::Kind::capsule;
       shape.radius = above_zero(*at, "radius");
       shape.length = above_zero(*at, "length");
+    } else if (kind == "plane") {
+      if (needed) leave_out(endless_plane_note(link, at->GetLineNum()));
+      return std::nullopt;
     } else {
       xml.fail(*at,
                fmt::format("<{}> is no geometry that is known: mesh, box, sphere, cylinder and capsule are", kind));
@@ -71,8 +81,10 @@ struct Reader {
     }
     for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
       const std::string_view name = it->Name();
-      if (name == "collision") link.collision.push_back(shape(*it, !options.visual));
-      if (name == "visual") link.visual.push_back(shape(*it, options.visual));
+      if (name == "collision" || name == "visual") {
+        std::optional<Shape> read = shape(*it, link.name, (name == "visual") == options.visual);
+        if (read) (name == "visual" ? link.visual : link.collision).push_back(std::move(*read));
+      }
       if (name == "inertial") link.inertial = inertial(*it);
     }
     robot.links.push_back(std::move(link));
@@ -88,8 +100,13 @@ struct Reader {
     return result;
   }
 
-  Joint::Kind kind(const XMLElement& at) const {
+  Joint::Kind kind(const XMLElement& at) {
     const std::string type = xml.text(at, "type");
+    if (type == "spherical") {
+      robot.notes.push_back(fmt::format("joint {} (line {}) is spherical, which URDF does not have: it is held at 0",
+                                        xml.text(at, "name"), at.GetLineNum()));
+      return Joint::Kind::floating;
+    }
     constexpr std::array names{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (type == names[i]) return static_cast<Joint::Kind>(i);
@@ -169,9 +186,14 @@ struct Reader {
 }  // namespace
 
 Robot read_urdf(const Xml& xml, const ReadOptions& options) {
-  Reader reader{xml, options, {}, {}, {}};
+  UrdfReader reader{xml, options, {}, {}, {}};
   reader.robot.file = xml.file();
-  reader.robot.name = xml.text(xml.root(), "name");
+  const char* name = xml.root().Attribute("name");
+  reader.robot.name = name == nullptr ? "" : name;
+  if (reader.robot.name.empty()) {
+    reader.robot.name = xml.file().stem().string();
+    reader.robot.notes.push_back(fmt::format("<robot> has no name and is called {}, as its file", reader.robot.name));
+  }
   const auto each = [&](const char* name, const auto& read) {
     for (const XMLElement* at = xml.root().FirstChildElement(name); at != nullptr; at = at->NextSiblingElement(name))
       read(*at);
@@ -185,6 +207,7 @@ Robot read_urdf(const Xml& xml, const ReadOptions& options) {
   if (reader.robot.links.empty()) xml.fail(xml.root(), "there is no link");
   each("joint", [&](const XMLElement& at) { reader.add_joint(at); });
   each("joint", [&](const XMLElement& at) { reader.add_mimic(at); });
+  reader.robot.notes.insert(reader.robot.notes.end(), xml.notes().begin(), xml.notes().end());
   require_no_mimic_circle(reader.robot);
   arrange(reader.robot);
   return std::move(reader.robot);

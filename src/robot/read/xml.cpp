@@ -37,6 +37,10 @@ int line_of(std::string_view bytes, std::size_t at) {
   return 1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
 }
 
+const char* xacro_hint(std::string_view value) {
+  return value.find("${") != value.npos || value.find("$(") != value.npos ? "; run xacro on the file first" : "";
+}
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
@@ -53,7 +57,9 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
-  const std::string bytes = bytes_of(file);
+  std::string bytes = bytes_of(file);
+  // Programs of C write the end of their text, too.
+  while (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
     fail_at(file, line_of(bytes, at),
             "entities are declared, and none are expanded here: write out what they stand for");
@@ -84,11 +90,35 @@ std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) con
   return value;
 }
 
+/// What is meant by numbers that are written as some readers take them: with commas, more of them than are needed, a
+/// point too many, or a variable of the environment with a value for where there is none. Nothing where it is not
+/// clear.
+std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
+                                       std::size_t count) const {
+  std::string plain = value;
+  constexpr std::string_view variable = "$(optenv ";
+  if (plain.starts_with(variable) && plain.ends_with(")")) {
+    const std::size_t blank = plain.find(' ', variable.size());
+    plain = blank == plain.npos ? "" : plain.substr(blank, plain.size() - blank - 1);
+  }
+  std::replace(plain.begin(), plain.end(), ',', ' ');
+  if (plain.ends_with('.') && std::count(plain.begin(), plain.end(), '.') > 1) plain.pop_back();
+  std::vector<double> numbers;
+  if (!read_numbers(plain, numbers) || numbers.size() < count || (count == 1 && numbers.size() > 1)) return {};
+  numbers.resize(count);
+  std::string taken;
+  for (const double number : numbers) taken += fmt::format("{}{}", taken.empty() ? "" : " ", number);
+  notes_.push_back(
+      fmt::format("{}=\"{}\" of <{}> (line {}) is read as {}", attribute, value, at.Name(), at.GetLineNum(), taken));
+  return numbers;
+}
+
 double Xml::number(const tinyxml2::XMLElement& at, const char* attribute) const {
   std::vector<double> numbers;
   const std::string value = text(at, attribute);
-  if (!read_numbers(value, numbers) || numbers.size() != 1) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is no number", attribute, value, at.Name()));
+  if (!read_numbers(value, numbers) || numbers.size() != 1) numbers = numbers_meant(at, attribute, value, 1);
+  if (numbers.size() != 1) {
+    fail(at, fmt::format("{}=\"{}\" of <{}> is no number{}", attribute, value, at.Name(), xacro_hint(value)));
   }
   return numbers[0];
 }
@@ -101,8 +131,9 @@ Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Ve
   const char* value = at.Attribute(attribute);
   if (value == nullptr) return fallback;
   std::vector<double> numbers;
-  if (!read_numbers(value, numbers) || numbers.size() != 3) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers", attribute, value, at.Name()));
+  if (!read_numbers(value, numbers) || numbers.size() != 3) numbers = numbers_meant(at, attribute, value, 3);
+  if (numbers.size() != 3) {
+    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers{}", attribute, value, at.Name(), xacro_hint(value)));
   }
   return {numbers[0], numbers[1], numbers[2]};
 }

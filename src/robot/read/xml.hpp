@@ -35,10 +35,16 @@ class Xml {
   double number(const tinyxml2::XMLElement& at, const char* attribute, double fallback) const;
   double number(const tinyxml2::XMLElement& at, const char* attribute) const;
   Vec3 vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const;
+  /// Numbers that were read in spite of how they are written.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  std::vector<double> numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
+                                    std::size_t count) const;
+
   std::filesystem::path file_;
   tinyxml2::XMLDocument document_;
+  mutable std::vector<std::string> notes_;
 };
 
 /// Finite numbers apart by blanks; nothing where something else is among them.

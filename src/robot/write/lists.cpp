@@ -44,21 +44,30 @@ Json link_json(const Description& d, const LinkSpheres& link) {
   const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
   Json inertia = Json::array();
   for (const double entry : f.solid.inertia) inertia.push_back(scale * entry);
-  Json spheres = Json::array();
-  for (const Sphere& s : link.spheres) spheres.push_back({{"center", numbers(s.center)}, {"radius", s.radius}});
-  return {{"link", d.robot.links[link.link].name},
-          {"alike", link.alike == none ? Json(nullptr) : Json(d.robot.links[link.alike].name)},
-          {"facets", f.facets},
-          {"covered", f.covered},
-          {"gap", f.gap},
-          {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
-          {"object_volume", or_null(f.object_volume)},
-          {"outside_volume", or_null(f.outside_volume)},
-          {"union_volume", f.solid.volume},
-          {"mass", f.mass},
-          {"center_of_mass", numbers(f.solid.center)},
-          {"inertia", inertia},
-          {"spheres", spheres}};
+  const auto list = [](std::span<const Sphere> spheres) {
+    Json json = Json::array();
+    for (const Sphere& s : spheres) json.push_back({{"center", numbers(s.center)}, {"radius", s.radius}});
+    return json;
+  };
+  Json json{{"link", d.robot.links[link.link].name},
+            {"alike", link.alike == none ? Json(nullptr) : Json(d.robot.links[link.alike].name)},
+            {"facets", f.facets},
+            {"covered", f.covered},
+            {"gap", f.gap},
+            {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
+            {"object_volume", or_null(f.object_volume)},
+            {"outside_volume", or_null(f.outside_volume)},
+            {"union_volume", f.solid.volume},
+            {"mass", f.mass},
+            {"center_of_mass", numbers(f.solid.center)},
+            {"inertia", inertia},
+            {"spheres", list(link.spheres)}};
+  if (f.beyond_clip) json["beyond_clip"] = *f.beyond_clip;
+  if (d.spheres.inner_count() > 0) {
+    json["inner_volume"] = link.inner_volume;
+    json["inner_spheres"] = list(link.inner);
+  }
+  return json;
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ std::string curobo_text(const Description& d, bool old_keys) {
   const Robot& robot = d.robot;
   const std::vector<std::string> links = link_names(d), joints = own_joint_names(robot), tools = tool_frames(d);
   const std::vector<double> rest = rest_values(robot), ones(joints.size(), 1.0);
-  std::string text = fmt::format("# {}\nrobot_cfg:\n  kinematics:\n", ignored_note(d));
+  std::string text = fmt::format("# {}\n# {}\nrobot_cfg:\n  kinematics:\n", made_note(d), ignored_note(d));
   if (!old_keys) text += "    format_version: 2.0\n";
   text += fmt::format("    urdf_path: {}\n    asset_root_path: {}\n    base_link: {}\n", quoted(urdf_of(d).string()),
                       quoted(asset_root(d).string()), quoted(robot.links[robot.root].name));
@@ -121,8 +121,9 @@ std::string xrdf_text(const Description& d, bool second) {
   const std::vector<double> rest = rest_values(robot);
   const std::vector<double> accelerations(joints.size(), max_acceleration), jerks(joints.size(), max_jerk);
   const std::string group = quoted(identifier(robot.name) + "_spheres");
-  std::string text = fmt::format("# {}\nformat: xrdf\nformat_version: {}\nmodifiers:\n  - set_base_frame: {}\n",
-                                 ignored_note(d), second ? "2.0" : "1.0", quoted(robot.links[robot.root].name));
+  std::string text =
+      fmt::format("# {}\n# {}\nformat: xrdf\nformat_version: {}\nmodifiers:\n  - set_base_frame: {}\n", made_note(d),
+                  ignored_note(d), second ? "2.0" : "1.0", quoted(robot.links[robot.root].name));
   text += joints.empty() ? "default_joint_positions: {}\n" : "default_joint_positions:\n";
   for (std::size_t i = 0; i < joints.size(); ++i)
     text += fmt::format("  {}: {}\n", quoted(joints[i]), decimal(rest[i]));

@@ -92,7 +92,7 @@ class Mjcf {
       set(at, "joint2", d_.robot.joints[joint.mimic->joint].name);
       set(at, "polycoef", fmt::format("{} {} 0 0 0", joint.mimic->offset, joint.mimic->multiplier));
     }
-    return xml_text(document);
+    return xml_text(document, d_);
   }
 
  private:
@@ -241,7 +241,7 @@ std::vector<OutputFile> write_sdf(const Description& d) {
   set(model, "name", d.robot.name);
   for (std::size_t i = 0; i < d.robot.links.size(); ++i) add_sdf_link(model, d, i);
   for (const std::size_t i : d.robot.order) add_sdf_joint(model, d, d.robot.joints[i]);
-  return {{identifier(d.robot.name) + ".sdf", xml_text(document)}};
+  return {{identifier(d.robot.name) + ".sdf", xml_text(document, d)}};
 }
 
 }  // namespace morula::robot

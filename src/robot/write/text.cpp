@@ -53,12 +53,16 @@ std::string identifier(const std::string& text) {
   return result;
 }
 
-std::string xml_text(tinyxml2::XMLDocument& document) {
+std::string made_note(const Description& d) {
+  const char* what = d.options.inner ? "; they are inside the links and do not cover them" : "";
+  return fmt::format("Spheres by morula {}{}", version, what);
+}
+
+std::string xml_text(tinyxml2::XMLDocument& document, const Description& d) {
   if (document.FirstChild() == nullptr || document.FirstChild()->ToDeclaration() == nullptr) {
     document.InsertFirstChild(document.NewDeclaration());
   }
-  document.InsertAfterChild(document.FirstChild(),
-                            document.NewComment(fmt::format(" Spheres by morula {} ", version).c_str()));
+  document.InsertAfterChild(document.FirstChild(), document.NewComment(fmt::format(" {} ", made_note(d)).c_str()));
   tinyxml2::XMLPrinter printer;
   document.Print(&printer);
   return printer.CStr();

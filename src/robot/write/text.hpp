@@ -29,8 +29,10 @@ std::string quoted_list(std::span<const std::string> names);
 /// Letters, digits and underscores, not beginning with a digit: for names of files, and for C++.
 std::string identifier(const std::string& text);
 
+/// "Spheres by morula 0.1.0", and what they are not.
+std::string made_note(const Description& description);
 /// Indented, with a first line and a comment that says what made it.
-std::string xml_text(tinyxml2::XMLDocument& document);
+std::string xml_text(tinyxml2::XMLDocument& document, const Description& description);
 tinyxml2::XMLElement* add_element(tinyxml2::XMLNode* parent, const char* name);
 void set(tinyxml2::XMLElement* at, const char* attribute, const std::string& value);
 

@@ -172,7 +172,7 @@ std::string urdf_text(const Description& d, const std::string& below) {
       set(add_element(add_element(collision, "geometry"), "sphere"), "radius", fmt::format("{}", s.radius));
     }
   }
-  return xml_text(document);
+  return xml_text(document, d);
 }
 
 std::string srdf_text(const Description& d) {
@@ -210,7 +210,7 @@ std::string srdf_text(const Description& d) {
     set(at, "link2", b);
     set(at, "reason", std::string(name(pair.reason)));
   }
-  return xml_text(document);
+  return xml_text(document, d);
 }
 
 }  // namespace

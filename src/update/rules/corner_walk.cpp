@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;
 constexpr double unknown = -1;
+constexpr float unknown_no_more = -1;  // in place of a bound
 
 // What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
 // (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
@@ -60,6 +61,7 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   squared_.resize(chain_.size());
   path_then_.resize(chain_.size());
   path_.resize(nodes_.size());
+  bounds_.resize(order.leaves.size());
   squared_reach_.resize(nodes_.size());
 }
 
@@ -148,18 +150,20 @@ std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points
   for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
     if (is_known(leaf)) {
       farthest = std::max(farthest, squared_[entry(leaf)]);
-    } else if (const float b = bound(leaf); b > highest) {
-      highest = b, most_promising = leaf;
+      bounds_[leaf] = unknown_no_more;
+      continue;
     }
+    const float b = bounds_[leaf] = bound(leaf);
+    if (b > highest) highest = b, most_promising = leaf;
   }
   std::size_t tested = 0;
   if (most_promising != below.leaf_end && highest * highest >= farthest) {
     tested += walk(most_promising, entry(most_promising), 1, points, spheres);
     farthest = std::max(farthest, squared_[entry(most_promising)]);
+    bounds_[most_promising] = unknown_no_more;
     for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
-      if (is_known(leaf)) continue;
-      const float b = bound(leaf);
-      if (b * b < farthest) continue;
+      const float b = bounds_[leaf];
+      if (b < 0 || b * b < farthest) continue;
       tested += walk(leaf, entry(leaf), 1, points, spheres);
       farthest = std::max(farthest, squared_[entry(leaf)]);
     }

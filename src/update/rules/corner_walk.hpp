@@ -77,6 +77,7 @@ class CornerWalk {
   std::vector<float> squared_;
   std::vector<double> path_then_;
   std::vector<float> squared_reach_;  // of each node
+  std::vector<float> bounds_;         // of leaves, in one search
   std::vector<double> path_;          // of each node's centre, through all updates since all was measured
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };

@@ -1,23 +1,25 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "grains/inner_balls.hpp"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
+#include <morula/medial/inner_balls.hpp>
 #include <morula/medial/medial_balls.hpp>
 
-namespace morula::detail {
+namespace morula {
 
 namespace {
 
 constexpr int lattice_points = 40;  // along the longest side: what tells how much a ball adds
 
-/// Medial balls, made as large as the distance to the surface allows and no larger.
-std::vector<Sphere> candidates(const Mesh& mesh, const SignedDistance& object, const ClumpOptions& options,
-                               double allowance, Workers& workers) {
+}  // namespace
+
+std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDistance& object,
+                                          const InnerBallOptions& options, Workers& workers) {
+  if (!object.has_volume()) return {};
   std::vector<Vec3> points, normals;
   for (const SurfacePoint& sample : sample_surface(mesh, options.candidates, options.seed)) {
     points.push_back(sample.point);
@@ -25,19 +27,17 @@ std::vector<Sphere> candidates(const Mesh& mesh, const SignedDistance& object, c
   }
   std::vector<Sphere> balls;
   for (Sphere ball : shrinking_balls(object, points, normals, workers).balls) {
-    // The distance to the surface is exact at any point; its sign is a fact, since the mesh is closed and oriented.
-    ball.radius = -object(ball.center) - allowance;
+    ball.radius = -object(ball.center) - options.margin;
     if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
-    if (ball.radius > 0 && ball.radius >= options.min_radius) balls.push_back(ball);
+    if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;
+    // The distance to the surface is exact. Its sign may err where a surface passes through itself; the number of times
+    // that a closed surface winds round a point away from it is a whole one.
+    if (object.orientation() * object.bvh().winding_number(ball.center) > 0.5) balls.push_back(ball);
   }
   return balls;
 }
 
-}  // namespace
-
-std::vector<Sphere> inner_balls(const Mesh& mesh, const SignedDistance& object, const ClumpOptions& options,
-                                double allowance, Workers& workers) {
-  const std::vector<Sphere> balls = candidates(mesh, object, options, allowance, workers);
+std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const std::stop_token& stop) {
   Box box;
   for (const Sphere& ball : balls) {
     box.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
@@ -74,9 +74,9 @@ std::vector<Sphere> inner_balls(const Mesh& mesh, const SignedDistance& object, 
   };
   std::vector<std::size_t> gains(balls.size());
   const auto gain = [&](std::size_t i) {
-    std::size_t count = 0;
-    for_each_point(balls[i], [&](std::size_t point) { count += taken[point] == 0 ? 1 : 0; });
-    return count;
+    std::size_t points = 0;
+    for_each_point(balls[i], [&](std::size_t point) { points += taken[point] == 0 ? 1 : 0; });
+    return points;
   };
   for (std::size_t i = 0; i < balls.size(); ++i) gains[i] = gain(i);
   // Gains only fall, so one that was computed before is a bound: the heap's top is computed again until it stays.
@@ -89,8 +89,7 @@ std::vector<Sphere> inner_balls(const Mesh& mesh, const SignedDistance& object, 
   };
   std::make_heap(heap.begin(), heap.end(), later);
   std::vector<Sphere> chosen;
-  while (!heap.empty() && chosen.size() < options.spheres) {
-    if (options.stop.stop_requested()) throw BuildStopped();
+  while (!heap.empty() && chosen.size() < count && !stop.stop_requested()) {
     std::pop_heap(heap.begin(), heap.end(), later);
     const std::size_t i = heap.back();
     const std::size_t now = gain(i);
@@ -108,4 +107,4 @@ std::vector<Sphere> inner_balls(const Mesh& mesh, const SignedDistance& object, 
   return chosen;
 }
 
-}  // namespace morula::detail
+}  // namespace morula

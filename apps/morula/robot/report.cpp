@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/robot_report.hpp"
+#include "robot/report.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -43,22 +43,54 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
     const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
     Json inertia = Json::array();
     for (const double entry : f.solid.inertia) inertia.push_back(scale * entry);
-    links.push_back(
-        {{"link", robot.links[link.link].name},
-         {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
-         {"facets", f.facets},
-         {"spheres", link.spheres.size()},
-         {"covered", f.covered},
-         {"gap", f.gap},
-         {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
-         {"object_volume", or_null(f.object_volume)},
-         {"outside_volume", or_null(f.outside_volume)},
-         {"union_volume", f.solid.volume},
-         {"mass", f.mass},
-         {"center_of_mass", {f.solid.center.x, f.solid.center.y, f.solid.center.z}},
-         {"inertia", inertia}});
+    Json json({{"link", robot.links[link.link].name},
+               {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
+               {"facets", f.facets},
+               {"spheres", link.spheres.size()},
+               {"covered", f.covered},
+               {"gap", f.gap},
+               {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
+               {"object_volume", or_null(f.object_volume)},
+               {"outside_volume", or_null(f.outside_volume)},
+               {"union_volume", f.solid.volume},
+               {"mass", f.mass},
+               {"center_of_mass", {f.solid.center.x, f.solid.center.y, f.solid.center.z}},
+               {"inertia", inertia}});
+    if (f.beyond_clip) json["beyond_clip"] = *f.beyond_clip;
+    if (spheres.inner_count() > 0) {
+      json["inner_spheres"] = link.inner.size();
+      json["inner_volume"] = link.inner_volume;
+    }
+    links.push_back(std::move(json));
   }
   return links;
+}
+
+std::vector<std::string> clip_lines(const robot::Robot& robot, const robot::RobotSpheres& spheres) {
+  std::vector<std::string> lines;
+  for (const robot::LinkSpheres& link : spheres.links) {
+    if (!link.figures.beyond_clip) continue;
+    const std::string& name = robot.links[link.link].name;
+    const double beyond = *link.figures.beyond_clip;
+    lines.push_back(beyond > 0 ? fmt::format("{}: spheres reach at most {} beyond", name, figure(beyond))
+                               : fmt::format("{}: no sphere reaches beyond", name));
+  }
+  return lines;
+}
+
+std::string inner_text(const robot::RobotSpheres& spheres) {
+  if (spheres.inner_count() == 0) return "no sphere: no link has a closed surface";
+  double filled = 0, all = 0;
+  bool known = true;
+  for (const robot::LinkSpheres& link : spheres.links) {
+    filled += link.inner_volume;
+    known = known && link.figures.object_volume.has_value();
+    all += link.figures.object_volume.value_or(0);
+  }
+  const std::string part = known ? fmt::format("{} of {}, the volume of the links", figure(filled), figure(all))
+                                 : fmt::format("{}", figure(filled));
+  return fmt::format("{}, each proven to be inside its link, fill {}", counted(spheres.inner_count(), "inner sphere"),
+                     part);
 }
 
 std::string ignored_text(const robot::SelfCollision& self_collision) {

@@ -12,6 +12,10 @@ namespace morula::cli {
 
 /// Per link: spheres, gap, protrusion, volumes, mass.
 std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& spheres);
+/// "base: spheres reach at most 0.01 beyond the plane", for every link with clip planes.
+std::vector<std::string> clip_lines(const robot::Robot& robot, const robot::RobotSpheres& spheres);
+/// "120 inner spheres, each proven to be inside its link, fill 0.012 of 0.016, the volume of the links".
+std::string inner_text(const robot::RobotSpheres& spheres);
 Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres);
 /// "12 of 55 pairs: 10 neighbours, 2 never met in 2000 samples".
 std::string ignored_text(const robot::SelfCollision& self_collision);

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What morula robot is told, and what it makes of that.
+#pragma once
+
+#include <filesystem>
+#include <morula/robot/output.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/options.hpp"
+
+namespace morula::cli {
+
+struct RobotArguments {
+  std::string robot, output;
+  std::optional<std::size_t> spheres, total;
+  std::string max_protrusion;  // a length, or a share as "1%"
+  std::vector<std::string> links, left_out, refit, package_paths, tools, formats, tree_kinds, clips;
+  std::string keep, srdf;
+  double padding = 0, min_radius = 0, max_radius = 0, clip_margin = 0, density = robot::FitOptions{}.density;
+  std::string geometry = "collision";
+  std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: fast, where the method has a choice
+  std::size_t samples = robot::SelfCollisionOptions{}.samples;
+  std::size_t seed = 1, inner = 0;
+  bool page = false, all_formats = false, trees = false, json = false;  // trees: as --tree link
+  unsigned threads = 0;
+};
+
+/// As options of `command`.
+void add_robot_options(CLI::App& command, RobotArguments& o);
+/// Throws UsageError where options contradict each other, before anything is read.
+void require_sense(const RobotArguments& o);
+std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o);
+/// Throws UsageError for links that are not there, FileError for the file of --keep.
+robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot);
+/// Where packages are: what the user says, then where ROS says.
+std::vector<std::filesystem::path> package_paths(const RobotArguments& o);
+/// kind: "link" or "robot".
+bool wants_tree(const RobotArguments& o, std::string_view kind);
+
+}  // namespace morula::cli
