@@ -54,6 +54,25 @@ std::vector<double> values_of(const ArrayGiven& given, const char* name = "value
   return numbers_of(given.object, name, {-1}, shape);
 }
 
+std::map<std::string, std::vector<robot::ClipPlane>> clip_of(nb::handle given) {
+  std::map<std::string, std::vector<robot::ClipPlane>> clip;
+  if (given.is_none()) return clip;
+  for (const auto& item : nb::cast<nb::dict>(given)) {
+    const auto link = nb::cast<std::string>(item.first);
+    const std::string argument = "clip['" + link + "']";
+    std::vector<std::size_t> shape;
+    const std::vector<double> rows = numbers_of(item.second, argument.c_str(), {-1, 4}, shape);
+    for (std::size_t i = 0; i < rows.size(); i += 4)
+      clip[link].push_back({{rows[i], rows[i + 1], rows[i + 2]}, rows[i + 3]});
+  }
+  return clip;
+}
+
+robot::RoundShapes round_of(std::string_view text, const char* name) {
+  return choice<robot::RoundShapes>(text, name,
+                                    {{"around", robot::RoundShapes::around}, {"inside", robot::RoundShapes::inside}});
+}
+
 void bind_description(nb::module_& m) {
   using robot::Inertial;
   using robot::Joint;
@@ -193,11 +212,16 @@ void bind_description(nb::module_& m) {
                 [](nb::handle self) { return sphere_rows(nb::cast<robot::LinkSurface&>(self).spheres, self); });
   m.def(
       "surface_of",
-      [](const FilePath& robot_file, const std::vector<Shape>& shapes) {
-        return without_gil([&] { return robot::surface_of(robot_file, shapes); });
+      [](const FilePath& robot_file, const std::vector<Shape>& shapes, std::string_view round) {
+        const robot::RoundShapes which = round_of(round, "round");
+        return without_gil([&] { return robot::surface_of(robot_file, shapes, which); });
       },
-      nb::arg("robot_file"), nb::arg("shapes"),
-      (std::string(doc::LinkSurface) + "\n\nOSError for meshes that cannot be read.").c_str());
+      nb::arg("robot_file"), nb::arg("shapes"), nb::arg("round") = "around",
+      with_arguments(doc::LinkSurface,
+                     {{"round",
+                       "around or inside: do polyhedra contain round shapes, or these them? OSError for "
+                       "meshes that cannot be read"}})
+          .c_str());
   m.def(
       "link_poses", [](const Robot& robot, ArrayGiven values) { return robot::link_poses(robot, values_of(values)); },
       nb::arg("robot"), nb::arg("values"), doc::link_poses);
@@ -226,7 +250,8 @@ void bind_fit(nb::module_& m) {
       .field("object_volume", &LinkFigures::object_volume, doc::LinkFigures_object_volume)
       .field("outside_volume", &LinkFigures::outside_volume, doc::LinkFigures_outside_volume)
       .field("solid", &LinkFigures::solid, doc::UnionMass)
-      .field("mass", &LinkFigures::mass, doc::LinkFigures_mass);
+      .field("mass", &LinkFigures::mass, doc::LinkFigures_mass)
+      .field("beyond_clip", &LinkFigures::beyond_clip, doc::LinkFigures_beyond_clip);
   Record<LinkSpheres>(m, "LinkSpheres", "The spheres of a link.")
       .property(
           "link", [](const LinkSpheres& l) { return index_or_none(l.link); }, "An index of Robot.links.")
@@ -240,13 +265,22 @@ void bind_fit(nb::module_& m) {
           "tree", [](const LinkSpheres& l) { return std::const_pointer_cast<CoveredTree>(l.tree); },
           doc::LinkSpheres_tree)
       .field("figures", &LinkSpheres::figures)
+      .property(
+          "inner", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).inner, self); },
+          doc::LinkSpheres_inner)
+      .field("inner_volume", &LinkSpheres::inner_volume, doc::LinkSpheres_inner_volume)
       .field("notes", &LinkSpheres::notes);
   Record<RobotSpheres>(m, "RobotSpheres", "Spheres for a robot.")
       .field("links", &RobotSpheres::links, doc::RobotSpheres_links)
+      .field("notes", &RobotSpheres::notes, doc::RobotSpheres_notes)
+      .property("inner_count", [](const RobotSpheres& r) { return r.inner_count(); })
       .property("sphere_count", [](const RobotSpheres& r) { return r.sphere_count(); })
       .property(
           "covered", [](const RobotSpheres& r) { return r.covered(); }, "Are all links covered, proven?")
       .python()
+      .def(
+          "with_inner_spheres", [](const RobotSpheres& r) { return r.with_inner_spheres(); },
+          doc::RobotSpheres_with_inner_spheres)
       .def(
           "of",
           [](const RobotSpheres& r, std::size_t link) -> std::optional<LinkSpheres> {
@@ -261,7 +295,7 @@ void bind_fit(nb::module_& m) {
          const std::map<std::string, std::size_t>& link_spheres, double max_protrusion, double max_protrusion_share,
          double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& left_out,
          nb::handle kept_given, std::string_view method, std::string_view quality, std::uint64_t seed, double density,
-         nb::object progress, Threads* workers) {
+         nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
         options.total = total;
@@ -283,6 +317,9 @@ void bind_fit(nb::module_& m) {
         options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
         options.seed = seed;
         options.density = density;
+        options.clip = clip_of(clip);
+        options.clip_margin = clip_margin;
+        options.inner = inner;
         options.progress = [&progress, check = SignalCheck()](double share, const std::string& link) mutable {
           check();
           if (progress.is_none()) return;
@@ -296,12 +333,14 @@ void bind_fit(nb::module_& m) {
       nb::arg("max_protrusion_share") = 0.0, nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
       nb::arg("max_radius") = 0.0, nb::arg("visual") = false, nb::arg("left_out") = std::set<std::string>{},
       nb::arg("kept") = nb::none(), nb::arg("method") = "morula", nb::arg("quality") = "fast", nb::arg("seed") = 1,
-      nb::arg("density") = 1000.0, nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = 0.0, nb::arg("inner") = 0,
+      nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def fit_spheres(robot: Robot, *, spheres: int = 16, total: int = 0, link_spheres: dict[str, int] = {}, "
               "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
               "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, left_out: set[str] = set(), "
               "kept: dict[str, morula.typing.FloatArray] | None = None, method: str = 'morula', "
               "quality: str = 'fast', seed: int = 1, density: float = 1000.0, "
+              "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
               "progress: collections.abc.Callable[[float, str], object] | None = None, "
               "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
       with_arguments(doc::fit_spheres, {{"spheres", doc::FitOptions_spheres},
@@ -316,7 +355,27 @@ void bind_fit(nb::module_& m) {
                                         {"left_out", doc::FitOptions_left_out},
                                         {"kept", doc::FitOptions_kept},
                                         {"density", doc::FitOptions_density},
+                                        {"clip",
+                                         "by link, planes (n, 4): normal and offset. What lies beyond one is "
+                                         "left out: it need not be covered"},
+                                        {"clip_margin", doc::FitOptions_clip_margin},
+                                        {"inner", doc::FitOptions_inner},
                                         {"progress", "called with a share and a link now and then"}})
+          .c_str());
+  Record<robot::RobotMesh>(m, "RobotMesh", doc::RobotMesh)
+      .field("mesh", &robot::RobotMesh::mesh)
+      .field("links", &robot::RobotMesh::links, doc::RobotMesh_links)
+      .field("vertex_begin", &robot::RobotMesh::vertex_begin, doc::RobotMesh_vertex_begin);
+  m.def(
+      "mesh_of",
+      [](const robot::Robot& robot, const RobotSpheres& spheres, ArrayGiven given, std::string_view balls) {
+        const std::vector<double> values = values_of(given);
+        const robot::RoundShapes round = round_of(balls, "balls");
+        return without_gil([&] { return robot::mesh_of(robot, spheres, values, round); });
+      },
+      nb::arg("robot"), nb::arg("spheres"), nb::arg("values"), nb::arg("balls") = "around",
+      with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.own"},
+                                      {"balls", "around or inside: which polyhedra stand for them"}})
           .c_str());
   Record<robot::RobotTree>(m, "RobotTree", "One tree over all links of a robot.")
       .property(
@@ -403,8 +462,14 @@ void bind_output(nb::module_& m) {
           "write",
           [](const OutputFormat& format, const robot::Robot& robot, const robot::RobotSpheres& spheres,
              const robot::SelfCollision* ignored, const FilePath& folder, const std::vector<std::string>& tool_frames,
-             const std::optional<std::filesystem::path>& srdf, std::uint64_t seed, double density) {
-            const robot::OutputOptions options{folder.path, tool_frames, srdf, seed, density};
+             const std::optional<std::filesystem::path>& srdf, std::uint64_t seed, double density, bool inner) {
+            robot::OutputOptions options;
+            options.folder = folder.path;
+            options.tool_frames = tool_frames;
+            options.srdf = srdf;
+            options.seed = seed;
+            options.density = density;
+            options.inner = inner;
             const robot::SelfCollision none;
             const auto files = without_gil([&] {
               return format.write({robot, spheres, ignored ? *ignored : none, options});
@@ -416,18 +481,19 @@ void bind_output(nb::module_& m) {
           },
           nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(), nb::kw_only(),
           nb::arg("folder"), nb::arg("tool_frames") = std::vector<std::string>{}, nb::arg("srdf") = nb::none(),
-          nb::arg("seed") = 1, nb::arg("density") = 1000.0,
+          nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("inner") = false,
           nb::sig(
               "def write(self, robot: Robot, spheres: RobotSpheres, self_collision: SelfCollision | None = None, *, "
               "folder: str | os.PathLike[str], tool_frames: collections.abc.Sequence[str] = [], "
-              "srdf: str | os.PathLike[str] | None = None, seed: int = 1, density: float = 1000.0) "
-              "-> dict[str, bytes]"),
+              "srdf: str | os.PathLike[str] | None = None, seed: int = 1, density: float = 1000.0, "
+              "inner: bool = False) -> dict[str, bytes]"),
           with_arguments("The files, by their names in the folder: nothing is written yet.",
                          {{"folder", doc::OutputOptions_folder},
                           {"tool_frames", doc::OutputOptions_tool_frames},
                           {"srdf", doc::OutputOptions_srdf},
                           {"seed", doc::OutputOptions_seed},
-                          {"density", doc::OutputOptions_density}})
+                          {"density", doc::OutputOptions_density},
+                          {"inner", doc::OutputOptions_inner}})
               .c_str())
       .def("__repr__",
            [](const OutputFormat& f) { return "<morula.robot.OutputFormat: " + std::string(f.name) + ">"; });

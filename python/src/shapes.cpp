@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Questions about a mesh as it stands: distances, insides, volumes of balls, medial balls.
+#include <morula/medial/inner_balls.hpp>
 #include <morula/morula.hpp>
 #include <morula/query/power_diagram.hpp>
 
@@ -216,6 +217,29 @@ void bind_shapes(nb::module_& m) {
         return without_gil([&] { return shrinking_balls(shape, points, normals, CallWorkers(workers)); });
       },
       nb::arg("shape"), nb::arg("points"), nb::arg("normals"), nb::arg("workers") = nb::none(), doc::shrinking_balls);
+  m.def(
+      "inner_ball_candidates",
+      [](MeshGiven given, const SignedDistance& object, std::size_t candidates, double margin, double min_radius,
+         double max_radius, std::uint64_t seed, Threads* workers) {
+        const auto mesh = mesh_of(given);
+        const InnerBallOptions options{candidates, margin, min_radius, max_radius, seed};
+        return own_spheres(
+            without_gil([&] { return inner_ball_candidates(*mesh, object, options, CallWorkers(workers)); }));
+      },
+      nb::arg("mesh"), nb::arg("object"), nb::kw_only(), nb::arg("candidates") = 2000, nb::arg("margin") = 0.0,
+      nb::arg("min_radius") = 0.0, nb::arg("max_radius") = 0.0, nb::arg("seed") = 1, nb::arg("workers") = nb::none(),
+      with_arguments(doc::inner_ball_candidates, {{"candidates", doc::InnerBallOptions_candidates},
+                                                  {"margin", doc::InnerBallOptions_margin},
+                                                  {"min_radius", doc::InnerBallOptions_min_radius},
+                                                  {"max_radius", doc::InnerBallOptions_max_radius}})
+          .c_str());
+  m.def(
+      "fullest_balls",
+      [](ArrayGiven given, std::size_t count) {
+        const std::vector<Sphere> balls = spheres_of(given.object, "balls");
+        return own_spheres(without_gil([&] { return fullest_balls(balls, count); }));
+      },
+      nb::arg("balls"), nb::arg("count"), doc::fullest_balls);
   m.def(
       "voronoi_balls",
       [](const SignedDistance& shape, ArrayGiven given) {

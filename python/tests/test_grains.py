@@ -52,6 +52,16 @@ def test_a_cover_contains_the_grain_and_inner_spheres_are_in_it(grain):
     assert abs(turned - numpy.diag(numpy.diag(turned))).max() < 0.02 * numpy.trace(turned)
 
 
+def test_inner_balls_are_inside(grain):
+    object = morula.SignedDistance(grain)
+    balls = morula.inner_ball_candidates(grain, object, candidates=300, margin=0.01)
+    assert len(balls) > 20 and (object(balls[:, :3]) + balls[:, 3] <= -0.01 + 1e-9).all()
+    few = morula.fullest_balls(balls, 5)
+    assert len(few) <= 5 and {tuple(b) for b in few} <= {tuple(b) for b in balls}
+    best_one = morula.fullest_balls(balls, 1)
+    assert best_one[0, 3] > 0.9 * balls[:, 3].max()
+
+
 def test_every_format_has_the_spheres(grain):
     clump = morula.fit_clump(grain, spheres=4)
     names = [f.name for f in morula.clump_formats()]

@@ -106,6 +106,31 @@ def test_spheres_cover_their_links(arm, spheres):
         morula.robot.fit_spheres(arm, link_spheres={"nobody": 3})
 
 
+def test_inner_spheres_and_planes_that_clip(arm):
+    plane = numpy.array([[0.0, 0, 1, 0.05]])
+    found = morula.robot.fit_spheres(arm, spheres=6, inner=4, clip={"forearm": plane})
+    forearm = found.of(arm.find_link("forearm"))
+    assert forearm.figures.beyond_clip is not None and found.inner_count == sum(len(link.inner) for link in found.links) > 0
+    assert all(link.figures.beyond_clip is None for link in found.links if link.link != forearm.link)
+    assert (forearm.inner[:, 2] - forearm.inner[:, 3] >= 0.05 - 1e-9).all()
+    for link in found.links:
+        if len(link.inner) and link.surface.mesh.facet_count and link.link != forearm.link:
+            inside = morula.SignedDistance(link.surface.mesh)
+            single = morula.components_by_vertices(link.surface.mesh).count == 1
+            assert not single or (inside(link.inner[:, :3]) + link.inner[:, 3] <= 1e-6).all()
+    swapped = found.with_inner_spheres()
+    assert swapped.sphere_count == found.inner_count
+    around = morula.robot.mesh_of(arm, found, morula.robot.rest_values(arm))
+    assert around.links == [link.link for link in found.links] and around.vertex_begin[-1] == around.mesh.vertex_count
+    outer, inner = (
+        morula.robot.surface_of(arm.file, arm.links[arm.find_link("forearm")].collision, round) for round in ("around", "inside")
+    )
+    truth = numpy.pi * 0.04**2 * (0.2 + 4 / 3 * 0.04)
+    assert morula.signed_volume(inner.mesh) < truth < morula.signed_volume(outer.mesh)
+    with pytest.raises(ValueError, match="round"):
+        morula.robot.surface_of(arm.file, [], "beside")
+
+
 def moved(spheres, poses):
     """By place: spheres in the world."""
     found = []
