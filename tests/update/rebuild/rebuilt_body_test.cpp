@@ -10,7 +10,7 @@
 #include <morula/update/rebuilt_body.hpp>
 #include <thread>
 
-#include "bodies.hpp"
+#include "../bodies.hpp"
 
 namespace morula {
 namespace {

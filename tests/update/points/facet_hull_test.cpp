@@ -12,7 +12,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/aligned.hpp>
 
-#include "bodies.hpp"
+#include "../bodies.hpp"
 #include "update/points/ownership_check.hpp"
 
 namespace morula {

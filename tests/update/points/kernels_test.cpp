@@ -1,49 +1,31 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Private parts that carry a promise of their own.
+// Vector kernels of updates against their plain twins, bit for bit.
+#include "update/points/kernels.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <morula/generators/build.hpp>
 #include <morula/geometry/random.hpp>
-#include <morula/geometry/sample_bodies.hpp>
 #include <numeric>
-#include <optional>
-#include <set>
+#include <span>
+#include <vector>
 
-#include "bodies.hpp"
+#include "random_points.hpp"
 #include "simd/processors.hpp"
-#include "update/points/facet_hull.hpp"
-#include "update/points/kernels.hpp"
 #include "update/points/narrow.hpp"
-#include "update/points/ownership.hpp"
 #include "update/points/rounding.hpp"
-#include "update/rules/anchors.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-std::vector<LocalPoint> random_points(std::size_t count, double magnitude, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<LocalPoint> points(count);
-  for (LocalPoint& p : points)
-    p = {static_cast<float>(random.uniform(-magnitude, magnitude)),
-         static_cast<float>(random.uniform(-magnitude, magnitude)),
-         static_cast<float>(random.uniform(-magnitude, magnitude)), 0.0f};
-  return points;
-}
-
-std::vector<LocalPoint> local(const std::vector<Vec3>& positions) {
-  std::vector<LocalPoint> points;
-  for (const Vec3& p : positions)
-    points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0});
-  return points;
-}
+using test::random_points;
 
 // A list and two runs of the points.
 constexpr PointRun some_runs[]{{3, 19}, {100, 164}};
@@ -375,260 +357,6 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
           EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
         }
     }
-  }
-}
-
-TEST(Rounding, rounded_up_is_the_least_float_not_below) {
-  Random random(1);
-  for (int i = 0; i < 1000; ++i) {
-    const double x = random.uniform() * std::exp2(random.uniform(-140, 120));
-    const float up = rounded_up(x);
-    EXPECT_GE(static_cast<double>(up), x);
-    EXPECT_LT(static_cast<double>(std::nextafter(up, 0.0f)), x);
-  }
-  EXPECT_EQ(rounded_up(0.5), 0.5f);
-  EXPECT_EQ(rounded_up(0.0), 0.0f);
-}
-
-// Zeros, subnormal numbers, both ends of the range, infinities, negative numbers; every exponent, on and beside floats.
-TEST(Rounding, rounded_up_is_what_nextafter_says_for_every_kind_of_number) {
-  constexpr double beyond_all = std::numeric_limits<double>::infinity();
-  std::vector<double> numbers{0.0,
-                              beyond_all,
-                              std::numeric_limits<double>::denorm_min(),
-                              0x1p-149,
-                              0x1p-150,
-                              0x1p-126,
-                              0x1.fffffep127,
-                              0x1.ffffffp127,
-                              0x1.fffffefffffffp127,
-                              1e300};
-  for (int exponent = -160; exponent <= 130; ++exponent)
-    for (const double mantissa : {1.0, 1.0 + 0x1p-23, 1.0 + 0x1p-24, 1.0 + 0x1p-25, 2.0 - 0x1p-23, 2.0 - 0x1p-24})
-      numbers.push_back(std::ldexp(mantissa, exponent));
-  for (const double magnitude : numbers)
-    for (const double beside : {std::nextafter(magnitude, 0.0), magnitude, std::nextafter(magnitude, beyond_all)})
-      for (const double x : {beside, -beside}) {
-        const float nearest = static_cast<float>(x);
-        const float expected = static_cast<double>(nearest) < x
-                                   ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-                                   : nearest;
-        EXPECT_EQ(std::bit_cast<std::uint32_t>(rounded_up(x)), std::bit_cast<std::uint32_t>(expected)) << x;
-      }
-  EXPECT_TRUE(std::isnan(rounded_up(std::numeric_limits<double>::quiet_NaN())));
-}
-
-// Barycentric coordinates of a corner in a facet, by its second and third vertex; none when it is not in its plane.
-std::optional<std::array<double, 2>> in_plane(const Cover& cover, const Facet& facet, std::uint32_t corner) {
-  std::array<double, 3> weight{};
-  const auto add = [&](std::uint32_t vertex, double w) {
-    const auto at = std::find(facet.begin(), facet.end(), vertex);
-    if (w != 0 && at == facet.end()) return false;
-    if (w != 0) weight[static_cast<std::size_t>(at - facet.begin())] += w;
-    return true;
-  };
-  if (corner < cover.vertex_count) {
-    if (!add(corner, 1)) return std::nullopt;
-  } else {
-    const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
-    for (int k = 0; k < 3; ++k)
-      if (!add(cut.vertex[k], cut.weight[k])) return std::nullopt;
-  }
-  return {{weight[1], weight[2]}};
-}
-
-// By brute force: some three of the points surround p.
-bool surrounded(const std::array<double, 2>& p, const std::vector<std::array<double, 2>>& points) {
-  const auto cross = [](const auto& a, const auto& b, const auto& c) {
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-  };
-  for (const auto& a : points)
-    for (const auto& b : points)
-      for (const auto& c : points) {
-        const double area = cross(a, b, c), u = cross(p, b, c), v = cross(a, p, c), w = cross(a, b, p);
-        const bool flat = area <= 1e-12;
-        const bool between = std::hypot(a[0] - p[0], a[1] - p[1]) + std::hypot(b[0] - p[0], b[1] - p[1]) <=
-                             std::hypot(a[0] - b[0], a[1] - b[1]) + 1e-9;
-        if (between || (!flat && std::min({u, v, w}) >= -1e-9)) return true;
-      }
-  return false;
-}
-
-TEST(Ownership, every_corner_is_listed_or_surrounded_by_listed_ones_of_its_facet) {
-  std::vector<test::Specimen> specimens = test::specimens();
-  const Mesh limb = sample_body("limb", 16);
-  specimens.push_back({"limb, parts traded", limb, build(limb, {.depth = 2})});
-  for (const test::Specimen& b : specimens) {
-    const Cover& cover = b.built.cover;
-    const LeafOrder order = depth_first_leaves(b.built.tree);
-    ASSERT_EQ(order.leaves.size(), b.built.tree.leaf_count());
-    EXPECT_EQ(order.end[0], order.leaves.size());
-    const std::vector<std::uint8_t> all(order.leaves.size(), 1);
-    const Ownership owned = share_points(b.mesh, cover, order, all, hull_tolerance);
-    std::size_t dropped = 0;
-    for (std::size_t k = 0; k < order.leaves.size(); ++k) {
-      const auto points = owned.of_leaf(k);
-      ASSERT_TRUE(std::is_sorted(points.begin(), points.end()));
-      EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
-      std::set<std::uint32_t> corners, listed;
-      for (const std::uint32_t c : cover.region_corners(order.leaves[k])) corners.insert(c);
-      for (const std::uint32_t p : points)
-        listed.insert(p < owned.vertices.size() ? owned.vertices[p]
-                                                : cover.vertex_count + owned.cut_points[p - owned.vertices.size()]);
-      EXPECT_TRUE(std::includes(corners.begin(), corners.end(), listed.begin(), listed.end()));
-      for (std::uint32_t p = cover.region_begin[order.leaves[k]]; p < cover.region_end[order.leaves[k]]; ++p) {
-        const Facet& facet = b.mesh.facets[cover.patch_facet[p]];
-        std::vector<std::array<double, 2>> kept;
-        for (const std::uint32_t c : listed)
-          if (const auto at = in_plane(cover, facet, c)) kept.push_back(*at);
-        for (const std::uint32_t c : cover.patch(p)) {
-          if (listed.contains(c)) continue;
-          ++dropped;
-          ASSERT_GE(c, cover.vertex_count);
-          EXPECT_TRUE(surrounded(*in_plane(cover, facet, c), kept)) << b.name << ", leaf " << k << ", corner " << c;
-        }
-      }
-    }
-    if (b.name == "bumpy" || b.name.starts_with("limb")) {
-      EXPECT_GT(dropped, 100u) << b.name;
-    }
-    // Vertices of the first leaf have the first numbers.
-    const auto first = owned.of_leaf(0);
-    for (std::size_t i = 0; i < first.size() && first[i] < owned.vertices.size(); ++i) EXPECT_EQ(first[i], i);
-  }
-}
-
-// Anchors on one side only, on a plane, on a line, in a point, none: rest is kept and rigid motion carries the centre
-// to where its distances to the anchors are the same.
-TEST(Anchors, distances_to_anchors_survive_rigid_motion_however_few_they_are) {
-  Random random(5);
-  for (int dimensions = 0; dimensions <= 3; ++dimensions)
-    for (int trial = 0; trial < 20; ++trial) {
-      std::vector<Vec3> rest;
-      const Vec3 a{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-      const Vec3 b{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-      for (int i = 0; i < 40; ++i)
-        rest.push_back(dimensions == 0   ? a
-                       : dimensions == 1 ? a * random.uniform(-1, 1)
-                       : dimensions == 2 ? a * random.uniform(-1, 1) + b * random.uniform(-1, 1)
-                                         : Vec3{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)});
-      const Vec3f center{1.2f, -0.4f, 0.3f};
-      std::vector<std::uint32_t> candidates(rest.size());
-      for (std::uint32_t i = 0; i < candidates.size(); ++i) candidates[i] = i;
-      Anchors anchors;
-      anchors.tie(center, 1.0f, local(rest), candidates);
-      EXPECT_EQ(anchors[0].degenerate, dimensions < 3);
-      EXPECT_EQ(anchors.center(0, local(rest)), center);
-      for (const double degrees : {17.0, 90.0, 180.0}) {
-        const Vec3 axis = trial % 2 == 0 ? a : Vec3{0.3, -1, 0.8};
-        const auto moved = test::translated(test::rotated(rest, axis, degrees), {0.5, 1, -2});
-        const Vec3f now = anchors.center(0, local(moved));
-        for (std::size_t i = 0; i < rest.size(); ++i)
-          EXPECT_NEAR(distance(Vec3(now), moved[i]), distance(Vec3(center), rest[i]), 2e-5)
-              << dimensions << " dimensions, trial " << trial << ", " << degrees << " degrees";
-      }
-    }
-  Anchors none;
-  none.tie({1, 2, 3}, 1.0f, {}, {});
-  EXPECT_EQ(none.center(0, {}), (Vec3f{1, 2, 3}));
-}
-
-// A narrow triangle is all that tells how these points turn; it must not make the frame skew.
-TEST(Anchors, nearly_collinear_anchors_carry_the_center_as_well) {
-  Random random(6);
-  for (int trial = 0; trial < 50; ++trial) {
-    std::vector<Vec3> rest;
-    const Vec3 along = normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
-    const Vec3 across = cross(along, Vec3{0.3, -0.8, 0.5});
-    for (int i = 0; i < 20; ++i) rest.push_back(along * random.uniform(-1, 1) + across * random.uniform(0, 1e-4));
-    const Vec3f center(across * 2.0 + along * 0.3);
-    Anchors anchors;
-    std::vector<std::uint32_t> candidates(rest.size());
-    std::iota(candidates.begin(), candidates.end(), 0u);
-    anchors.tie(center, 1.0f, local(rest), candidates);
-    const std::vector<Vec3> moved = test::rotated(rest, {1, 2, 3}, 100);
-    const Vec3f now = anchors.center(0, local(moved));
-    for (std::size_t i = 0; i < rest.size(); ++i)
-      EXPECT_NEAR(distance(Vec3(now), moved[i]), distance(Vec3(center), rest[i]), 5e-6) << "trial " << trial;
-  }
-}
-
-// The near points of a shallow cap all lie above a centre just inside it; those of its rim put it in their hull.
-TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
-  std::vector<Vec3> cap;
-  for (int i = -20; i <= 20; ++i)
-    for (int j = -20; j <= 20; ++j)
-      if (const double x = i / 40.0, y = j / 40.0; x * x + y * y <= 0.25) cap.push_back({x, y, -0.5 * (x * x + y * y)});
-  std::vector<std::uint32_t> candidates(cap.size());
-  std::iota(candidates.begin(), candidates.end(), 0u);
-  for (const double depth : {0.01, 0.05, 0.1, 0.12}) {
-    Anchors anchors;
-    anchors.tie(Vec3f(Vec3{0.01, -0.02, -depth}), 0.5f, local(cap), candidates);
-    EXPECT_FALSE(anchors[0].carries) << depth;
-    EXPECT_FALSE(anchors[0].degenerate);
-    EXPECT_GE(anchors[0].end - anchors[0].begin, 4u);
-    EXPECT_LE(anchors[0].end - anchors[0].begin, 24u);
-  }
-}
-
-// Centres inside and outside of their anchors' hull, anchors on a plane, on a line, in a point, none; also after these
-// have come to lie on a line or in a point.
-TEST(Anchors, many_centers_at_once_are_what_each_is_alone) {
-  Random random(14);
-  constexpr std::size_t count = 39;
-  std::vector<LocalPoint> rest = random_points(300, 1.0, 15);
-  for (std::size_t i = 100; i < 150; ++i) rest[i].z = 0;
-  for (std::size_t i = 150; i < 200; ++i) rest[i] = {rest[i].x, 2 * rest[i].x, -rest[i].x, 0};
-  for (std::size_t i = 200; i < 220; ++i) rest[i] = rest[200];
-  Anchors anchors;
-  std::size_t carrying = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t first = k % 6 == 5 ? 0 : std::array{0, 100, 150, 200, 40}[k % 6];
-    std::vector<std::uint32_t> candidates(k % 6 == 5 ? 0 : 3 + k % 20);
-    std::iota(candidates.begin(), candidates.end(), static_cast<std::uint32_t>(first));
-    const double away = k % 2 == 0 ? 3 : 0.3;
-    anchors.tie(Vec3f(Vec3{random.uniform(-away, away), random.uniform(-away, away), away}), 1.0f, rest, candidates);
-    carrying += anchors[k].carries;
-  }
-  EXPECT_GT(carrying, nodes_at_once);
-  std::vector<std::vector<LocalPoint>> poses{rest, random_points(300, 1.0, 16), rest, rest, rest};
-  for (LocalPoint& p : poses[2]) p = {p.y + 5, -p.x, p.z, 0};
-  for (LocalPoint& p : poses[3]) p = {p.x, 0, 0, 0};
-  for (LocalPoint& p : poses[4]) p = {0.5f, 0.25f, -1, 0};
-  std::vector<std::vector<Vec3f>> expected;
-  for (const auto& pose : poses) {
-    expected.emplace_back();
-    for (std::size_t k = 0; k < count; ++k) expected.back().push_back(anchors.center(k, pose));
-  }
-  anchors.pack();
-  const std::size_t kinds = runnable_kinds();
-  for (std::size_t most = 1; most <= kinds; ++most) {
-    allow_kinds(most);
-    for (std::size_t pose = 0; pose < poses.size(); ++pose)
-      for (const std::size_t begin : {std::size_t{0}, std::size_t{16}}) {
-        std::vector<LocalPoint> found(count + nodes_per_group);
-        anchors.centers(begin, count, poses[pose], found.data());
-        for (std::size_t k = begin; k < count; ++k) {
-          EXPECT_EQ(std::memcmp(&found[k - begin], &expected[pose][k], sizeof(Vec3f)), 0)
-              << kind_name(most - 1) << ", pose " << pose << ", centre " << k;
-          EXPECT_EQ(anchors.center(k, poses[pose]), expected[pose][k]) << "packed";
-        }
-      }
-  }
-  allow_kinds(kinds);
-}
-
-TEST(Anchors, weights_add_up_to_one_so_translation_carries_the_center_along) {
-  const std::vector<LocalPoint> rest = random_points(200, 1.0, 9);
-  std::vector<std::uint32_t> candidates(rest.size());
-  for (std::uint32_t i = 0; i < candidates.size(); ++i) candidates[i] = i;
-  for (const Vec3f& center : {Vec3f{0, 0, 0}, Vec3f{0.5f, 0.2f, -0.4f}, Vec3f{3, 0, 0}}) {
-    Anchors anchors;
-    anchors.tie(center, 1.0f, rest, candidates);
-    std::vector<LocalPoint> moved = rest;
-    for (LocalPoint& p : moved) p.x += 64, p.z -= 16;
-    EXPECT_LE(distance(anchors.center(0, moved), center + Vec3f{64, 0, -16}), 1e-4f);
-    EXPECT_EQ(anchors[0].carries, center.x == 3);
   }
 }
 

@@ -12,7 +12,7 @@
 #include <morula/update/known_poses.hpp>
 #include <morula/update/rebuilt_body.hpp>
 
-#include "bodies.hpp"
+#include "../bodies.hpp"
 #include "update/rebuild/strain_gauge.hpp"
 
 namespace morula {
