@@ -239,7 +239,7 @@ def test_jobs_of_slurm_through_dask_jobqueue(folder, expected, tmp_path, monkeyp
     commands.mkdir()
     (commands / "sbatch").write_text(
         f"""#!/bin/sh
-job=$(mktemp {tmp_path}/job.XXXXXX)
+job=$(mktemp -p {tmp_path})
 cp "$1" "$job"
 setsid sh "$job" >"$job.log" 2>&1 &
 echo $! >>{tmp_path}/jobs
