@@ -40,6 +40,89 @@ struct Posture {
 constexpr const char* grid_text =
     "voxels along the longest side of the box of the spheres; with voxel_edge, mesh units, a fixed lattice instead";
 
+/// measure() and what is like it: of a tree or of spheres, which `read` takes from what is given and `ask` measures
+/// without the interpreter's lock.
+template <class Given, class Read, class Ask>
+void bind_measure(nb::module_& m, const char* name, const char* subject, const char* subject_type, const char* result,
+                  const char* text, const Read& read, const Ask& ask) {
+  const std::string signature =
+      std::string("def ") + name + "(mesh: morula.typing.MeshLike, " + subject + ": " + subject_type +
+      ", positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = None, "
+      "with_protrusion: bool = True, protrusion_tolerance: float = 0.01, with_sampled_fit: bool = False, "
+      "open_by_winding: bool = False, workers: Workers | None = None) -> " +
+      result;
+  m.def(
+      name,
+      [read, ask](MeshGiven given, Given subject_given, nb::handle positions, int resolution,
+                  std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
+                  bool with_sampled_fit, bool open_by_winding, Threads* workers) {
+        const MeasureOptions options{grid_of(resolution, voxel_edge), with_protrusion, protrusion_tolerance,
+                                     with_sampled_fit, open_by_winding};
+        const Posture posture(given, positions);
+        const auto measured = read(subject_given);
+        return without_gil([&] { return ask(posture.view(), measured, options, CallWorkers(workers)); });
+      },
+      nb::arg("mesh"), nb::arg(subject), nb::arg("positions") = nb::none(), nb::kw_only(), nb::arg("resolution") = 192,
+      nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true, nb::arg("protrusion_tolerance") = 1e-2,
+      nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false, nb::arg("workers") = nb::none(),
+      nb::sig(signature.c_str()),
+      with_arguments(text, {{"positions", "(vertices, 3): where the mesh is; none: at rest"},
+                            {"resolution", grid_text},
+                            {"with_protrusion", "protrusion as well"},
+                            {"protrusion_tolerance", doc::MeasureOptions_protrusion_tolerance},
+                            {"with_sampled_fit", doc::MeasureOptions_with_sampled_fit},
+                            {"open_by_winding", doc::MeasureOptions_open_by_winding}})
+          .c_str());
+}
+
+struct HeldMeter {
+  LoosenessMeter meter;
+  std::size_t vertex_count;
+
+  Positions positions_of(const PositionsGiven& given) const {
+    Positions positions(given.object, "positions");
+    if (positions.view().size() != vertex_count) {
+      throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) + " rows, but the mesh has " +
+                                  std::to_string(vertex_count) + " vertices");
+    }
+    return positions;
+  }
+};
+
+/// measure() or measure_open() of a meter.
+void bind_meter_measure(nb::class_<HeldMeter>& type, const char* name, decltype(&LoosenessMeter::measure) measure,
+                        const char* text) {
+  type.def(
+      name,
+      [measure](const HeldMeter& self, PositionsGiven given, ArrayGiven rows, int resolution,
+                std::optional<double> voxel_edge, Threads* workers) {
+        const Positions positions = self.positions_of(given);
+        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+        const VoxelGrid grid = grid_of(resolution, voxel_edge);
+        return without_gil(
+            [&] { return (self.meter.*measure)(positions.view(), spheres, grid, CallWorkers(workers)); });
+      },
+      nb::arg("positions"), nb::arg("spheres"), nb::kw_only(), nb::arg("resolution") = 192,
+      nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
+      with_arguments(text, {{"resolution", grid_text}}).c_str());
+}
+
+void bind_meter(nb::module_& m) {
+  nb::class_<HeldMeter> type(m, "LoosenessMeter", doc::LoosenessMeter);
+  type.def(
+      "__init__",
+      [](HeldMeter* self, MeshGiven given) {
+        const auto mesh = mesh_of(given);
+        LoosenessMeter made = without_gil([&] { return LoosenessMeter(*mesh); });
+        new (self) HeldMeter{std::move(made), mesh->vertex_count()};
+      },
+      nb::arg("mesh"), doc::LoosenessMeter_LoosenessMeter);
+  bind_meter_measure(type, "measure", &LoosenessMeter::measure, doc::LoosenessMeter_measure);
+  bind_meter_measure(type, "measure_open", &LoosenessMeter::measure_open, doc::LoosenessMeter_measure_open);
+  type.def_prop_ro(
+      "has_volume", [](const HeldMeter& self) { return self.meter.has_volume(); }, doc::LoosenessMeter_has_volume);
+}
+
 }  // namespace
 
 void bind_accuracy(nb::module_& m) {
@@ -86,61 +169,21 @@ void bind_accuracy(nb::module_& m) {
       .field("protrusion", &LevelMeasure::protrusion, doc::LevelMeasure_protrusion)
       .field("sampled", &LevelMeasure::sampled, doc::LevelMeasure_sampled);
 
-  const auto options = [](int resolution, std::optional<double> voxel_edge, bool with_protrusion,
-                          double protrusion_tolerance, bool with_sampled_fit, bool open_by_winding) {
-    return MeasureOptions{grid_of(resolution, voxel_edge), with_protrusion, protrusion_tolerance, with_sampled_fit,
-                          open_by_winding};
-  };
-  const std::initializer_list<std::pair<const char*, const char*>> arguments{
-      {"positions", "(vertices, 3): where the mesh is; none: at rest"},
-      {"resolution", grid_text},
-      {"with_protrusion", "protrusion as well"},
-      {"protrusion_tolerance", doc::MeasureOptions_protrusion_tolerance},
-      {"with_sampled_fit", doc::MeasureOptions_with_sampled_fit},
-      {"open_by_winding", doc::MeasureOptions_open_by_winding}};
-  m.def(
-      "measure",
-      [options](MeshGiven given, nb::object spheres_of_tree, nb::handle positions, int resolution,
-                std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
-                bool with_sampled_fit, bool open_by_winding, Threads* workers) {
-        const MeasureOptions how =
-            options(resolution, voxel_edge, with_protrusion, protrusion_tolerance, with_sampled_fit, open_by_winding);
-        const Posture posture(given, positions);
-        const SphereTree tree = nb::isinstance<CoveredTree>(spheres_of_tree)
-                                    ? nb::cast<const CoveredTree&>(spheres_of_tree).tree
-                                    : nb::cast<const SphereTree&>(spheres_of_tree);
-        return without_gil([&] { return measure(posture.view(), tree, how, CallWorkers(workers)); });
+  bind_measure<nb::object>(
+      m, "measure", "tree", "SphereTree | CoveredTree", "list[LevelMeasure]", doc::measure,
+      [](const nb::object& given) {
+        return nb::isinstance<CoveredTree>(given) ? nb::cast<const CoveredTree&>(given).tree
+                                                  : nb::cast<const SphereTree&>(given);
       },
-      nb::arg("mesh"), nb::arg("tree"), nb::arg("positions") = nb::none(), nb::kw_only(), nb::arg("resolution") = 192,
-      nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true, nb::arg("protrusion_tolerance") = 1e-2,
-      nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false, nb::arg("workers") = nb::none(),
-      nb::sig("def measure(mesh: morula.typing.MeshLike, tree: SphereTree | CoveredTree, "
-              "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
-              "None, "
-              "with_protrusion: bool = True, protrusion_tolerance: float = 0.01, with_sampled_fit: bool = False, "
-              "open_by_winding: bool = False, workers: Workers | None = None) -> list[LevelMeasure]"),
-      with_arguments(doc::measure, arguments).c_str());
-  m.def(
-      "measure_spheres",
-      [options](MeshGiven given, ArrayGiven rows, nb::handle positions, int resolution,
-                std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
-                bool with_sampled_fit, bool open_by_winding, Threads* workers) {
-        const MeasureOptions how =
-            options(resolution, voxel_edge, with_protrusion, protrusion_tolerance, with_sampled_fit, open_by_winding);
-        const Posture posture(given, positions);
-        const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
-        return without_gil([&] { return measure_spheres(posture.view(), spheres, how, CallWorkers(workers)); });
-      },
-      nb::arg("mesh"), nb::arg("spheres"), nb::arg("positions") = nb::none(), nb::kw_only(),
-      nb::arg("resolution") = 192, nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true,
-      nb::arg("protrusion_tolerance") = 1e-2, nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false,
-      nb::arg("workers") = nb::none(),
-      nb::sig("def measure_spheres(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
-              "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
-              "None, "
-              "with_protrusion: bool = True, protrusion_tolerance: float = 0.01, with_sampled_fit: bool = False, "
-              "open_by_winding: bool = False, workers: Workers | None = None) -> LevelMeasure"),
-      with_arguments(doc::measure_spheres, arguments).c_str());
+      [](const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options, Workers& workers) {
+        return measure(mesh, tree, options, workers);
+      });
+  bind_measure<ArrayGiven>(
+      m, "measure_spheres", "spheres", "morula.typing.FloatArray", "LevelMeasure", doc::measure_spheres,
+      [](ArrayGiven rows) { return spheres_of(rows.object, "spheres"); },
+      [](const MeshView& mesh, const std::vector<Sphere>& spheres, const MeasureOptions& options, Workers& workers) {
+        return measure_spheres(mesh, spheres, options, workers);
+      });
   m.def(
       "looseness",
       [](MeshGiven given, ArrayGiven rows, nb::handle positions, int resolution, std::optional<double> voxel_edge,
@@ -169,56 +212,7 @@ void bind_accuracy(nb::module_& m) {
       nb::sig("def coverage(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
               "positions: morula.typing.FloatArray | None = None, *, workers: Workers | None = None) -> Coverage"),
       doc::coverage);
-  struct HeldMeter {
-    LoosenessMeter meter;
-    std::size_t vertex_count;
-
-    Positions positions_of(const PositionsGiven& given) const {
-      Positions positions(given.object, "positions");
-      if (positions.view().size() != vertex_count) {
-        throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
-                                    " rows, but the mesh has " + std::to_string(vertex_count) + " vertices");
-      }
-      return positions;
-    }
-  };
-  nb::class_<HeldMeter>(m, "LoosenessMeter", doc::LoosenessMeter)
-      .def(
-          "__init__",
-          [](HeldMeter* self, MeshGiven given) {
-            const auto mesh = mesh_of(given);
-            LoosenessMeter made = without_gil([&] { return LoosenessMeter(*mesh); });
-            new (self) HeldMeter{std::move(made), mesh->vertex_count()};
-          },
-          nb::arg("mesh"), doc::LoosenessMeter_LoosenessMeter)
-      .def(
-          "measure",
-          [](const HeldMeter& self, PositionsGiven given, ArrayGiven rows, int resolution,
-             std::optional<double> voxel_edge, Threads* workers) {
-            const Positions positions = self.positions_of(given);
-            const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
-            const VoxelGrid grid = grid_of(resolution, voxel_edge);
-            return without_gil(
-                [&] { return self.meter.measure(positions.view(), spheres, grid, CallWorkers(workers)); });
-          },
-          nb::arg("positions"), nb::arg("spheres"), nb::kw_only(), nb::arg("resolution") = 192,
-          nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
-          with_arguments(doc::LoosenessMeter_measure, {{"resolution", grid_text}}).c_str())
-      .def(
-          "measure_open",
-          [](const HeldMeter& self, PositionsGiven given, ArrayGiven rows, int resolution,
-             std::optional<double> voxel_edge, Threads* workers) {
-            const Positions positions = self.positions_of(given);
-            const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
-            const VoxelGrid grid = grid_of(resolution, voxel_edge);
-            return without_gil(
-                [&] { return self.meter.measure_open(positions.view(), spheres, grid, CallWorkers(workers)); });
-          },
-          nb::arg("positions"), nb::arg("spheres"), nb::kw_only(), nb::arg("resolution") = 192,
-          nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
-          with_arguments(doc::LoosenessMeter_measure_open, {{"resolution", grid_text}}).c_str())
-      .def_prop_ro(
-          "has_volume", [](const HeldMeter& self) { return self.meter.has_volume(); }, doc::LoosenessMeter_has_volume);
+  bind_meter(m);
   Record<BallProtrusion>(m, "BallProtrusion", "How far one ball sticks out of the object, between bounds.")
       .field("lower", &BallProtrusion::lower, doc::BallProtrusion_lower)
       .field("upper", &BallProtrusion::upper, doc::BallProtrusion_upper);

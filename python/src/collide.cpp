@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "contacts.hpp"
+#include "held_query.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -110,43 +111,27 @@ struct FrontPairs {
   std::vector<FrontPair> rows;
 };
 
-/// A query about several pairs, with the colliders that it borrows.
-struct HeldQuery {
-  ContactQuery query;
+/// A query about several pairs of colliders.
+struct HeldContactQuery : HeldQuery<ContactQuery, SeenSides> {
   CollideOptions options;
-  bool reach = false;
-  std::vector<std::shared_ptr<Side>> sides;
-  mutable std::mutex mutex;
 
-  std::vector<const Side*> all() const {
-    std::vector<const Side*> found;
-    for (const auto& side : sides) {
-      side->current();
-      found.push_back(side.get());
-    }
-    return found;
-  }
+  HeldContactQuery(ContactQuery&& made, CollideOptions&& given, bool reach)
+      : HeldQuery(std::move(made), {{}, reach}), options(std::move(given)) {}
 };
 
 template <class Call>
-Contacts asked(HeldQuery& self, Threads* workers, bool keep, const Call& call) {
-  ContactStatus status;
+Contacts asked(HeldContactQuery& self, Threads* workers, bool keep, const Call& call) {
   Contacts contacts;
-  {
-    const nb::gil_scoped_release released;
-    CallWorkers threads(workers);
-    const std::scoped_lock lock(self.mutex);
-    const std::vector<const Side*> sides = self.all();
-    const Reading reading(sides, self.reach);
-    if (self.reach) {
+  require(self.ask(workers, [&](ContactQuery& query, Workers& threads) {
+    if (self.seen.exclusive) {
       CollideOptions options = self.options;
-      reach_by(options, sides);
-      self.query.set_options(std::move(options));
+      reach_by(options, self.seen.current());
+      query.set_options(std::move(options));
     }
-    status = call(self.query, static_cast<Workers&>(threads));
-    if (status) contacts = keep ? self.query.contacts() : self.query.take_contacts();
-  }
-  require(status);
+    const ContactStatus status = call(query, threads);
+    if (status) contacts = keep ? query.contacts() : query.take_contacts();
+    return status;
+  }));
   return contacts;
 }
 
@@ -255,14 +240,15 @@ void bind_contact_query(nb::module_& m) {
           },
           "(n,) uint8: morula.FrontPairState of each.")
       .table([](const FrontPairs& self) { return self.rows.size(); });
-  nb::class_<HeldQuery>(m, "ContactQuery", doc::ContactQuery)
+  nb::class_<HeldContactQuery> query(m, "ContactQuery", doc::ContactQuery);
+  query
       .def(
           "__init__",
-          [](HeldQuery* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
+          [](HeldContactQuery* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
              std::string_view priority, bool surfaces, bool exact, bool containment, bool reach) {
             CollideOptions options = collide_options(level, margin, budget, priority, surfaces, exact, containment);
             ContactQuery query(options);
-            new (self) HeldQuery{std::move(query), std::move(options), reach, {}, {}};
+            new (self) HeldContactQuery(std::move(query), std::move(options), reach);
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
           nb::arg("priority") = "overlap", nb::arg("surfaces") = false, nb::arg("exact") = false,
@@ -270,94 +256,65 @@ void bind_contact_query(nb::module_& m) {
           with_arguments(doc::ContactQuery_ContactQuery, arguments).c_str())
       .def(
           "add",
-          [](HeldQuery& self, std::shared_ptr<Side> a, std::shared_ptr<Side> b, double weight) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const std::uint32_t number = self.query.add(a->current(), b->current(), weight);
-              self.sides.push_back(a);
-              self.sides.push_back(b);
+          [](HeldContactQuery& self, std::shared_ptr<Side> a, std::shared_ptr<Side> b, double weight) {
+            return self.locked([&](ContactQuery& all) {
+              const std::uint32_t number = all.add(a->current(), b->current(), weight);
+              self.seen.sides.push_back(a);
+              self.seen.sides.push_back(b);
               return number;
             });
           },
           nb::arg("a"), nb::arg("b"), nb::arg("weight") = 1.0, doc::ContactQuery_add)
-      .def("clear",
-           [](HeldQuery& self) {
-             std::vector<std::shared_ptr<Side>> sides;
-             {
-               const nb::gil_scoped_release released;
-               const std::scoped_lock lock(self.mutex);
-               self.query.clear();
-               std::swap(self.sides, sides);
-             }
-           })
-      .def(
-          "set_budget",
-          [](HeldQuery& self, BudgetGiven budget) {
-            const Budget next = budget_of(budget);
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              self.options.budget = next;
-              self.query.set_options(self.options);
-            });
-          },
-          nb::arg("budget").none(), "For the next call.")
+      .def("clear", [](HeldContactQuery& self) {
+        std::vector<std::shared_ptr<Side>> sides;
+        self.locked([&](ContactQuery& all) {
+          all.clear();
+          std::swap(self.seen.sides, sides);
+        });
+      });
+  bind_set_budget(query);
+  query
       .def(
           "warm_up",
-          [](HeldQuery& self, Threads* workers) {
-            Status status;
-            {
-              const nb::gil_scoped_release released;
-              CallWorkers call(workers);
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading(self.all());
-              status = self.query.warm_up(call);
-            }
-            require(status);
+          [](HeldContactQuery& self, Threads* workers) {
+            require(self.ask(workers, [](ContactQuery& q, Workers& c) { return q.warm_up(c); }));
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_warm_up)
       .def(
           "run",
-          [](HeldQuery& self, Threads* w) {
+          [](HeldContactQuery& self, Threads* w) {
             return asked(self, w, false, [](ContactQuery& q, Workers& c) { return q.run(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_run)
       .def(
           "start",
-          [](HeldQuery& self, Threads* w) {
+          [](HeldContactQuery& self, Threads* w) {
             return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.start(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_start)
       .def(
           "resume",
-          [](HeldQuery& self, Threads* w) {
+          [](HeldContactQuery& self, Threads* w) {
             return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.resume(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_resume)
       .def(
           "carry",
-          [](HeldQuery& self, Threads* w) {
+          [](HeldContactQuery& self, Threads* w) {
             return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.carry(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_carry)
       .def(
           "surface",
-          [](HeldQuery& self, std::size_t contact) {
-            return ContactSurfaces{{without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading(self.all());
-              return self.query.surface(contact);
-            })}};
+          [](HeldContactQuery& self, std::size_t contact) {
+            return ContactSurfaces{{self.ask([&](ContactQuery& q) { return q.surface(contact); })}};
           },
           nb::arg("contact"), doc::ContactQuery_surface)
       .def(
           "cut",
-          [](const HeldQuery& self) {
+          [](HeldContactQuery& self) {
             FrontPairs cut;
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading(self.all());
-              self.query.cut(cut.rows);
-            });
+            self.ask([&](ContactQuery& q) { q.cut(cut.rows); });
             return cut;
           },
           doc::ContactQuery_cut);
@@ -651,12 +608,7 @@ void bind_primitives(nb::module_& m) {
       "First hits of many rays. origins, directions: (n, 3).");
 }
 
-/// The query, and the collider that it borrows.
-struct HeldInside {
-  std::shared_ptr<Side> side;
-  InsideQuery query;
-  std::mutex mutex;
-};
+using HeldInside = HeldQuery<InsideQuery, SeenSides>;
 
 void bind_inside(nb::module_& m) {
   Record<PointLocation>(m, "PointLocation", "Where a point is.")
@@ -680,17 +632,13 @@ void bind_inside(nb::module_& m) {
               const Reading reading({side.get()});
               return InsideQuery(side->current());
             });
-            new (self) HeldInside{std::move(side), std::move(query), {}};
+            new (self) HeldInside(std::move(query), {{std::move(side)}});
           },
           nb::arg("body"), doc::InsideQuery_InsideQuery)
       .def(
           "locate",
           [](HeldInside& self, Vec3 point) {
-            const PointLocation location = without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading({self.side.get()});
-              return self.query.locate(point);
-            });
+            const PointLocation location = self.ask([&](InsideQuery& query) { return query.locate(point); });
             require(location.status);
             return location;
           },
@@ -699,12 +647,10 @@ void bind_inside(nb::module_& m) {
           "inside",
           [](HeldInside& self, ArrayGiven given) {
             const std::vector<Vec3> points = points_of(given.object, "points");
-            auto [values, owner] = kept(without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading({self.side.get()});
+            auto [values, owner] = kept(self.ask([&](InsideQuery& query) {
               std::vector<std::uint8_t> inside;
               for (const Vec3& p : points) {
-                const PointLocation location = self.query.locate(p);
+                const PointLocation location = query.locate(p);
                 require(location.status);
                 inside.push_back(location.inside);
               }
@@ -716,11 +662,7 @@ void bind_inside(nb::module_& m) {
       .def(
           "probe",
           [](HeldInside& self, Sphere ball) {
-            const Probe probe = without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const Reading reading({self.side.get()});
-              return self.query.probe(ball);
-            });
+            const Probe probe = self.ask([&](InsideQuery& query) { return query.probe(ball); });
             require(probe.status);
             return probe;
           },

@@ -5,6 +5,7 @@
 #include <morula/morula.hpp>
 
 #include "contacts.hpp"
+#include "held_query.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "surfaces.hpp"
@@ -83,38 +84,17 @@ ObstacleOptions options_of(double margin, std::string_view features, const nb::o
   return options;
 }
 
-/// A query that goes on, with the surface and the obstacle that it borrows, and the filter that it asks.
-template <class Query>
-struct HeldObstacleQuery {
-  ObstacleOptions options;
-  nb::object keeps;
-  nb::object given;  // the obstacle, as Python has it: what fields call
-  Obstacle obstacle;
-  Query query;
+/// A surface, and an obstacle with what fields call, as Python has it.
+struct SeenObstacle {
   std::shared_ptr<HeldSurface> surface;
-  std::mutex mutex;
+  nb::object given;
+  Obstacle obstacle;
 
-  HeldObstacleQuery(ObstacleOptions&& how, nb::object filter)
-      : options(std::move(how)), keeps(std::move(filter)), query(options) {}
-
-  /// Asks with the surface locked. What a filter or a field raises ends the query: there is nothing to resume then.
-  template <class Call>
-  SurfaceQueryStatus ask(Threads* workers, const Call& call) {
-    const SurfaceQueryStatus status = without_gil([&] {
-      CallWorkers threads(workers);
-      std::shared_lock<std::shared_mutex> lock;
-      if (surface) lock = std::shared_lock(surface->mutex);
-      try {
-        return call(static_cast<Workers&>(threads));
-      } catch (...) {
-        query = Query(options);
-        throw;
-      }
-    });
-    require(status);
-    return status;
-  }
+  SurfaceReading reading() const { return SurfaceReading(surface.get()); }
 };
+
+template <class Query>
+using HeldObstacleQuery = HeldSurfaceQuery<Query, ObstacleOptions, SeenObstacle>;
 
 constexpr const char* obstacle_query_arguments = R"(
 
@@ -129,69 +109,37 @@ template <class Query>
 nb::class_<HeldObstacleQuery<Query>> bind_query(nb::module_& m, const char* name, const char* text) {
   using Held = HeldObstacleQuery<Query>;
   nb::class_<Held> query(m, name, text);
-  query
-      .def(
-          "__init__",
-          [](Held* self, double margin, std::string_view features, nb::object keeps, BudgetGiven budget) {
-            ObstacleOptions options = options_of(margin, features, keeps, budget);
-            new (self) Held(std::move(options), std::move(keeps));
-          },
-          nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("keeps") = nb::none(),
-          nb::arg("budget") = nb::none(),
-          nb::sig("def __init__(self, *, margin: float = 0.0, features: str = 'facets', "
-                  "keeps: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
-                  "-> None"),
-          (std::string(doc::ObstacleQuery_ObstacleQuery) + obstacle_query_arguments).c_str())
-      .def(
-          "resume",
-          [](Held& self, Threads* workers) {
-            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
-            without_gil([&] { lock.lock(); });
-            return self.ask(workers, [&](Workers& call) { return self.query.resume(call); });
-          },
-          nb::arg("workers") = nb::none(), doc::ObstacleQuery_resume)
-      .def(
-          "set_budget",
-          [](Held& self, BudgetGiven budget) {
-            const Budget next = budget_of(budget);
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              ObstacleOptions options = self.options;
-              options.budget = next;
-              self.query.set_options(options);
-              self.options = std::move(options);
-            });
-          },
-          nb::arg("budget").none(), "For the next call.")
-      .def(
-          "open",
-          [](Held& self) {
-            std::vector<std::vector<std::uint32_t>> open;
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              for (const std::span<const std::uint32_t> part : self.query.open())
-                open.emplace_back(part.begin(), part.end());
-            });
-            nb::list all;
-            for (auto& facets : open) all.append(own_indices(std::move(facets)));
-            return all;
-          },
-          nb::sig("def open(self) -> list[numpy.typing.NDArray[numpy.uint32]]"), doc::ObstacleQuery_open);
+  query.def(
+      "__init__",
+      [](Held* self, double margin, std::string_view features, nb::object keeps, BudgetGiven budget) {
+        ObstacleOptions options = options_of(margin, features, keeps, budget);
+        new (self) Held(std::move(options), std::move(keeps));
+      },
+      nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("keeps") = nb::none(),
+      nb::arg("budget") = nb::none(),
+      nb::sig("def __init__(self, *, margin: float = 0.0, features: str = 'facets', "
+              "keeps: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
+              "-> None"),
+      (std::string(doc::ObstacleQuery_ObstacleQuery) + obstacle_query_arguments).c_str());
+  bind_going_on(query, doc::ObstacleQuery_resume);
+  query.def(
+      "open",
+      [](Held& self) {
+        auto open = self.locked([](const Query& q) {
+          std::vector<std::vector<std::uint32_t>> parts;
+          for (const std::span<const std::uint32_t> part : q.open()) parts.emplace_back(part.begin(), part.end());
+          return parts;
+        });
+        nb::list all;
+        for (auto& facets : open) all.append(own_indices(std::move(facets)));
+        return all;
+      },
+      nb::sig("def open(self) -> list[numpy.typing.NDArray[numpy.uint32]]"), doc::ObstacleQuery_open);
   return query;
 }
 
-/// Keeps what the query borrows, and asks.
-template <class Query, class Call>
-SurfaceQueryStatus run(HeldObstacleQuery<Query>& self, std::shared_ptr<HeldSurface> surface,
-                       const ObstacleGiven& obstacle, Threads* workers, const Call& call) {
-  nb::object given = nb::borrow(obstacle.object);
-  Obstacle made = obstacle_of(obstacle);
-  std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
-  without_gil([&] { lock.lock(); });
-  std::swap(self.given, given);
-  std::swap(self.obstacle, made);
-  std::swap(self.surface, surface);
-  return self.ask(workers, call);
+SeenObstacle seen_of(std::shared_ptr<HeldSurface> surface, const ObstacleGiven& obstacle) {
+  return {std::move(surface), nb::borrow(obstacle.object), obstacle_of(obstacle)};
 }
 
 }  // namespace
@@ -242,16 +190,17 @@ void bind_obstacles(nb::module_& m) {
       .def(
           "run",
           [](Still& self, std::shared_ptr<HeldSurface> surface, ObstacleGiven obstacle, Threads* workers) {
-            return run(self, std::move(surface), obstacle, workers,
-                       [&](Workers& call) { return self.query.run(self.surface->tree, self.obstacle, call); });
+            return self.run(seen_of(std::move(surface), obstacle), workers,
+                            [](ObstacleQuery& query, const SeenObstacle& seen, Workers& call) {
+                              return query.run(seen.surface->tree, seen.obstacle, call);
+                            });
           },
           nb::arg("surface"), nb::arg("obstacle"), nb::arg("workers") = nb::none(), doc::ObstacleQuery_run)
       .def(
           "contacts",
           [](Still& self) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const auto found = self.query.contacts();
+            return self.locked([](const ObstacleQuery& query) {
+              const auto found = query.contacts();
               return ObstacleContacts{{found.begin(), found.end()}};
             });
           },
@@ -261,29 +210,25 @@ void bind_obstacles(nb::module_& m) {
       .def(
           "run",
           [](Swept& self, std::shared_ptr<HeldSurface> surface, ObstacleGiven obstacle, Vec3 motion, Threads* workers) {
-            return run(self, std::move(surface), obstacle, workers,
-                       [&](Workers& call) { return self.query.run(self.surface->tree, self.obstacle, motion, call); });
+            return self.run(seen_of(std::move(surface), obstacle), workers,
+                            [&](SweptObstacleQuery& query, const SeenObstacle& seen, Workers& call) {
+                              return query.run(seen.surface->tree, seen.obstacle, motion, call);
+                            });
           },
           nb::arg("surface"), nb::arg("obstacle"), nb::arg("motion") = Vec3{}, nb::arg("workers") = nb::none(),
           doc::SweptObstacleQuery_run)
       .def(
           "impacts",
           [](Swept& self) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              const auto found = self.query.impacts();
+            return self.locked([](const SweptObstacleQuery& query) {
+              const auto found = query.impacts();
               return ObstacleImpacts{{found.begin(), found.end()}};
             });
           },
           doc::ObstacleImpact)
       .def(
           "collision_free_step",
-          [](Swept& self) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              return self.query.collision_free_step();
-            });
-          },
+          [](Swept& self) { return self.locked([](const SweptObstacleQuery& q) { return q.collision_free_step(); }); },
           doc::SweptObstacleQuery_collision_free_step);
 }
 

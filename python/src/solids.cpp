@@ -3,6 +3,7 @@
 // Solids: convex hulls, how much space two bodies share, and when a modal body cannot touch itself.
 #include <morula/morula.hpp>
 
+#include "held_query.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "motion.hpp"
@@ -57,24 +58,7 @@ void bind_hull(nb::module_& m) {
       });
 }
 
-/// The query, and the colliders that it borrows.
-struct HeldPenetration {
-  std::shared_ptr<Side> a, b;
-  PenetrationQuery query;
-  std::mutex mutex;
-
-  template <class Call>
-  Penetration ask(const PenetrationOptions& options, const Call& call) {
-    const Penetration found = without_gil([&] {
-      const std::scoped_lock lock(mutex);
-      a->current(), b->current();
-      const Reading reading({a.get(), b.get()});
-      return call(query, options);
-    });
-    morula::python::require(found.status);
-    return found;
-  }
-};
+using HeldPenetration = HeldQuery<PenetrationQuery, SeenSides>;
 
 PenetrationOptions penetration_options(double tolerance, double volume_tolerance, const BudgetGiven& budget) {
   PenetrationOptions options;
@@ -106,24 +90,26 @@ void bind_penetration(nb::module_& m) {
               const Reading reading({a.get(), b.get()});
               return PenetrationQuery(a->current(), b->current());
             });
-            new (self) HeldPenetration{std::move(a), std::move(b), std::move(query), {}};
+            new (self) HeldPenetration(std::move(query), {{std::move(a), std::move(b)}});
           },
           nb::arg("a"), nb::arg("b"), doc::PenetrationQuery_PenetrationQuery)
       .def(
           "run",
           [](HeldPenetration& self, double tolerance, double volume_tolerance, BudgetGiven budget) {
-            return self.ask(
-                penetration_options(tolerance, volume_tolerance, budget),
-                [](PenetrationQuery& query, const PenetrationOptions& options) { return query.run(options); });
+            const PenetrationOptions options = penetration_options(tolerance, volume_tolerance, budget);
+            const Penetration found = self.ask([&](PenetrationQuery& query) { return query.run(options); });
+            require(found.status);
+            return found;
           },
           nb::kw_only(), nb::arg("tolerance") = 0.25, nb::arg("volume_tolerance") = 0.0, nb::arg("budget") = 20000,
           with_arguments(doc::PenetrationQuery_run, arguments).c_str())
       .def(
           "resume",
           [](HeldPenetration& self, double tolerance, double volume_tolerance, BudgetGiven budget) {
-            return self.ask(
-                penetration_options(tolerance, volume_tolerance, budget),
-                [](PenetrationQuery& query, const PenetrationOptions& options) { return query.resume(options); });
+            const PenetrationOptions options = penetration_options(tolerance, volume_tolerance, budget);
+            const Penetration found = self.ask([&](PenetrationQuery& query) { return query.resume(options); });
+            require(found.status);
+            return found;
           },
           nb::kw_only(), nb::arg("tolerance") = 0.25, nb::arg("volume_tolerance") = 0.0, nb::arg("budget") = 20000,
           with_arguments(doc::PenetrationQuery_resume, arguments).c_str());

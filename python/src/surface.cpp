@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <morula/morula.hpp>
 
+#include "held_query.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "surfaces.hpp"
@@ -38,17 +39,7 @@ template <class Query>
 SurfaceQueryStatus ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
   const SurfaceQueryStatus status = without_gil([&] {
     CallWorkers call(workers);
-    std::shared_lock<std::shared_mutex> first(a.mutex, std::defer_lock), second;
-    if (b && b != &a) {
-      second = std::shared_lock(b->mutex, std::defer_lock);
-      // One order for everybody.
-      if (b < &a)
-        second.lock(), first.lock();
-      else
-        first.lock(), second.lock();
-    } else {
-      first.lock();
-    }
+    const SurfaceReading reading(&a, b);
     return b && b != &a ? query.run(a.tree, b->tree, call) : query.run(a.tree, call);
   });
   require(status);
@@ -67,109 +58,56 @@ FacetMasks masks_of(nb::handle given, const char* name) {
           indices_of(nb::object(given[1]), (std::string(name) + "[1]").c_str())};
 }
 
-/// A query that goes on, the surfaces that it borrows, and the filter that it asks.
-template <class Query, class Options>
-struct HeldSurfaceQuery {
-  Options options;
-  nb::object keeps;
-  Query query;
+/// One surface, or two.
+struct SeenSurfaces {
   std::shared_ptr<HeldSurface> a, b;
-  std::mutex mutex;
 
-  HeldSurfaceQuery(Options&& given, nb::object filter)
-      : options(std::move(given)), keeps(std::move(filter)), query(options) {}
-
-  /// Asks with surfaces locked. What a filter raises ends the query: there is nothing to resume then.
-  template <class Call>
-  SurfaceQueryStatus ask(Threads* workers, const Call& call) {
-    const SurfaceQueryStatus status = without_gil([&] {
-      CallWorkers threads(workers);
-      std::vector<std::shared_lock<std::shared_mutex>> locks;
-      // One order for everybody.
-      for (HeldSurface* surface : {std::min(a.get(), b.get()), std::max(a.get(), b.get())})
-        if (surface && (locks.empty() || locks.back().mutex() != &surface->mutex)) locks.emplace_back(surface->mutex);
-      try {
-        return call(static_cast<Workers&>(threads));
-      } catch (...) {
-        query = Query(options);
-        throw;
-      }
-    });
-    return status;
-  }
+  SurfaceReading reading() const { return SurfaceReading(a.get(), b.get()); }
 };
 
 template <class Query, class Options>
-nb::class_<HeldSurfaceQuery<Query, Options>> bind_surface_query(nb::module_& m, const char* name, const char* text,
-                                                                const char* run_text) {
-  using Held = HeldSurfaceQuery<Query, Options>;
+using HeldPairQuery = HeldSurfaceQuery<Query, Options, SeenSurfaces>;
+
+template <class Query, class Options>
+nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const char* name, const char* text,
+                                                          const char* run_text) {
+  using Held = HeldPairQuery<Query, Options>;
   nb::class_<Held> query(m, name, text);
-  query
-      .def(
-          "run",
-          [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
-            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
-            without_gil([&] { lock.lock(); });
-            std::swap(self.a, a);
-            std::swap(self.b, b);
-            const SurfaceQueryStatus status = self.ask(workers, [&](Workers& call) {
-              return self.b && self.b != self.a ? self.query.run(self.a->tree, self.b->tree, call)
-                                                : self.query.run(self.a->tree, call);
-            });
-            require(status);
-            return status;
-          },
-          nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text)
-      .def(
-          "resume",
-          [](Held& self, Threads* workers) {
-            std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
-            without_gil([&] { lock.lock(); });
-            const SurfaceQueryStatus status = self.ask(workers, [&](Workers& call) { return self.query.resume(call); });
-            require(status);
-            return status;
-          },
-          nb::arg("workers") = nb::none(), doc::ProximityQuery_resume)
-      .def(
-          "set_budget",
-          [](Held& self, BudgetGiven budget) {
-            const Budget next = budget_of(budget);
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              Options options = self.options;
-              options.budget = next;
-              self.query.set_options(options);
-              self.options = std::move(options);
-            });
-          },
-          nb::arg("budget").none(), "For the next call.")
-      .def(
-          "open",
-          [](Held& self) {
-            std::vector<std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>> open;
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              for (const OpenFacets& part : self.query.open())
-                open.emplace_back(std::vector<std::uint32_t>(part.a.begin(), part.a.end()),
-                                  std::vector<std::uint32_t>(part.b.begin(), part.b.end()));
-            });
-            nb::list all;
-            for (auto& [of_a, of_b] : open)
-              all.append(nb::make_tuple(own_indices(std::move(of_a)), own_indices(std::move(of_b))));
-            return all;
-          },
-          nb::sig("def open(self) -> list[tuple[numpy.typing.NDArray[numpy.uint32], "
-                  "numpy.typing.NDArray[numpy.uint32]]]"),
-          (std::string("A list of pairs of arrays. ") + doc::OpenFacets).c_str());
+  query.def(
+      "run",
+      [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
+        return self.run({std::move(a), std::move(b)}, workers, [](Query& q, const SeenSurfaces& seen, Workers& call) {
+          return seen.b && seen.b != seen.a ? q.run(seen.a->tree, seen.b->tree, call) : q.run(seen.a->tree, call);
+        });
+      },
+      nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text);
+  bind_going_on(query, doc::ProximityQuery_resume);
+  query.def(
+      "open",
+      [](Held& self) {
+        auto open = self.locked([](const Query& q) {
+          std::vector<std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>> parts;
+          for (const OpenFacets& part : q.open())
+            parts.emplace_back(std::vector<std::uint32_t>(part.a.begin(), part.a.end()),
+                               std::vector<std::uint32_t>(part.b.begin(), part.b.end()));
+          return parts;
+        });
+        nb::list all;
+        for (auto& [of_a, of_b] : open)
+          all.append(nb::make_tuple(own_indices(std::move(of_a)), own_indices(std::move(of_b))));
+        return all;
+      },
+      nb::sig("def open(self) -> list[tuple[numpy.typing.NDArray[numpy.uint32], "
+              "numpy.typing.NDArray[numpy.uint32]]]"),
+      (std::string("A list of pairs of arrays. ") + doc::OpenFacets).c_str());
   return query;
 }
 
 /// A copy of what a query found.
 template <class Rows, class Held, class Get>
 Rows found_by(Held& self, const Get& get) {
-  return without_gil([&] {
-    const std::scoped_lock lock(self.mutex);
-    const auto found = get(self.query);
+  return self.locked([&](auto& query) {
+    const auto found = get(query);
     return Rows{{found.begin(), found.end()}};
   });
 }
@@ -208,9 +146,8 @@ void bind_queries(nb::module_& m) {
       .field("finished", &SurfaceQueryStatus::finished)
       .field("box_tests", &SurfaceQueryStatus::box_tests, doc::SurfaceQueryStatus_box_tests)
       .field("candidates", &SurfaceQueryStatus::candidates, doc::SurfaceQueryStatus_candidates);
-  using Near = HeldSurfaceQuery<ProximityQuery, ProximityOptions>;
-  bind_surface_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery,
-                                                       doc::ProximityQuery_run)
+  using Near = HeldPairQuery<ProximityQuery, ProximityOptions>;
+  bind_pair_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery, doc::ProximityQuery_run)
       .def(
           "__init__",
           [](Near* self, double distance, bool nearest_features_once, std::uint32_t rings, double rest_distance,
@@ -237,17 +174,16 @@ void bind_queries(nb::module_& m) {
       .def(
           "safe_distances",
           [](Near& self) {
-            return own_numbers(without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              if (!self.a) throw std::invalid_argument("nothing was asked yet");
-              std::vector<double> distances(self.a->tree.vertex_count());
-              self.query.safe_distances(distances);
+            return own_numbers(self.locked([&](const ProximityQuery& query) {
+              if (!self.seen.a) throw std::invalid_argument("nothing was asked yet");
+              std::vector<double> distances(self.seen.a->tree.vertex_count());
+              query.safe_distances(distances);
               return distances;
             }));
           },
           doc::ProximityQuery_safe_distances);
-  using Swept = HeldSurfaceQuery<SweptQuery, SweptOptions>;
-  bind_surface_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run)
+  using Swept = HeldPairQuery<SweptQuery, SweptOptions>;
+  bind_pair_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run)
       .def(
           "__init__",
           [](Swept* self, double distance, bool candidates_only, std::uint32_t rings, double rest_distance,
@@ -276,16 +212,11 @@ void bind_queries(nb::module_& m) {
           doc::SweptQuery_candidates)
       .def(
           "collision_free_step",
-          [](Swept& self) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              return self.query.collision_free_step();
-            });
-          },
+          [](Swept& self) { return self.locked([](const SweptQuery& q) { return q.collision_free_step(); }); },
           doc::SweptQuery_collision_free_step);
-  using Crossing = HeldSurfaceQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
-  bind_surface_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery,
-                                                                   doc::ProximityQuery_run)
+  using Crossing = HeldPairQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
+  bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery,
+                                                                doc::ProximityQuery_run)
       .def(
           "__init__",
           [](Crossing* self, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,

@@ -161,10 +161,12 @@ def test_a_rebuilding_body_covers_through_swaps(limb, built):
 def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, built):
     body = morula.RebuiltBody(limb, built, thread="caller", rebuild_every=3, gain=-1e9)
     collider = morula.Collider(body)
+    inside = morula.InsideQuery(collider)
     for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=8, and_back=False):
         body.update(positions)
-    with pytest.raises(RuntimeError, match="another Collider"):
-        morula.overlap(collider, collider)
+    for ask in (lambda: morula.overlap(collider, collider), lambda: inside.locate((0, 0, 0)), lambda: inside.probe((0, 0, 0, 1))):
+        with pytest.raises(RuntimeError, match="another Collider"):
+            ask()
     assert morula.overlap(body, body)
 
 

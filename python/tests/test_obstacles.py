@@ -100,6 +100,27 @@ def test_a_budget_leaves_facets_open_and_the_query_goes_on(limb, surface):
         query.resume()
 
 
+def test_what_is_refused_leaves_the_query_where_it_stood(limb, surface):
+    """What it stands at, which nobody else holds, is kept, too."""
+    ball = (*limb.positions.mean(axis=0), 0.4)
+    for kind, found, refused in (
+        (morula.ObstacleQuery, lambda q: q.contacts(), (morula.HalfSpace((0, 0, 0)),)),
+        (morula.SweptObstacleQuery, lambda q: q.impacts(), (ball, (numpy.inf, 0, 0))),
+    ):
+        whole = kind()
+        whole.run(surface, ball)
+        query = kind(budget=20)
+        own = morula.SurfaceTree(limb)
+        own.update(limb.positions)
+        assert not query.run(own, ball).finished
+        del own
+        with pytest.raises(ValueError):
+            query.run(morula.SurfaceTree(morula.sample_body("limb", 4)), *refused)
+        gc.collect()
+        query.set_budget(None)
+        assert query.resume().finished and found(query) == found(whole) and len(found(whole)) > 10
+
+
 def test_filters_and_fields_may_be_python_and_raise(limb, surface):
     floor = morula.HalfSpace((0, 0, 1), numpy.median(limb.positions[:, 2]))
     even = morula.ObstacleQuery(features="vertices", keeps=lambda v: v % 2 == 0)

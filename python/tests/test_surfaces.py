@@ -139,6 +139,15 @@ def test_filters_and_what_is_refused(surfaces):
     with pytest.raises(ValueError):
         morula.ProximityQuery(distance=1.0).resume()
     limb = morula.sample_body("limb", 8)
+    # What is refused leaves the query where it stood, with its surfaces.
+    ones = numpy.ones(len(a.facets), int)
+    query = morula.ProximityQuery(distance=0.05, budget=10, masks_a=(ones, ones))
+    assert not query.run(a, b).finished
+    with pytest.raises(ValueError):
+        query.run(morula.SurfaceTree(limb), b)
+    query.set_budget(None)
+    assert query.resume().finished and query.pairs() == morula.proximity(a, b, distance=0.05)
+    assert len(query.safe_distances()) == a.vertex_count
     moving = morula.SurfaceTree(limb)
     query = morula.ProximityQuery(distance=0.2, budget=10)
     assert not query.run(moving).finished

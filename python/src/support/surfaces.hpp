@@ -3,6 +3,7 @@
 // Surface trees with what they borrow, and lists of pairs of features as columns.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/surface_tree.hpp>
@@ -24,6 +25,19 @@ struct HeldSurface {
   mutable std::shared_mutex mutex;
 
   explicit HeldSurface(SurfaceTree&& made) : tree(std::move(made)) {}
+};
+
+/// Locks one or two surfaces, or none, that a query reads. Without the interpreter's lock.
+class SurfaceReading {
+ public:
+  explicit SurfaceReading(const HeldSurface* a, const HeldSurface* b = nullptr) {
+    // One order for everybody, and each surface once.
+    for (const HeldSurface* surface : {std::min(a, b), std::max(a, b)})
+      if (surface && (locks_.empty() || locks_.back().mutex() != &surface->mutex)) locks_.emplace_back(surface->mutex);
+  }
+
+ private:
+  std::vector<std::shared_lock<std::shared_mutex>> locks_;
 };
 
 struct FeaturePairs {

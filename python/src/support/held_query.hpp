@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Held queries: objects that are asked again and again, with the bodies or surfaces that the library borrows for them.
+#pragma once
+
+#include <memory>
+#include <morula/surface/feature_pairs.hpp>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "docstrings.hpp"
+#include "holders.hpp"
+
+namespace morula::python {
+
+/// A query and what it looks at, which is kept until it looks at something else. One call at a time; others wait
+/// without the interpreter's lock.
+///
+/// Seen: reading() locks what is looked at, and throws where that cannot be asked any more.
+template <class Query, class Seen>
+struct HeldQuery {
+  Query query;
+  Seen seen;
+  std::mutex mutex;
+
+  explicit HeldQuery(Query&& made, Seen&& looked_at = {}) : query(std::move(made)), seen(std::move(looked_at)) {}
+
+  /// f(query, workers) with everything locked that it needs, without the interpreter's lock.
+  template <class F>
+  auto ask(Threads* workers, const F& f) {
+    return without_gil([&] {
+      const std::scoped_lock lock(mutex);
+      return look(workers, f);
+    });
+  }
+  template <class F>
+  auto ask(const F& f) {
+    return ask(nullptr, [&](Query& own, Workers&) { return f(own); });
+  }
+  /// The same of something else, from now on; f returns a status. What is refused changes nothing: the query may still
+  /// be resumed where it stood. `next` has what is not looked at any more.
+  template <class F>
+  auto ask_of(Seen& next, Threads* workers, const F& f) {
+    return without_gil([&] {
+      const std::scoped_lock lock(mutex);
+      std::swap(seen, next);
+      const auto status = look(workers, f);
+      if (!status) std::swap(seen, next);
+      return status;
+    });
+  }
+  /// f(query) with the query alone locked: for what it has found, whatever has become of what it looked at.
+  template <class F>
+  auto locked(const F& f) {
+    return without_gil([&] {
+      const std::scoped_lock lock(mutex);
+      return f(query);
+    });
+  }
+
+ private:
+  // Workers before bodies: in this order updates lock them.
+  template <class F>
+  auto look(Threads* workers, const F& f) {
+    CallWorkers threads(workers);
+    const auto reading = seen.reading();
+    return f(query, static_cast<Workers&>(threads));
+  }
+};
+
+/// Colliders that a query borrows.
+struct SeenSides {
+  std::vector<std::shared_ptr<Side>> sides;
+  bool exclusive = false;  // the query brings spheres up to date itself
+
+  /// Throws RuntimeError when a body has another tree now.
+  std::vector<const Side*> current() const {
+    std::vector<const Side*> all;
+    for (const auto& side : sides) {
+      side->current();
+      all.push_back(side.get());
+    }
+    return all;
+  }
+  Reading reading() const { return Reading(current(), exclusive); }
+};
+
+/// A query of surfaces, with options of which one is a function of Python's.
+template <class Query, class Options, class Seen>
+struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
+  Options options;
+  nb::object keeps;
+
+  HeldSurfaceQuery(Options&& given, nb::object filter)
+      : HeldQuery<Query, Seen>(Query(given)), options(std::move(given)), keeps(std::move(filter)) {}
+
+  /// call(query, seen, workers).
+  template <class Call>
+  SurfaceQueryStatus run(Seen next, Threads* workers, const Call& call) {
+    const SurfaceQueryStatus status = this->ask_of(next, workers, [&](Query& query, Workers& threads) {
+      return or_begin_anew([&] { return call(query, this->seen, threads); });
+    });
+    require(status);
+    return status;
+  }
+  SurfaceQueryStatus resume(Threads* workers) {
+    const SurfaceQueryStatus status = this->ask(
+        workers, [&](Query& query, Workers& threads) { return or_begin_anew([&] { return query.resume(threads); }); });
+    require(status);
+    return status;
+  }
+
+ private:
+  /// What a filter or a field raises ends the query: there is nothing to resume then.
+  template <class F>
+  SurfaceQueryStatus or_begin_anew(const F& f) {
+    try {
+      return f();
+    } catch (...) {
+      this->query = Query(options);
+      throw;
+    }
+  }
+};
+
+/// set_budget() of whatever has a query with options.
+template <class Held>
+void bind_set_budget(nb::class_<Held>& type) {
+  type.def(
+      "set_budget",
+      [](Held& self, BudgetGiven budget) {
+        const Budget next = budget_of(budget);
+        without_gil([&] {
+          const std::scoped_lock lock(self.mutex);
+          auto options = self.options;
+          options.budget = next;
+          self.query.set_options(options);
+          self.options = std::move(options);
+        });
+      },
+      nb::arg("budget").none(), "For the next call.");
+}
+
+/// resume() and set_budget() of a HeldSurfaceQuery.
+template <class Held>
+void bind_going_on(nb::class_<Held>& type, const char* resume_text) {
+  type.def(
+      "resume", [](Held& self, Threads* workers) { return self.resume(workers); }, nb::arg("workers") = nb::none(),
+      resume_text);
+  bind_set_budget(type);
+}
+
+}  // namespace morula::python
