@@ -9,23 +9,53 @@ namespace morula::python {
 
 void bind_accuracy(nanobind::module_& m);
 void bind_build(nanobind::module_& m);
-void bind_collide(nanobind::module_& m);
 void bind_command(nanobind::module_& m);
 void bind_files(nanobind::module_& m);
 void bind_grains(nanobind::module_& m);
 void bind_io(nanobind::module_& m);
 void bind_meshes(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
-void bind_obstacles(nanobind::module_& m);
 void bind_page(nanobind::module_& m);
 void bind_robots(nanobind::module_& m);
-void bind_scene(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
 void bind_solids(nanobind::module_& m);
 void bind_study(nanobind::module_& m);
-void bind_surface(nanobind::module_& m);
 void bind_topology(nanobind::module_& m);
-void bind_tree(nanobind::module_& m);
-void bind_update(nanobind::module_& m);
+
+// collide
+void bind_collider(nanobind::module_& m);
+void bind_contact_query(nanobind::module_& m);
+void bind_contacts(nanobind::module_& m);
+void bind_crossings(nanobind::module_& m);
+void bind_distance(nanobind::module_& m);
+void bind_inside(nanobind::module_& m);
+void bind_rays(nanobind::module_& m);
+void bind_touch(nanobind::module_& m);
+
+// scene
+void bind_broad_phase(nanobind::module_& m);
+void bind_scene_class(nanobind::module_& m);
+void bind_scene_results(nanobind::module_& m);
+
+// surface
+void bind_obstacles(nanobind::module_& m);
+void bind_pair_queries(nanobind::module_& m);
+void bind_pair_records(nanobind::module_& m);
+void bind_pairs(nanobind::module_& m);
+void bind_surface_tree(nanobind::module_& m);
+
+// tree
+void bind_cover(nanobind::module_& m);
+void bind_covered_tree(nanobind::module_& m);
+void bind_sphere_tree(nanobind::module_& m);
+
+// update
+void bind_body(nanobind::module_& m);
+void bind_kdop_tree(nanobind::module_& m);
+void bind_looseness_estimate(nanobind::module_& m);
+void bind_posed_spheres(nanobind::module_& m);
+void bind_rebuilt_body(nanobind::module_& m);
+void bind_rules(nanobind::module_& m);
+void bind_spheres_view(nanobind::module_& m);
 
 }  // namespace morula::python

@@ -1,60 +1,24 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenes: many bodies and their contacts under one budget; boxes that move.
+// Scenes: many bodies and their contacts under one budget.
 #include <exception>
+#include <limits>
+#include <memory>
 #include <morula/morula.hpp>
-#include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
+#include <mutex>
 #include <optional>
+#include <vector>
 
 #include "contacts.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
+#include "rows.hpp"
 
 namespace morula::python {
 
 namespace {
-
-/// Contacts of one pair of bodies, or of all.
-struct SceneContacts {
-  std::vector<Contact> rows;
-};
-
-/// A pair of bodies, with its contacts.
-struct SceneRow {
-  ScenePair pair;  // its spans are not used
-  SceneContacts contacts;
-  ContactSurfaces surfaces;
-  Crossings crossings;
-};
-
-/// All pairs of an update: a copy, which the next update does not touch.
-struct SceneRows {
-  std::vector<ScenePair> pairs;  // its spans are not used
-  std::vector<std::uint64_t> user_data_a, user_data_b;
-  std::vector<std::uint32_t> contacts_begin{0}, crossings_begin{0};
-  SceneContacts contacts;
-  std::vector<std::size_t> surfaces_begin{0};
-  ContactSurfaces surfaces;
-  Crossings crossings;
-
-  SceneRow row(std::size_t i) const {
-    const auto part = [](const auto& all, std::size_t begin, std::size_t end) {
-      using List = std::remove_cvref_t<decltype(all)>;
-      return List(all.begin() + static_cast<std::ptrdiff_t>(begin), all.begin() + static_cast<std::ptrdiff_t>(end));
-    };
-    return {pairs[i],
-            {part(contacts.rows, contacts_begin[i], contacts_begin[i + 1])},
-            {part(surfaces.rows, surfaces_begin[i], surfaces_begin[i + 1])},
-            {part(crossings.pairs, crossings_begin[i], crossings_begin[i + 1])}};
-  }
-};
-
-struct FoundTouch {
-  BodyId body;
-  Touch touch;
-};
 
 /// A scene, the colliders that it borrows, and the filter that it asks.
 struct HeldScene {
@@ -108,6 +72,7 @@ auto locked(const HeldScene& self, const F& f) {
     return f();
   });
 }
+
 template <class F>
 auto locked_idle(const HeldScene& self, const F& f) {
   return locked(self, [&] {
@@ -133,149 +98,6 @@ SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, co
   return options;
 }
 
-SceneRows rows_of(const HeldScene& self) {
-  SceneRows rows;
-  for (const ScenePair& pair : self.scene.pairs()) {
-    rows.pairs.push_back(pair);
-    rows.user_data_a.push_back(self.scene.user_data(pair.a));
-    rows.user_data_b.push_back(self.scene.user_data(pair.b));
-    rows.contacts.rows.insert(rows.contacts.rows.end(), pair.contacts.begin(), pair.contacts.end());
-    rows.surfaces.rows.insert(rows.surfaces.rows.end(), pair.surfaces.begin(), pair.surfaces.end());
-    rows.crossings.pairs.insert(rows.crossings.pairs.end(), pair.crossings.begin(), pair.crossings.end());
-    rows.contacts_begin.push_back(static_cast<std::uint32_t>(rows.contacts.rows.size()));
-    rows.surfaces_begin.push_back(rows.surfaces.rows.size());
-    rows.crossings_begin.push_back(static_cast<std::uint32_t>(rows.crossings.pairs.size()));
-  }
-  return rows;
-}
-
-SceneRow row_of(const ScenePair& pair) {
-  return {pair,
-          {{pair.contacts.begin(), pair.contacts.end()}},
-          {{pair.surfaces.begin(), pair.surfaces.end()}},
-          {{pair.crossings.begin(), pair.crossings.end()}}};
-}
-
-void bind_scene_results(nb::module_& m) {
-  Record<BodyId> id(m, "BodyId", doc::BodyId);
-  id.field("place", &BodyId::place, doc::BodyId_place).field("generation", &BodyId::generation);
-  id.python()
-      .def(
-          "__init__",
-          [](BodyId* self, std::uint32_t place, std::uint32_t generation) {
-            new (self) BodyId{place, generation};
-          },
-          nb::arg("place"), nb::arg("generation"))
-      .def("__hash__",
-           [](const BodyId& self) {
-             return static_cast<std::int64_t>((std::uint64_t{self.generation} << 32 | self.place) >> 1);
-           })
-      .def(
-          "__lt__", [](const BodyId& a, const BodyId& b) { return a < b; }, nb::arg("other"))
-      .def(
-          "__reduce__",
-          [](nb::handle self) {
-            const auto& body = nb::cast<const BodyId&>(self);
-            return nb::make_tuple(nb::object(nb::borrow(self.type())), nb::make_tuple(body.place, body.generation));
-          },
-          nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
-  Record<SceneContacts>(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.")
-      .property("node_a", MORULA_COLUMN(SceneContacts, rows, node_a), "(n,) uint32.")
-      .property("node_b", MORULA_COLUMN(SceneContacts, rows, node_b), "(n,) uint32.")
-      .property("finished", MORULA_COLUMN(SceneContacts, rows, finished), doc::Contact_finished)
-      .property("point", MORULA_COLUMN3(SceneContacts, rows, point), doc::Contact_point)
-      .property("normal", MORULA_COLUMN3(SceneContacts, rows, normal), doc::Contact_normal)
-      .property("depth", MORULA_COLUMN(SceneContacts, rows, depth), doc::Contact_depth)
-      .property("lens_volume", MORULA_COLUMN(SceneContacts, rows, lens_volume), doc::Contact_lens_volume)
-      .property("error_bound", MORULA_COLUMN(SceneContacts, rows, error_bound), doc::Contact_error_bound)
-      .table([](const SceneContacts& self) { return self.rows.size(); });
-  Record<SceneRow>(m, "ScenePair", "Two bodies in contact, as of the update that they were read after.")
-      .property(
-          "a", [](const SceneRow& row) { return row.pair.a; }, doc::ScenePair_a)
-      .property("b", [](const SceneRow& row) { return row.pair.b; })
-      .property(
-          "id", [](const SceneRow& row) { return row.pair.id; }, doc::ScenePair_id)
-      .property(
-          "began", [](const SceneRow& row) { return row.pair.began; }, doc::ScenePair_began)
-      .property(
-          "finished", [](const SceneRow& row) { return row.pair.finished; }, doc::ScenePair_finished)
-      .field("contacts", &SceneRow::contacts)
-      .field("surfaces", &SceneRow::surfaces, doc::ScenePair_surfaces)
-      .field("crossings", &SceneRow::crossings, doc::ScenePair_crossings);
-  Record<SceneRows> rows(m, "ScenePairs",
-                         "Bodies in contact, in the order of their places: pairs[i] and loops give ScenePair objects, "
-                         "attributes are columns of all of them. A copy: the next update leaves it alone.");
-  rows.property("place_a", MORULA_COLUMN(SceneRows, pairs, a.place), "(n,) uint32: BodyId.place.")
-      .property("place_b", MORULA_COLUMN(SceneRows, pairs, b.place), "(n,) uint32: BodyId.place.")
-      .property(
-          "user_data_a",
-          [](nb::handle self) {
-            const auto& values = nb::cast<const SceneRows&>(self).user_data_a;
-            return View<std::uint64_t, -1>(values.data(), {values.size()}, self);
-          },
-          "(n,) uint64.")
-      .property(
-          "user_data_b",
-          [](nb::handle self) {
-            const auto& values = nb::cast<const SceneRows&>(self).user_data_b;
-            return View<std::uint64_t, -1>(values.data(), {values.size()}, self);
-          },
-          "(n,) uint64.")
-      .property("id", MORULA_COLUMN(SceneRows, pairs, id), doc::ScenePair_id)
-      .property("began", MORULA_COLUMN(SceneRows, pairs, began), doc::ScenePair_began)
-      .property("finished", MORULA_COLUMN(SceneRows, pairs, finished), doc::ScenePair_finished)
-      .property(
-          "contacts_begin",
-          [](nb::handle self) { return indices(nb::cast<const SceneRows&>(self).contacts_begin, self); },
-          "(n + 1,) uint32: contacts of pair i are [contacts_begin[i], contacts_begin[i + 1]).")
-      .property(
-          "contacts", [](const SceneRows& self) { return self.contacts; }, "Of all pairs, one pair after the other.")
-      .property(
-          "surfaces", [](const SceneRows& self) { return self.surfaces; }, doc::ScenePair_surfaces)
-      .property(
-          "crossings", [](const SceneRows& self) { return self.crossings; }, doc::ScenePair_crossings)
-      .property(
-          "crossings_begin",
-          [](nb::handle self) { return indices(nb::cast<const SceneRows&>(self).crossings_begin, self); },
-          "(n + 1,) uint32, as contacts_begin.");
-  rows.python()
-      .def("__len__", [](const SceneRows& self) { return self.pairs.size(); })
-      .def(
-          "__getitem__",
-          [](const SceneRows& self, std::ptrdiff_t index) {
-            const auto count = static_cast<std::ptrdiff_t>(self.pairs.size());
-            if (index < -count || index >= count) throw nb::index_error("no such pair");
-            return self.row(static_cast<std::size_t>(index < 0 ? index + count : index));
-          },
-          nb::arg("index"))
-      .def(
-          "__iter__",
-          [](const SceneRows& self) {
-            nb::list all;
-            for (std::size_t i = 0; i < self.pairs.size(); ++i) all.append(self.row(i));
-            return nb::iter(all);
-          },
-          nb::sig("def __iter__(self) -> collections.abc.Iterator[ScenePair]"));
-  Record<EndedPair>(m, "EndedPair", doc::EndedPair)
-      .field("a", &EndedPair::a)
-      .field("b", &EndedPair::b)
-      .field("id", &EndedPair::id, doc::ScenePair_id);
-  Record<SceneStatus>(m, "SceneStatus", "How far an update came.")
-      .field("finished", &SceneStatus::finished, doc::SceneStatus_finished)
-      .field("near_pairs", &SceneStatus::near_pairs, doc::SceneStatus_near_pairs)
-      .field("open_pairs", &SceneStatus::open_pairs, doc::SceneStatus_open_pairs)
-      .field("pair_tests", &SceneStatus::pair_tests, doc::SceneStatus_pair_tests);
-  Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and where.")
-      .field("body", &FoundTouch::body)
-      .field("touch", &FoundTouch::touch);
-  Record<SceneRayHit>(m, "SceneRayHit", "What Scene.first_hit() found.")
-      .field("body", &SceneRayHit::body, doc::SceneRayHit_body)
-      .field("first", &SceneRayHit::first)
-      .field("certified", &SceneRayHit::certified, doc::SceneRayHit_certified)
-      .python()
-      .def("__bool__", [](const SceneRayHit& hit) { return hit.first.has_value(); });
-}
-
 /// What a scene keeps of Python, for the collector of cycles: a filter often refers to its scene.
 int traverse(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
@@ -284,10 +106,12 @@ int traverse(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(keeps.ptr());
   return 0;
 }
+
 int clear(PyObject* self) {
   if (nb::inst_ready(self)) nb::inst_ptr<HeldScene>(self)->keeps.reset();
   return 0;
 }
+
 PyType_Slot scene_slots[] = {
     {Py_tp_traverse, reinterpret_cast<void*>(traverse)}, {Py_tp_clear, reinterpret_cast<void*>(clear)}, {0, nullptr}};
 
@@ -411,7 +235,7 @@ void bind_scene_questions(Class& scene) {
           },
           nb::arg("workers") = nb::none(), doc::Scene_update)
       .def(
-          "pairs", [](const HeldScene& self) { return locked_idle(self, [&] { return rows_of(self); }); },
+          "pairs", [](const HeldScene& self) { return locked_idle(self, [&] { return rows_of(self.scene); }); },
           doc::Scene_pairs)
       .def(
           "ended",
@@ -467,6 +291,8 @@ void bind_scene_questions(Class& scene) {
               {{"margin", doc::TouchOptions_margin}, {"any", doc::TouchOptions_any}, {"list", doc::TouchOptions_list}})
               .c_str());
 }
+
+}  // namespace
 
 void bind_scene_class(nb::module_& m) {
   const std::initializer_list<std::pair<const char*, const char*>> arguments{
@@ -529,136 +355,6 @@ void bind_scene_class(nb::module_& m) {
       });
   bind_scene_bodies(scene);
   bind_scene_questions(scene);
-}
-
-/// For one thread at a time: others wait.
-struct HeldBroadPhase {
-  BroadPhase boxes;
-  mutable std::mutex mutex;
-};
-
-IndexPairs own_pairs(std::span<const BoxPair> pairs) {
-  auto [values, owner] = kept(std::vector<BoxPair>(pairs.begin(), pairs.end()));
-  return IndexPairs(reinterpret_cast<const std::uint32_t*>(values->data()), {values->size(), 2}, owner);
-}
-
-void bind_broad_phase(nb::module_& m) {
-  const auto ask = [](const HeldBroadPhase& self, const auto& find) {
-    return own_indices(without_gil([&] {
-      std::vector<std::uint32_t> found;
-      const std::scoped_lock lock(self.mutex);
-      find(found);
-      return found;
-    }));
-  };
-  nb::class_<HeldBroadPhase>(m, "BroadPhase", doc::BroadPhase)
-      .def(nb::init<>())
-      .def(
-          "add",
-          [](HeldBroadPhase& self, Vec3 lower, Vec3 upper, bool is_static) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              return self.boxes.add({lower, upper}, is_static);
-            });
-          },
-          nb::arg("lower"), nb::arg("upper"), nb::arg("is_static") = false, doc::BroadPhase_add)
-      .def(
-          "remove",
-          [](HeldBroadPhase& self, std::uint32_t number) {
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              self.boxes.remove(number);
-            });
-          },
-          nb::arg("number"), doc::BroadPhase_remove)
-      .def(
-          "move",
-          [](HeldBroadPhase& self, std::uint32_t number, Vec3 lower, Vec3 upper) {
-            require(without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              return self.boxes.move(number, {lower, upper});
-            }));
-          },
-          nb::arg("number"), nb::arg("lower"), nb::arg("upper"), doc::BroadPhase_move)
-      .def(
-          "move_all",
-          [](HeldBroadPhase& self, ArrayGiven given, ArrayGiven from, ArrayGiven to) {
-            const std::vector<std::uint32_t> numbers = indices_of(given.object, "numbers");
-            const std::vector<Vec3> lower = points_of(from.object, "lower"), upper = points_of(to.object, "upper");
-            if (lower.size() != numbers.size() || upper.size() != numbers.size())
-              throw std::invalid_argument("lower, upper: one row per number is needed");
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              for (std::size_t i = 0; i < numbers.size(); ++i)
-                require(self.boxes.move(numbers[i], {lower[i], upper[i]}));
-            });
-          },
-          nb::arg("numbers"), nb::arg("lower"), nb::arg("upper"),
-          "move() for many. numbers: (n,); lower, upper: (n, 3). Those before the first that is refused have moved.")
-      .def(
-          "has",
-          [](const HeldBroadPhase& self, std::uint32_t number) {
-            const std::scoped_lock lock(self.mutex);
-            return self.boxes.has(number);
-          },
-          nb::arg("number"))
-      .def(
-          "box",
-          [](const HeldBroadPhase& self, std::uint32_t number) {
-            const std::scoped_lock lock(self.mutex);
-            if (!self.boxes.has(number)) throw nb::index_error("number: there is no such box");
-            const Box& box = self.boxes.box(number);
-            return std::make_tuple(box.lower, box.upper);
-          },
-          nb::arg("number"), "Lower and upper corner.")
-      .def("__len__",
-           [](const HeldBroadPhase& self) {
-             const std::scoped_lock lock(self.mutex);
-             return self.boxes.size();
-           })
-      .def(
-          "update",
-          [](HeldBroadPhase& self) {
-            without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              self.boxes.update();
-            });
-          },
-          doc::BroadPhase_update)
-      .def(
-          "pairs",
-          [](const HeldBroadPhase& self) {
-            const std::scoped_lock lock(self.mutex);
-            return own_pairs(self.boxes.pairs());
-          },
-          "(n, 2) uint32. As of the last update, ascending.")
-      .def(
-          "find",
-          [ask](const HeldBroadPhase& self, Vec3 lower, Vec3 upper) {
-            return ask(self, [&](auto& found) { self.boxes.find({lower, upper}, found); });
-          },
-          nb::arg("lower"), nb::arg("upper"), doc::BroadPhase_find)
-      .def(
-          "find_behind",
-          [ask](const HeldBroadPhase& self, Vec3 normal, double offset) {
-            return ask(self, [&](auto& found) { self.boxes.find_behind(normal, offset, found); });
-          },
-          nb::arg("normal"), nb::arg("offset"), doc::BroadPhase_find_behind)
-      .def(
-          "find_along",
-          [ask](const HeldBroadPhase& self, Vec3 origin, Vec3 direction, double t_end) {
-            return ask(self, [&](auto& found) { self.boxes.find_along(origin, direction, t_end, found); });
-          },
-          nb::arg("origin"), nb::arg("direction"), nb::arg("t_end") = std::numeric_limits<double>::infinity(),
-          doc::BroadPhase_find_along);
-}
-
-}  // namespace
-
-void bind_scene(nb::module_& m) {
-  bind_scene_results(m);
-  bind_scene_class(m);
-  bind_broad_phase(m);
 }
 
 }  // namespace morula::python

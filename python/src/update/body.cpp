@@ -1,125 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bodies whose spheres follow their vertices.
-#include <cstring>
+// Bodies whose spheres follow their vertices, modes or bones.
 #include <morula/morula.hpp>
 #include <morula/update/rule_levels.hpp>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "holders.hpp"
 #include "module.hpp"
 #include "motion.hpp"
+#include "posed.hpp"
 #include "records.hpp"
 
 namespace morula::python {
 
 namespace {
-
-/// The spheres of one frame of a body, for as long as that frame lasts.
-struct SpheresView {
-  nb::object owner;
-  const Posed* posed;
-  std::uint64_t frame;
-
-  bool is_current() const { return posed->frame() == frame; }
-  const PosedTree& pose() const {
-    if (!is_current()) {
-      throw std::runtime_error(
-          "spheres of an older frame: the body has been updated since; take body.spheres again, or "
-          "keep a copy (body.copy_spheres())");
-    }
-    return posed->pose();
-  }
-};
-
-using LocalRows = nb::ndarray<nb::numpy, const float, nb::shape<-1, 4>>;
-
-LocalRows memory_of(const SpheresView& view, nb::handle owner) {
-  const auto spheres = view.pose().spheres;
-  return LocalRows(reinterpret_cast<const float*>(spheres.data()), {spheres.size(), 4}, owner);
-}
-
-nb::object copy_of(nb::handle self) {
-  return nb::cast(memory_of(nb::cast<const SpheresView&>(self), self)).attr("copy")();
-}
-
-void bind_view(nb::module_& m) {
-  nb::class_<SpheresView>(
-      m, "SpheresView",
-      "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. Reads "
-      "as an array and gives copies; once the body has moved on, reading it is a RuntimeError.")
-      .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
-      .def_prop_ro("is_current", &SpheresView::is_current, "False when the body has moved on.")
-      .def_prop_ro(
-          "origin", [](const SpheresView& self) { return self.pose().origin; }, "Add it to the centres: mesh units.")
-      .def_prop_ro("shape",
-                   [](const SpheresView& self) { return std::make_tuple(self.posed->pose().spheres.size(), 4); })
-      .def_prop_ro(
-          "memory", [](nb::handle self) { return memory_of(nb::cast<const SpheresView&>(self), self); },
-          "The body's own memory, without a copy: the next update writes over it, and nothing warns.")
-      .def(
-          "__array__",
-          [](nb::handle self, nb::handle dtype, nb::handle copy) -> nb::object {
-            if (copy.ptr() == Py_False && dtype.is_none())
-              return nb::cast(memory_of(nb::cast<const SpheresView&>(self), self));
-            nb::object array = copy_of(self);
-            return dtype.is_none() ? array : array.attr("astype")(dtype);
-          },
-          nb::arg("dtype") = nb::none(), nb::arg("copy") = nb::none(),
-          nb::sig("def __array__(self, dtype: typing.Any = None, copy: bool | None = None) -> "
-                  "numpy.typing.NDArray[typing.Any]"))
-      .def(
-          "__getitem__", [](nb::handle self, nb::handle index) -> nb::object { return copy_of(self)[index]; },
-          nb::arg("index"), nb::sig("def __getitem__(self, index: typing.Any, /) -> typing.Any"))
-      .def("__len__", [](const SpheresView& self) { return self.posed->pose().spheres.size(); })
-      .def("__repr__", [](const SpheresView& self) {
-        return "<morula.SpheresView: frame " + std::to_string(self.frame) +
-               (self.is_current() ? ">" : ", no longer current>");
-      });
-}
-
-/// The same members of everything that has spheres of the moment.
-template <class Holder>
-void bind_pose(nb::class_<Holder>& type) {
-  type.def_prop_ro(
-          "spheres",
-          [](nb::handle self) {
-            const Holder& holder = nb::cast<const Holder&>(self);
-            return SpheresView{nb::borrow(self), &holder, holder.frame()};
-          },
-          "The current spheres about the origin, (nodes, 4) float32; reading them after the next update is an error.")
-      .def_prop_ro(
-          "origin", [](const Holder& self) { return self.pose().origin; }, doc::PosedTree_origin)
-      .def_prop_ro(
-          "frame", [](const Holder& self) { return self.frame(); }, doc::Body_frame)
-      .def_prop_ro(
-          "is_current", [](const Holder& self) { return self.pose().current; }, doc::Body_is_current)
-      .def_prop_ro(
-          "covers", [](const Holder& self) { return self.pose().covers; }, doc::PosedTree_covers)
-      .def_prop_ro(
-          "nested", [](const Holder& self) { return self.pose().nested; }, doc::PosedTree_nested)
-      .def(
-          "copy_spheres",
-          [](const Holder& self) {
-            return own_spheres(without_gil([&] {
-              const std::shared_lock lock(self.mutex);
-              const PosedTree& pose = self.pose();
-              std::vector<Sphere> spheres(pose.spheres.size());
-              for (std::uint32_t node = 0; node < spheres.size(); ++node) spheres[node] = pose.sphere(node);
-              return spheres;
-            }));
-          },
-          "The current spheres in mesh coordinates, (nodes, 4) float64: a copy.")
-      .def(
-          "sphere",
-          [](const Holder& self, std::uint32_t node) {
-            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
-            return self.pose().sphere(node);
-          },
-          nb::arg("node"), doc::PosedTree_sphere)
-      .def_prop_ro(
-          "tree", [](const Holder& self) { return *self.pose().tree; }, "The tree at rest: a copy.")
-      .def("__len__", [](const Holder& self) { return self.pose().spheres.size(); });
-}
 
 std::vector<VertexRange> ranges_of(nb::handle given) {
   std::vector<VertexRange> ranges;
@@ -208,49 +104,7 @@ View<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
   return View<double, -1, -1, 4>(reinterpret_cast<const double*>(values->data()), {frame_count, node_count, 4}, owner);
 }
 
-void bind_body(nb::module_& m) {
-  Record<UpdateStatus>(m, "UpdateStatus", "The work that an update did: the same on every run.")
-      .field("nodes_updated", &UpdateStatus::nodes_updated)
-      .field("vertices_read", &UpdateStatus::vertices_read, doc::UpdateStatus_vertices_read)
-      .field("cut_points_moved", &UpdateStatus::cut_points_moved)
-      .field("points_tested", &UpdateStatus::points_tested, doc::UpdateStatus_points_tested);
-  Record<BindReport>(m, "BindReport", doc::BindReport)
-      .field("void_spheres", &BindReport::void_spheres, doc::BindReport_void_spheres)
-      .field("unlinked_spheres", &BindReport::unlinked_spheres, doc::BindReport_unlinked_spheres)
-      .field("degenerate_anchors", &BindReport::degenerate_anchors, doc::BindReport_degenerate_anchors)
-      .field("carried_centers", &BindReport::carried_centers, doc::BindReport_carried_centers)
-      .field("corners_owned", &BindReport::corners_owned, doc::BindReport_corners_owned);
-  Record<RuleTraits>(m, "RuleTraits", doc::RuleTraits)
-      .property("name", [](const RuleTraits& t) { return std::string(t.name); })
-      .property("follows",
-                [](const RuleTraits& t) {
-                  return t.follows == RuleTraits::Follows::positions ? "positions"
-                         : t.follows == RuleTraits::Follows::modes   ? "modes"
-                                                                     : "bones";
-                })
-      .field("covers", &RuleTraits::covers, doc::RuleTraits_covers);
-  m.def(
-      "all_rules",
-      [] {
-        std::vector<std::string> names;
-        for (const Rule rule : all_rules()) names.emplace_back(name(rule));
-        return names;
-      },
-      "Names of the update rules.");
-  m.def(
-      "position_rules",
-      [] {
-        std::vector<std::string> names;
-        for (const Rule rule : position_rules()) names.emplace_back(name(rule));
-        return names;
-      },
-      doc::position_rules);
-  m.def(
-      "rule_table", [] { return std::vector<RuleTraits>(rule_table.begin(), rule_table.end()); },
-      "What is known of each rule.");
-
-  nb::class_<PosedBody> body(m, "Body", doc::Body);
-  bind_pose(body);
+void bind_body_updates(nb::class_<PosedBody>& body) {
   body.def(
           "__init__",
           [](PosedBody* self, MeshGiven given, std::shared_ptr<CoveredTree> built, nb::object rules, bool conservative,
@@ -387,8 +241,11 @@ void bind_body(nb::module_& m) {
             return updated(self, {}, workers,
                            [&](Body& body, Workers& w) { return body.update_modal_lazily(coordinates, level, w); });
           },
-          nb::arg("coordinates"), nb::arg("level"), nb::arg("workers") = nb::none(), doc::Body_update_modal_lazily)
-      .def(
+          nb::arg("coordinates"), nb::arg("level"), nb::arg("workers") = nb::none(), doc::Body_update_modal_lazily);
+}
+
+void bind_body_questions(nb::class_<PosedBody>& body) {
+  body.def(
           "reach",
           [](PosedBody& self, std::uint32_t node) {
             if (node >= self.pose().spheres.size()) throw nb::index_error("node");
@@ -504,211 +361,13 @@ void bind_body(nb::module_& m) {
       });
 }
 
-void bind_rebuilt(nb::module_& m) {
-  Record<RebuildReport>(m, "RebuildReport", doc::RebuildReport)
-      .field("checks", &RebuildReport::checks, doc::RebuildReport_checks)
-      .field("started", &RebuildReport::started, doc::RebuildReport_started)
-      .field("finished", &RebuildReport::finished, doc::RebuildReport_finished)
-      .field("stopped", &RebuildReport::stopped, doc::RebuildReport_stopped)
-      .field("failed", &RebuildReport::failed, doc::RebuildReport_failed)
-      .field("swapped", &RebuildReport::swapped, doc::RebuildReport_swapped)
-      .field("refused", &RebuildReport::refused, doc::RebuildReport_refused)
-      .field("returned_home", &RebuildReport::returned_home, doc::RebuildReport_returned_home)
-      .field("recalled", &RebuildReport::recalled, doc::RebuildReport_recalled)
-      .field("rebuild_seconds", &RebuildReport::rebuild_seconds, doc::RebuildReport_rebuild_seconds)
-      .field("rebuild_frames", &RebuildReport::rebuild_frames, doc::RebuildReport_rebuild_frames)
-      .field("failure", &RebuildReport::failure)
-      .field("looseness", &RebuildReport::looseness)
-      .field("looseness_at_build", &RebuildReport::looseness_at_build);
-  Record<RebuildStatus>(m, "RebuildStatus", "What an update of a rebuilding body did.")
-      .field("update", &RebuildStatus::update, doc::RebuildStatus_update)
-      .field("swapped", &RebuildStatus::swapped, doc::RebuildStatus_swapped);
-
-  nb::class_<PosedRebuilt> body(m, "RebuiltBody", doc::RebuiltBody);
-  bind_pose(body);
-  body.def(
-          "__init__",
-          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, std::string_view method,
-             std::string_view quality, std::string_view still_quality, std::uint64_t seed, double looser_by,
-             int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
-             std::string_view thread, std::size_t sample_count, Threads* workers) {
-            RebuildOptions options;
-            options.method = choice<Method>(method, "method", method_from_name, all_methods());
-            options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
-            options.still_quality = choice<Quality>(still_quality, "still_quality", quality_from_name, all_qualities());
-            options.seed = seed;
-            options.looser_by = looser_by;
-            options.check_every = check_every;
-            options.rebuild_every = rebuild_every;
-            options.gain = gain;
-            options.look_ahead_frames = look_ahead_frames;
-            options.processor_share = processor_share;
-            options.thread = choice<RebuildThread>(thread, "thread",
-                                                   {{"background", RebuildThread::background},
-                                                    {"caller", RebuildThread::caller},
-                                                    {"none", RebuildThread::none}});
-            options.sample_count = sample_count;
-            auto mesh = mesh_of(given);
-            auto owned =
-                without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, built, options, CallWorkers(workers)); });
-            new (self) PosedRebuilt();
-            self->mesh = std::move(mesh);
-            self->owned = std::move(owned);
-          },
-          nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("quality") = "draft",
-          nb::arg("still_quality") = "fast", nb::arg("seed") = 1, nb::arg("looser_by") = 1.25,
-          nb::arg("check_every") = 4, nb::arg("rebuild_every") = 0, nb::arg("gain") = 0.05,
-          nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("thread") = "background",
-          nb::arg("sample_count") = LoosenessEstimator::default_samples, nb::arg("workers") = nb::none(),
-          with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
-                                                        {"still_quality", doc::RebuildOptions_still_quality},
-                                                        {"looser_by", doc::RebuildOptions_looser_by},
-                                                        {"check_every", doc::RebuildOptions_check_every},
-                                                        {"rebuild_every", doc::RebuildOptions_rebuild_every},
-                                                        {"gain", doc::RebuildOptions_gain},
-                                                        {"look_ahead_frames", doc::RebuildOptions_look_ahead_frames},
-                                                        {"processor_share", doc::RebuildOptions_processor_share},
-                                                        {"thread", "background, caller or none"}})
-              .c_str())
-      .def(
-          "update",
-          [](PosedRebuilt& self, PositionsGiven given, Threads* workers) {
-            std::vector<Positions> positions;
-            positions.emplace_back(given.object, "positions");
-            RebuildStatus status;
-            {
-              const nb::gil_scoped_release released;
-              CallWorkers call(workers);
-              const std::unique_lock lock(self.mutex);
-              status = self.owned->update(positions[0].view(), call);
-              if (status) std::swap(self.last, positions);
-            }
-            require(status.update);
-            return status;
-          },
-          nb::arg("positions"), nb::arg("workers") = nb::none(), doc::RebuiltBody_update)
-      .def_prop_ro(
-          "epoch", [](const PosedRebuilt& self) { return self.owned->epoch(); }, doc::RebuiltBody_epoch)
-      .def_prop_ro("is_home", [](const PosedRebuilt& self) { return self.owned->is_home(); })
-      .def_prop_ro("is_rebuilding", [](const PosedRebuilt& self) { return self.owned->is_rebuilding(); })
-      .def_prop_ro(
-          "report", [](const PosedRebuilt& self) { return self.owned->report(); }, doc::RebuildReport)
-      .def(
-          "current_tree", [](const PosedRebuilt& self) { return self.owned->body().current_tree(); },
-          doc::Body_current_tree)
-      .def_prop_ro(
-          "cover", [](const PosedRebuilt& self) { return self.owned->body().cover(); }, "The present cover: a copy.")
-      .def(
-          "hash", [](const PosedRebuilt& self) { return self.owned->body().hash(); }, doc::Body_hash)
-      .def("__repr__", [](const PosedRebuilt& self) {
-        return "<morula.RebuiltBody: " + std::to_string(self.pose().spheres.size()) + " nodes, epoch " +
-               std::to_string(self.owned->epoch()) + ">";
-      });
-}
-
-void bind_posed(nb::module_& m) {
-  nb::class_<PosedRows> posed(m, "PosedSpheres", doc::PosedSpheres);
-  bind_pose(posed);
-  posed
-      .def(
-          "__init__",
-          [](PosedRows* self, const SphereTree& tree, bool covers) {
-            auto owned = std::make_unique<PosedSpheres>(tree, covers);
-            new (self) PosedRows();
-            self->owned = std::move(owned);
-          },
-          nb::arg("tree"), nb::arg("covers") = false, doc::PosedSpheres_PosedSpheres)
-      .def(
-          "set",
-          [](PosedRows& self, ArrayGiven given) {
-            const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
-            const std::unique_lock lock(self.mutex);
-            self.owned->set(spheres);
-          },
-          nb::arg("spheres"), doc::PosedSpheres_set);
-}
-
-struct HeldDops {
-  KDopTree tree;
-  mutable std::shared_mutex mutex;
-
-  explicit HeldDops(KDopTree&& made) : tree(std::move(made)) {}
-
-  /// (nodes, k / 2): a copy.
-  View<float, -1, -1> bounds(std::span<const float> (KDopTree::*side)(std::uint32_t) const) const {
-    auto [values, owner] = kept(without_gil([&] {
-      const std::shared_lock lock(mutex);
-      std::vector<float> all;
-      for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-        const std::span<const float> own = (tree.*side)(node);
-        all.insert(all.end(), own.begin(), own.end());
-      }
-      return all;
-    }));
-    return View<float, -1, -1>(values->data(), {tree.node_count(), static_cast<std::size_t>(tree.k() / 2)}, owner);
-  }
-};
-
-void bind_others(nb::module_& m) {
-  nb::class_<HeldDops>(m, "KDopTree", doc::KDopTree)
-      .def(
-          "__init__",
-          [](HeldDops* self, MeshGiven given, const CoveredTree& built, int k, Threads* workers) {
-            const auto mesh = mesh_of(given);
-            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); }));
-          },
-          nb::arg("mesh"), nb::arg("built"), nb::arg("k"), nb::arg("workers") = nb::none(), doc::KDopTree_KDopTree)
-      .def(
-          "update",
-          [](HeldDops& self, PositionsGiven given, Threads* workers) {
-            const Positions positions(given.object, "positions");
-            const UpdateStatus status = without_gil([&] {
-              CallWorkers call(workers);
-              const std::unique_lock lock(self.mutex);
-              return self.tree.update(positions.view(), call);
-            });
-            require(status);
-            return status;
-          },
-          nb::arg("positions"), nb::arg("workers") = nb::none(), doc::KDopTree_update)
-      .def_prop_ro("k", [](const HeldDops& self) { return self.tree.k(); })
-      .def_prop_ro("node_count", [](const HeldDops& self) { return self.tree.node_count(); })
-      .def_prop_ro(
-          "directions",
-          [](const HeldDops& self) {
-            return own_points({self.tree.directions().begin(), self.tree.directions().end()});
-          },
-          nb::rv_policy::automatic, doc::KDopTree_directions)
-      .def_prop_ro(
-          "lower", [](const HeldDops& self) { return self.bounds(&KDopTree::lower); }, nb::rv_policy::automatic,
-          doc::KDopTree_lower)
-      .def_prop_ro(
-          "upper", [](const HeldDops& self) { return self.bounds(&KDopTree::upper); }, nb::rv_policy::automatic,
-          doc::KDopTree_lower)
-      .def_prop_ro("origin", [](const HeldDops& self) { return self.tree.origin(); })
-      .def(
-          "hash", [](const HeldDops& self) { return self.tree.hash(); }, doc::KDopTree_hash);
-
-  m.def(
-      "estimate_looseness",
-      [](const PosedBody& body, PositionsGiven given) {
-        const Positions positions(given.object, "positions");
-        return own_numbers(without_gil([&] {
-          const std::shared_lock lock(body.mutex);
-          return estimate_looseness(*body.mesh, *body.owned, positions.view());
-        }));
-      },
-      nb::arg("body"), nb::arg("positions"), doc::estimate_looseness);
-}
-
 }  // namespace
 
-void bind_update(nb::module_& m) {
-  bind_view(m);
-  bind_body(m);
-  bind_rebuilt(m);
-  bind_posed(m);
-  bind_others(m);
+void bind_body(nb::module_& m) {
+  nb::class_<PosedBody> body(m, "Body", doc::Body);
+  bind_pose(body);
+  bind_body_updates(body);
+  bind_body_questions(body);
 }
 
 }  // namespace morula::python

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Colliders: a body, or spheres, placed in the world.
+#include <morula/morula.hpp>
+
+#include "docstrings.hpp"
+#include "holders.hpp"
+#include "module.hpp"
+
+namespace morula::python {
+
+void bind_collider(nb::module_& m) {
+  nb::class_<Side>(m, "Collider", doc::Collider)
+      .def(
+          "__init__",
+          [](Side* self, ColliderGiven body) {
+            const std::shared_ptr<Side> made = side_of(body, "body");
+            if (nb::isinstance<Side>(body.object)) throw nb::type_error("body: a Collider already");
+            new (self) Side(std::move(*made));
+          },
+          nb::arg("body"), nb::sig("def __init__(self, body: Body | RebuiltBody | PosedSpheres) -> None"),
+          doc::Collider_Collider)
+      .def(
+          "__init__",
+          [](Side* self, MeshGiven given, std::shared_ptr<CoveredTree> built, std::shared_ptr<PosedRows> spheres) {
+            Side side;
+            side.mesh = mesh_of(given);
+            side.built = built;
+            side.collider = std::make_unique<Collider>(*side.mesh, built->cover, spheres->pose());
+            side.posed = std::move(spheres);
+            new (self) Side(std::move(side));
+          },
+          nb::arg("mesh"), nb::arg("built"), nb::arg("spheres"),
+          nb::sig(
+              "def __init__(self, mesh: morula.typing.MeshLike, built: CoveredTree, spheres: PosedSpheres) -> None"),
+          doc::Collider_Collider_2)
+      .def(
+          "place",
+          [](Side& self, const RigidTransform& placement) {
+            without_gil([&] {
+              const std::unique_lock lock(self.posed->mutex);
+              self.collider->place(placement);
+            });
+          },
+          nb::arg("placement"), doc::Collider_place)
+      .def(
+          "place",
+          [](Side& self, Vec3 translation) {
+            without_gil([&] {
+              const std::unique_lock lock(self.posed->mutex);
+              RigidTransform placement;
+              placement.translation = translation;
+              self.collider->place(placement);
+            });
+          },
+          nb::arg("translation"), "A translation alone, mesh units.")
+      .def_prop_ro("placement", [](const Side& self) { return self.collider->placement(); })
+      .def(
+          "set_positions",
+          [](Side& self, PositionsGiven given) {
+            std::vector<Positions> positions;
+            positions.emplace_back(given.object, "positions");
+            {
+              const nb::gil_scoped_release released;
+              const std::unique_lock lock(self.posed->mutex);
+              self.collider->set_positions(positions[0].view());
+              std::swap(self.given, positions);
+            }
+          },
+          nb::arg("positions"), doc::Collider_set_positions)
+      .def_prop_ro(
+          "has_current_positions", [](const Side& self) { return self.current().has_current_positions(); },
+          doc::Collider_has_current_positions)
+      .def_prop_ro(
+          "has_surface", [](const Side& self) { return self.collider->has_surface(); }, doc::Collider_has_surface)
+      .def(
+          "facets",
+          [](const Side& self, std::uint32_t node) {
+            if (node >= self.current().tree().node_count()) throw nb::index_error("node");
+            const auto facets = self.collider->facets(node);
+            return own_indices({facets.begin(), facets.end()});
+          },
+          nb::arg("node"), doc::Collider_facets)
+      .def("__repr__", [](const Side& self) {
+        return std::string("<morula.Collider: ") + std::to_string(self.collider->tree().node_count()) + " nodes" +
+               (self.collider->has_surface() ? ">" : ", spheres alone>");
+      });
+}
+
+}  // namespace morula::python

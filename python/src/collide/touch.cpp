@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A body and a half space, a capsule, a hull or a ball.
+#include <morula/morula.hpp>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+void bind_touch(nb::module_& m) {
+  nb::class_<HalfSpace>(m, "HalfSpace", doc::HalfSpace)
+      .def(
+          "__init__",
+          [](HalfSpace* self, Vec3 normal, double offset) {
+            new (self) HalfSpace{normal, offset};
+          },
+          nb::arg("normal") = Vec3{0, 0, 1}, nb::arg("offset") = 0.0);
+  nb::class_<Capsule>(m, "Capsule", doc::Capsule)
+      .def(
+          "__init__",
+          [](Capsule* self, Vec3 p, Vec3 q, double radius) {
+            new (self) Capsule{p, q, radius};
+          },
+          nb::arg("p"), nb::arg("q"), nb::arg("radius"));
+  Record<TouchingFacet>(m, "TouchingFacet", doc::TouchingFacet)
+      .field("point", &TouchingFacet::point)
+      .field("depth", &TouchingFacet::depth, doc::TouchingFacet_depth)
+      .field("normal", &TouchingFacet::normal, doc::TouchingFacet_normal);
+  Record<Touch>(m, "Touch", "What touch() found.")
+      .field("touches", &Touch::touches, doc::Touch_touches)
+      .field("clear", &Touch::clear, doc::Touch_clear)
+      .field("certified", &Touch::certified, doc::Touch_certified)
+      .field("lower", &Touch::lower, doc::Touch_lower)
+      .field("deepest", &Touch::deepest, doc::Touch_deepest)
+      .field("facets", &Touch::facets, doc::Touch_facets)
+      .field("leaves", &Touch::leaves, doc::Touch_leaves)
+      .field("sphere_tests", &Touch::sphere_tests)
+      .field("facet_tests", &Touch::facet_tests);
+  m.def(
+      "touch",
+      [](ColliderGiven given, ShapeGiven shape, double margin, bool nearest, bool any, bool list) {
+        const auto side = side_of(given, "body");
+        const TouchOptions options{margin, nearest, any, list};
+        return with_shape(shape, [&](const auto& s) {
+          return without_gil([&] {
+            const Reading reading({side.get()});
+            return touch(side->current(), s, options);
+          });
+        });
+      },
+      nb::arg("body"), nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
+      nb::arg("any") = false, nb::arg("list") = false,
+      with_arguments("Does the body's surface touch a half space, a capsule, a ConvexHull or a sphere (x, y, z, "
+                     "radius), and where?",
+                     {{"margin", doc::TouchOptions_margin},
+                      {"nearest", doc::TouchOptions_nearest},
+                      {"any", doc::TouchOptions_any},
+                      {"list", doc::TouchOptions_list}})
+          .c_str());
+}
+
+}  // namespace morula::python

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Spheres for the links of a robot.
+#include <map>
+#include <morula/morula.hpp>
+#include <morula/robot/fit.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "holders.hpp"
+#include "records.hpp"
+#include "robots.hpp"
+
+namespace morula::python {
+
+namespace {
+
+std::map<std::string, std::vector<robot::ClipPlane>> clip_of(nb::handle given) {
+  std::map<std::string, std::vector<robot::ClipPlane>> clip;
+  if (given.is_none()) return clip;
+  for (const auto& item : nb::cast<nb::dict>(given)) {
+    const auto link = nb::cast<std::string>(item.first);
+    const std::string argument = "clip['" + link + "']";
+    std::vector<std::size_t> shape;
+    const std::vector<double> rows = numbers_of(item.second, argument.c_str(), {-1, 4}, shape);
+    for (std::size_t i = 0; i < rows.size(); i += 4)
+      clip[link].push_back({{rows[i], rows[i + 1], rows[i + 2]}, rows[i + 3]});
+  }
+  return clip;
+}
+
+}  // namespace
+
+void bind_robot_fit(nb::module_& m) {
+  using robot::LinkFigures;
+  using robot::LinkSpheres;
+  using robot::RobotSpheres;
+  Record<LinkFigures>(m, "LinkFigures", "What was measured of the spheres of a link.")
+      .field("facets", &LinkFigures::facets)
+      .field("covered", &LinkFigures::covered, doc::LinkFigures_covered)
+      .field("gap", &LinkFigures::gap, doc::LinkFigures_gap)
+      .field("protrusion_mean", &LinkFigures::protrusion_mean, doc::LinkFigures_protrusion_mean)
+      .field("protrusion_p95", &LinkFigures::protrusion_p95, doc::LinkFigures_protrusion_mean)
+      .field("protrusion_max", &LinkFigures::protrusion_max, doc::LinkFigures_protrusion_mean)
+      .field("object_volume", &LinkFigures::object_volume, doc::LinkFigures_object_volume)
+      .field("outside_volume", &LinkFigures::outside_volume, doc::LinkFigures_outside_volume)
+      .field("solid", &LinkFigures::solid, doc::UnionMass)
+      .field("mass", &LinkFigures::mass, doc::LinkFigures_mass)
+      .field("beyond_clip", &LinkFigures::beyond_clip, doc::LinkFigures_beyond_clip);
+  Record<LinkSpheres>(m, "LinkSpheres", "The spheres of a link.")
+      .property(
+          "link", [](const LinkSpheres& l) { return index_or_none(l.link); }, "An index of Robot.links.")
+      .property(
+          "spheres", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).spheres, self); },
+          (std::string("(n, 4) float64, read-only; no copy. ") + doc::LinkSpheres_spheres).c_str())
+      .property(
+          "alike", [](const LinkSpheres& l) { return index_or_none(l.alike); }, doc::LinkSpheres_alike)
+      .field("surface", &LinkSpheres::surface)
+      .property(
+          "tree", [](const LinkSpheres& l) { return std::const_pointer_cast<CoveredTree>(l.tree); },
+          doc::LinkSpheres_tree)
+      .field("figures", &LinkSpheres::figures)
+      .property(
+          "inner", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).inner, self); },
+          doc::LinkSpheres_inner)
+      .field("inner_volume", &LinkSpheres::inner_volume, doc::LinkSpheres_inner_volume)
+      .field("notes", &LinkSpheres::notes);
+  Record<RobotSpheres>(m, "RobotSpheres", "Spheres for a robot.")
+      .field("links", &RobotSpheres::links, doc::RobotSpheres_links)
+      .field("notes", &RobotSpheres::notes, doc::RobotSpheres_notes)
+      .property("inner_count", [](const RobotSpheres& r) { return r.inner_count(); })
+      .property("sphere_count", [](const RobotSpheres& r) { return r.sphere_count(); })
+      .property(
+          "covered", [](const RobotSpheres& r) { return r.covered(); }, "Are all links covered, proven?")
+      .python()
+      .def(
+          "with_inner_spheres", [](const RobotSpheres& r) { return r.with_inner_spheres(); },
+          doc::RobotSpheres_with_inner_spheres)
+      .def(
+          "of",
+          [](const RobotSpheres& r, std::size_t link) -> std::optional<LinkSpheres> {
+            const LinkSpheres* found = r.of(link);
+            if (!found) return std::nullopt;
+            return *found;
+          },
+          nb::arg("link"), "The spheres of a link of Robot.links; None where it has none.");
+  m.def(
+      "fit_spheres",
+      [](const robot::Robot& robot, std::size_t spheres, std::size_t total,
+         const std::map<std::string, std::size_t>& link_spheres, double max_protrusion, double max_protrusion_share,
+         double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& left_out,
+         nb::handle kept_given, std::string_view method, std::string_view quality, std::uint64_t seed, double density,
+         nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
+        robot::FitOptions options;
+        options.spheres = spheres;
+        options.total = total;
+        options.link_spheres = link_spheres;
+        options.max_protrusion = max_protrusion;
+        options.max_protrusion_share = max_protrusion_share;
+        options.padding = padding;
+        options.min_radius = min_radius;
+        options.max_radius = max_radius;
+        options.visual = visual;
+        options.left_out = left_out;
+        if (!kept_given.is_none()) {
+          for (const auto& item : nb::cast<nb::dict>(kept_given)) {
+            const auto link = nb::cast<std::string>(item.first);
+            options.kept[link] = spheres_of(item.second, ("kept['" + link + "']").c_str());
+          }
+        }
+        options.method = choice<Method>(method, "method", method_from_name, all_methods());
+        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.seed = seed;
+        options.density = density;
+        options.clip = clip_of(clip);
+        options.clip_margin = clip_margin;
+        options.inner = inner;
+        options.progress = [&progress, check = SignalCheck()](double share, const std::string& link) mutable {
+          check();
+          if (progress.is_none()) return;
+          const nb::gil_scoped_acquire gil;
+          progress(share, link);
+        };
+        return without_gil([&] { return robot::fit_spheres(robot, options, CallWorkers(workers)); });
+      },
+      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("total") = 0,
+      nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = 0.0,
+      nb::arg("max_protrusion_share") = 0.0, nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
+      nb::arg("max_radius") = 0.0, nb::arg("visual") = false, nb::arg("left_out") = std::set<std::string>{},
+      nb::arg("kept") = nb::none(), nb::arg("method") = "morula", nb::arg("quality") = "fast", nb::arg("seed") = 1,
+      nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = 0.0, nb::arg("inner") = 0,
+      nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::sig("def fit_spheres(robot: Robot, *, spheres: int = 16, total: int = 0, link_spheres: dict[str, int] = {}, "
+              "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
+              "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, left_out: set[str] = set(), "
+              "kept: dict[str, morula.typing.FloatArray] | None = None, method: str = 'morula', "
+              "quality: str = 'fast', seed: int = 1, density: float = 1000.0, "
+              "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
+              "progress: collections.abc.Callable[[float, str], object] | None = None, "
+              "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
+      with_arguments(doc::fit_spheres, {{"spheres", doc::FitOptions_spheres},
+                                        {"total", doc::FitOptions_total},
+                                        {"link_spheres", doc::FitOptions_link_spheres},
+                                        {"max_protrusion", doc::FitOptions_max_protrusion},
+                                        {"max_protrusion_share", doc::FitOptions_max_protrusion_share},
+                                        {"padding", doc::FitOptions_padding},
+                                        {"min_radius", doc::FitOptions_min_radius},
+                                        {"max_radius", doc::FitOptions_max_radius},
+                                        {"visual", doc::FitOptions_visual},
+                                        {"left_out", doc::FitOptions_left_out},
+                                        {"kept", doc::FitOptions_kept},
+                                        {"density", doc::FitOptions_density},
+                                        {"clip",
+                                         "by link, planes (n, 4): normal and offset. What lies beyond one is "
+                                         "left out: it need not be covered"},
+                                        {"clip_margin", doc::FitOptions_clip_margin},
+                                        {"inner", doc::FitOptions_inner},
+                                        {"progress", "called with a share and a link now and then"}})
+          .c_str());
+}
+
+}  // namespace morula::python

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A robot's spheres in motion, and what they meet.
+#include <memory>
+#include <morula/morula.hpp>
+#include <morula/robot/sphere_robot.hpp>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "holders.hpp"
+#include "records.hpp"
+#include "robots.hpp"
+
+namespace morula::python {
+
+namespace {
+
+struct HeldRobot {
+  robot::SphereRobot robot;
+  std::size_t own_count;
+  std::mutex mutex;
+};
+
+std::shared_ptr<Posed> posed_of(nb::handle given) {
+  if (nb::isinstance<PosedBody>(given)) return nb::cast<std::shared_ptr<PosedBody>>(given);
+  if (nb::isinstance<PosedRebuilt>(given)) return nb::cast<std::shared_ptr<PosedRebuilt>>(given);
+  if (nb::isinstance<PosedRows>(given)) return nb::cast<std::shared_ptr<PosedRows>>(given);
+  return nullptr;
+}
+
+}  // namespace
+
+void bind_sphere_robot(nb::module_& m) {
+  using robot::ObstacleBox;
+  Record<ObstacleBox> box(m, "ObstacleBox", doc::ObstacleBox);
+  box.field("pose", &ObstacleBox::pose).field("half", &ObstacleBox::half, doc::ObstacleBox_half);
+  box.python().def(
+      "__init__",
+      [](ObstacleBox* self, Vec3 half, const RigidTransform& pose) {
+        new (self) ObstacleBox{pose, half};
+      },
+      nb::arg("half"), nb::arg("pose") = RigidTransform{});
+  nb::class_<HeldRobot>(m, "SphereRobot", doc::SphereRobot)
+      .def(
+          "__init__",
+          [](HeldRobot* self, const robot::Robot& robot, const robot::RobotSpheres& spheres,
+             const robot::SelfCollision* ignored) {
+            robot::SphereRobot made = without_gil(
+                [&] { return robot::SphereRobot(robot, spheres, ignored ? *ignored : robot::SelfCollision{}); });
+            new (self) HeldRobot{std::move(made), robot.own.size(), {}};
+          },
+          nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(), doc::SphereRobot_SphereRobot)
+      .def(
+          "pose",
+          [](HeldRobot& self, ArrayGiven given) {
+            const std::vector<double> values = values_of(given);
+            const std::scoped_lock lock(self.mutex);
+            self.robot.pose(values);
+          },
+          nb::arg("values"), doc::SphereRobot_pose)
+      .def(
+          "place",
+          [](HeldRobot& self, nb::handle given) {
+            const std::vector<RigidTransform> poses = poses_of(given, "link_poses");
+            const std::scoped_lock lock(self.mutex);
+            self.robot.place(poses);
+          },
+          nb::arg("link_poses"),
+          nb::sig("def place(self, link_poses: collections.abc.Sequence[morula._morula.RigidTransform] | "
+                  "morula.typing.FloatArray) -> None"),
+          doc::SphereRobot_place)
+      .def_prop_ro(
+          "links",
+          [](const HeldRobot& self) {
+            return std::vector<std::size_t>(self.robot.links().begin(), self.robot.links().end());
+          },
+          doc::SphereRobot_links)
+      .def_prop_ro("sphere_count", [](const HeldRobot& self) { return self.robot.sphere_count(); })
+      .def(
+          "spheres",
+          [](HeldRobot& self) {
+            const std::scoped_lock lock(self.mutex);
+            return own_spheres(self.robot.spheres());
+          },
+          (std::string("(n, 4) float64. ") + doc::SphereRobot_spheres).c_str())
+      .def(
+          "self_collision",
+          [](HeldRobot& self) {
+            return without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              return self.robot.self_collision();
+            });
+          },
+          doc::SphereRobot_self_collision)
+      .def(
+          "self_collisions",
+          [](HeldRobot& self, ArrayGiven given) {
+            std::vector<std::size_t> shape;
+            const std::vector<double> all =
+                numbers_of(given.object, "values", {-1, static_cast<std::int64_t>(self.own_count)}, shape);
+            auto [found, owner] = kept(without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              SignalCheck check;
+              std::vector<std::uint8_t> collides(shape[0]);
+              for (std::size_t i = 0; i < shape[0]; ++i) {
+                self.robot.pose(std::span(all).subspan(i * shape[1], shape[1]));
+                collides[i] = self.robot.self_collision().has_value();
+                if (i % 64 == 63) check();
+              }
+              return collides;
+            }));
+            return View<bool, -1>(reinterpret_cast<const bool*>(found->data()), {found->size()}, owner);
+          },
+          nb::arg("values"),
+          "pose() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "
+          "stays in the last one.")
+      .def(
+          "meets",
+          [](HeldRobot& self, nb::handle obstacle, const RigidTransform& placement) {
+            if (const std::shared_ptr<Posed> posed = posed_of(obstacle)) {
+              return without_gil([&] {
+                const std::scoped_lock lock(self.mutex);
+                const std::shared_lock reading(posed->mutex);
+                return self.robot.meets(posed->pose(), placement);
+              });
+            }
+            if (nb::isinstance<ObstacleBox>(obstacle)) {
+              const auto& box = nb::cast<const ObstacleBox&>(obstacle);
+              const ObstacleBox placed{relative_to(inverse(placement), box.pose), box.half};
+              const bool moved = !(placement == RigidTransform{});
+              const std::scoped_lock lock(self.mutex);
+              return self.robot.meets(moved ? placed : box);
+            }
+            Sphere sphere;
+            if (!nb::try_cast(obstacle, sphere))
+              throw nb::type_error(("obstacle: " + describe(obstacle) +
+                                    ", but a sphere (x, y, z, radius), an ObstacleBox, a Body, a RebuiltBody or "
+                                    "PosedSpheres is needed")
+                                       .c_str());
+            sphere.center = placement(sphere.center);
+            const std::scoped_lock lock(self.mutex);
+            return self.robot.meets(sphere);
+          },
+          nb::arg("obstacle"), nb::arg("placement") = RigidTransform{},
+          nb::sig("def meets(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "
+                  "morula._morula.RebuiltBody | morula._morula.PosedSpheres, "
+                  "placement: morula._morula.RigidTransform = ...) -> bool"),
+          (std::string("Does a sphere of the robot meet it? ") + doc::SphereRobot_meets_2).c_str())
+      .def_prop_ro(
+          "sphere_tests", [](const HeldRobot& self) { return self.robot.sphere_tests(); },
+          doc::SphereRobot_sphere_tests)
+      .def("__repr__", [](const HeldRobot& self) {
+        return "<morula.robot.SphereRobot: " + std::to_string(self.robot.sphere_count()) + " spheres on " +
+               std::to_string(self.robot.links().size()) + " links>";
+      });
+}
+
+}  // namespace morula::python

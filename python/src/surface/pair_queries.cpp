@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Queries about pairs of features, which keep their memory and go on where a budget ended them.
+#include <memory>
+#include <morula/morula.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "held_query.hpp"
+#include "holders.hpp"
+#include "module.hpp"
+#include "pairs.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+namespace {
+
+/// None, or a tuple (of, with) of bits per facet.
+FacetMasks masks_of(nb::handle given, const char* name) {
+  if (given.is_none()) return {};
+  if (!PyTuple_Check(given.ptr()) || PyTuple_Size(given.ptr()) != 2) {
+    throw nb::type_error(
+        (std::string(name) + ": " + describe(given) + ", but None or a tuple of two arrays, of and with, is needed")
+            .c_str());
+  }
+  return {indices_of(nb::object(given[0]), (std::string(name) + "[0]").c_str()),
+          indices_of(nb::object(given[1]), (std::string(name) + "[1]").c_str())};
+}
+
+/// One surface, or two.
+struct SeenSurfaces {
+  std::shared_ptr<HeldSurface> a, b;
+
+  SurfaceReading reading() const { return SurfaceReading(a.get(), b.get()); }
+};
+
+template <class Query, class Options>
+using HeldPairQuery = HeldSurfaceQuery<Query, Options, SeenSurfaces>;
+
+template <class Query, class Options>
+nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const char* name, const char* text,
+                                                          const char* run_text) {
+  using Held = HeldPairQuery<Query, Options>;
+  nb::class_<Held> query(m, name, text);
+  query.def(
+      "run",
+      [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
+        return self.run({std::move(a), std::move(b)}, workers, [](Query& q, const SeenSurfaces& seen, Workers& call) {
+          return seen.b && seen.b != seen.a ? q.run(seen.a->tree, seen.b->tree, call) : q.run(seen.a->tree, call);
+        });
+      },
+      nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text);
+  bind_going_on(query, doc::ProximityQuery_resume);
+  query.def(
+      "open",
+      [](Held& self) {
+        auto open = self.locked([](const Query& q) {
+          std::vector<std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>> parts;
+          for (const OpenFacets& part : q.open())
+            parts.emplace_back(std::vector<std::uint32_t>(part.a.begin(), part.a.end()),
+                               std::vector<std::uint32_t>(part.b.begin(), part.b.end()));
+          return parts;
+        });
+        nb::list all;
+        for (auto& [of_a, of_b] : open)
+          all.append(nb::make_tuple(own_indices(std::move(of_a)), own_indices(std::move(of_b))));
+        return all;
+      },
+      nb::sig("def open(self) -> list[tuple[numpy.typing.NDArray[numpy.uint32], "
+              "numpy.typing.NDArray[numpy.uint32]]]"),
+      (std::string("A list of pairs of arrays. ") + doc::OpenFacets).c_str());
+  return query;
+}
+
+/// A copy of what a query found.
+template <class Rows, class Held, class Get>
+Rows found_by(Held& self, const Get& get) {
+  return self.locked([&](auto& query) {
+    const auto found = get(query);
+    return Rows{{found.begin(), found.end()}};
+  });
+}
+
+PairFilter whole_filter(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps,
+                        nb::handle masks_a, nb::handle masks_b) {
+  PairFilter filter = filter_of(rings, rest_distance, same_component, keeps);
+  filter.masks_a = masks_of(masks_a, "masks_a");
+  filter.masks_b = masks_of(masks_b, "masks_b");
+  return filter;
+}
+
+constexpr const char* query_arguments = R"(
+
+Args:
+    rings: pairs of which some two vertices are at most so many edges apart are left out, of one surface with itself.
+    rest_distance: pairs that are this close at rest are left out, mesh units.
+    same_component: pairs of one piece are left out.
+    masks_a: two arrays of bits per facet, of and with: facets i of a and j of b are looked at when of[i] & with[j]
+        and of[j] & with[i] are not 0. masks_b: the same of the other surface.
+    keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
+    budget: box tests, or a time.)";
+
+}  // namespace
+
+void bind_pair_queries(nb::module_& m) {
+  Record<SurfaceQueryStatus>(m, "SurfaceQueryStatus", "How far a query came.")
+      .field("finished", &SurfaceQueryStatus::finished)
+      .field("box_tests", &SurfaceQueryStatus::box_tests, doc::SurfaceQueryStatus_box_tests)
+      .field("candidates", &SurfaceQueryStatus::candidates, doc::SurfaceQueryStatus_candidates);
+  using Near = HeldPairQuery<ProximityQuery, ProximityOptions>;
+  bind_pair_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery, doc::ProximityQuery_run)
+      .def(
+          "__init__",
+          [](Near* self, double distance, bool nearest_features_once, std::uint32_t rings, double rest_distance,
+             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Near(ProximityOptions{distance, nearest_features_once, std::move(filter), budget_of(budget), {}},
+                            std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("distance"), nb::arg("nearest_features_once") = false, nb::arg("rings") = 0,
+          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
+          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, distance: float, nearest_features_once: bool = False, rings: int = 0, "
+              "rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string(doc::ProximityQuery_ProximityQuery) + query_arguments).c_str())
+      .def(
+          "pairs",
+          [](Near& self) { return found_by<ProximityPairs>(self, [](ProximityQuery& q) { return q.pairs(); }); },
+          doc::ProximityQuery_pairs)
+      .def(
+          "safe_distances",
+          [](Near& self) {
+            return own_numbers(self.locked([&](const ProximityQuery& query) {
+              if (!self.seen.a) throw std::invalid_argument("nothing was asked yet");
+              std::vector<double> distances(self.seen.a->tree.vertex_count());
+              query.safe_distances(distances);
+              return distances;
+            }));
+          },
+          doc::ProximityQuery_safe_distances);
+  using Swept = HeldPairQuery<SweptQuery, SweptOptions>;
+  bind_pair_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run)
+      .def(
+          "__init__",
+          [](Swept* self, double distance, bool candidates_only, std::uint32_t rings, double rest_distance,
+             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Swept(SweptOptions{distance, candidates_only, std::move(filter), budget_of(budget), {}},
+                             std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("candidates_only") = false, nb::arg("rings") = 0,
+          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
+          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, distance: float = 0.0, candidates_only: bool = False, rings: int = 0, "
+              "rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string(doc::SweptQuery_SweptQuery) + query_arguments).c_str())
+      .def(
+          "pairs", [](Swept& self) { return found_by<SweptPairs>(self, [](SweptQuery& q) { return q.pairs(); }); },
+          doc::SweptQuery_pairs)
+      .def(
+          "candidates",
+          [](Swept& self) { return found_by<FeaturePairs>(self, [](SweptQuery& q) { return q.candidates(); }); },
+          doc::SweptQuery_candidates)
+      .def(
+          "collision_free_step",
+          [](Swept& self) { return self.locked([](const SweptQuery& q) { return q.collision_free_step(); }); },
+          doc::SweptQuery_collision_free_step);
+  using Crossing = HeldPairQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
+  bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery,
+                                                                doc::ProximityQuery_run)
+      .def(
+          "__init__",
+          [](Crossing* self, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
+             nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
+            new (self) Crossing(SurfaceCrossingOptions{std::move(filter), budget_of(budget), {}}, std::move(keeps));
+          },
+          nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
+          nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),
+          nb::arg("budget") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
+              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+              "None) -> None"),
+          (std::string("Pairs of facets that really intersect, as far as a budget reaches.") + query_arguments).c_str())
+      .def(
+          "pairs",
+          [](Crossing& self) {
+            return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); });
+          },
+          doc::SurfaceCrossingQuery_pairs);
+}
+
+}  // namespace morula::python

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What everything has that has spheres of the moment.
+#pragma once
+
+#include <cstdint>
+#include <morula/morula.hpp>
+#include <shared_mutex>
+#include <stdexcept>
+#include <vector>
+
+#include "docstrings.hpp"
+#include "holders.hpp"
+
+namespace morula::python {
+
+/// The spheres of one frame of a body, for as long as that frame lasts.
+struct SpheresView {
+  nb::object owner;
+  const Posed* posed;
+  std::uint64_t frame;
+
+  bool is_current() const { return posed->frame() == frame; }
+  const PosedTree& pose() const {
+    if (!is_current()) {
+      throw std::runtime_error(
+          "spheres of an older frame: the body has been updated since; take body.spheres again, or "
+          "keep a copy (body.copy_spheres())");
+    }
+    return posed->pose();
+  }
+};
+
+/// The same members of everything that has spheres of the moment.
+template <class Holder>
+void bind_pose(nb::class_<Holder>& type) {
+  type.def_prop_ro(
+          "spheres",
+          [](nb::handle self) {
+            const Holder& holder = nb::cast<const Holder&>(self);
+            return SpheresView{nb::borrow(self), &holder, holder.frame()};
+          },
+          "The current spheres about the origin, (nodes, 4) float32; reading them after the next update is an error.")
+      .def_prop_ro(
+          "origin", [](const Holder& self) { return self.pose().origin; }, doc::PosedTree_origin)
+      .def_prop_ro(
+          "frame", [](const Holder& self) { return self.frame(); }, doc::Body_frame)
+      .def_prop_ro(
+          "is_current", [](const Holder& self) { return self.pose().current; }, doc::Body_is_current)
+      .def_prop_ro(
+          "covers", [](const Holder& self) { return self.pose().covers; }, doc::PosedTree_covers)
+      .def_prop_ro(
+          "nested", [](const Holder& self) { return self.pose().nested; }, doc::PosedTree_nested)
+      .def(
+          "copy_spheres",
+          [](const Holder& self) {
+            return own_spheres(without_gil([&] {
+              const std::shared_lock lock(self.mutex);
+              const PosedTree& pose = self.pose();
+              std::vector<Sphere> spheres(pose.spheres.size());
+              for (std::uint32_t node = 0; node < spheres.size(); ++node) spheres[node] = pose.sphere(node);
+              return spheres;
+            }));
+          },
+          "The current spheres in mesh coordinates, (nodes, 4) float64: a copy.")
+      .def(
+          "sphere",
+          [](const Holder& self, std::uint32_t node) {
+            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
+            return self.pose().sphere(node);
+          },
+          nb::arg("node"), doc::PosedTree_sphere)
+      .def_prop_ro(
+          "tree", [](const Holder& self) { return *self.pose().tree; }, "The tree at rest: a copy.")
+      .def("__len__", [](const Holder& self) { return self.pose().spheres.size(); });
+}
+
+}  // namespace morula::python

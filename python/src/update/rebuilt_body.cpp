@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Bodies that build their tree anew for the present pose, and how loose a body has become.
+#include <memory>
+#include <morula/morula.hpp>
+#include <string_view>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "posed.hpp"
+#include "records.hpp"
+
+namespace morula::python {
+
+void bind_rebuilt_body(nb::module_& m) {
+  Record<RebuildReport>(m, "RebuildReport", doc::RebuildReport)
+      .field("checks", &RebuildReport::checks, doc::RebuildReport_checks)
+      .field("started", &RebuildReport::started, doc::RebuildReport_started)
+      .field("finished", &RebuildReport::finished, doc::RebuildReport_finished)
+      .field("stopped", &RebuildReport::stopped, doc::RebuildReport_stopped)
+      .field("failed", &RebuildReport::failed, doc::RebuildReport_failed)
+      .field("swapped", &RebuildReport::swapped, doc::RebuildReport_swapped)
+      .field("refused", &RebuildReport::refused, doc::RebuildReport_refused)
+      .field("returned_home", &RebuildReport::returned_home, doc::RebuildReport_returned_home)
+      .field("recalled", &RebuildReport::recalled, doc::RebuildReport_recalled)
+      .field("rebuild_seconds", &RebuildReport::rebuild_seconds, doc::RebuildReport_rebuild_seconds)
+      .field("rebuild_frames", &RebuildReport::rebuild_frames, doc::RebuildReport_rebuild_frames)
+      .field("failure", &RebuildReport::failure)
+      .field("looseness", &RebuildReport::looseness)
+      .field("looseness_at_build", &RebuildReport::looseness_at_build);
+  Record<RebuildStatus>(m, "RebuildStatus", "What an update of a rebuilding body did.")
+      .field("update", &RebuildStatus::update, doc::RebuildStatus_update)
+      .field("swapped", &RebuildStatus::swapped, doc::RebuildStatus_swapped);
+
+  nb::class_<PosedRebuilt> body(m, "RebuiltBody", doc::RebuiltBody);
+  bind_pose(body);
+  body.def(
+          "__init__",
+          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, std::string_view method,
+             std::string_view quality, std::string_view still_quality, std::uint64_t seed, double looser_by,
+             int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
+             std::string_view thread, std::size_t sample_count, Threads* workers) {
+            RebuildOptions options;
+            options.method = choice<Method>(method, "method", method_from_name, all_methods());
+            options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+            options.still_quality = choice<Quality>(still_quality, "still_quality", quality_from_name, all_qualities());
+            options.seed = seed;
+            options.looser_by = looser_by;
+            options.check_every = check_every;
+            options.rebuild_every = rebuild_every;
+            options.gain = gain;
+            options.look_ahead_frames = look_ahead_frames;
+            options.processor_share = processor_share;
+            options.thread = choice<RebuildThread>(thread, "thread",
+                                                   {{"background", RebuildThread::background},
+                                                    {"caller", RebuildThread::caller},
+                                                    {"none", RebuildThread::none}});
+            options.sample_count = sample_count;
+            auto mesh = mesh_of(given);
+            auto owned =
+                without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, built, options, CallWorkers(workers)); });
+            new (self) PosedRebuilt();
+            self->mesh = std::move(mesh);
+            self->owned = std::move(owned);
+          },
+          nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("quality") = "draft",
+          nb::arg("still_quality") = "fast", nb::arg("seed") = 1, nb::arg("looser_by") = 1.25,
+          nb::arg("check_every") = 4, nb::arg("rebuild_every") = 0, nb::arg("gain") = 0.05,
+          nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("thread") = "background",
+          nb::arg("sample_count") = LoosenessEstimator::default_samples, nb::arg("workers") = nb::none(),
+          with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
+                                                        {"still_quality", doc::RebuildOptions_still_quality},
+                                                        {"looser_by", doc::RebuildOptions_looser_by},
+                                                        {"check_every", doc::RebuildOptions_check_every},
+                                                        {"rebuild_every", doc::RebuildOptions_rebuild_every},
+                                                        {"gain", doc::RebuildOptions_gain},
+                                                        {"look_ahead_frames", doc::RebuildOptions_look_ahead_frames},
+                                                        {"processor_share", doc::RebuildOptions_processor_share},
+                                                        {"thread", "background, caller or none"}})
+              .c_str())
+      .def(
+          "update",
+          [](PosedRebuilt& self, PositionsGiven given, Threads* workers) {
+            std::vector<Positions> positions;
+            positions.emplace_back(given.object, "positions");
+            RebuildStatus status;
+            {
+              const nb::gil_scoped_release released;
+              CallWorkers call(workers);
+              const std::unique_lock lock(self.mutex);
+              status = self.owned->update(positions[0].view(), call);
+              if (status) std::swap(self.last, positions);
+            }
+            require(status.update);
+            return status;
+          },
+          nb::arg("positions"), nb::arg("workers") = nb::none(), doc::RebuiltBody_update)
+      .def_prop_ro(
+          "epoch", [](const PosedRebuilt& self) { return self.owned->epoch(); }, doc::RebuiltBody_epoch)
+      .def_prop_ro("is_home", [](const PosedRebuilt& self) { return self.owned->is_home(); })
+      .def_prop_ro("is_rebuilding", [](const PosedRebuilt& self) { return self.owned->is_rebuilding(); })
+      .def_prop_ro(
+          "report", [](const PosedRebuilt& self) { return self.owned->report(); }, doc::RebuildReport)
+      .def(
+          "current_tree", [](const PosedRebuilt& self) { return self.owned->body().current_tree(); },
+          doc::Body_current_tree)
+      .def_prop_ro(
+          "cover", [](const PosedRebuilt& self) { return self.owned->body().cover(); }, "The present cover: a copy.")
+      .def(
+          "hash", [](const PosedRebuilt& self) { return self.owned->body().hash(); }, doc::Body_hash)
+      .def("__repr__", [](const PosedRebuilt& self) {
+        return "<morula.RebuiltBody: " + std::to_string(self.pose().spheres.size()) + " nodes, epoch " +
+               std::to_string(self.owned->epoch()) + ">";
+      });
+}
+
+void bind_looseness_estimate(nb::module_& m) {
+  m.def(
+      "estimate_looseness",
+      [](const PosedBody& body, PositionsGiven given) {
+        const Positions positions(given.object, "positions");
+        return own_numbers(without_gil([&] {
+          const std::shared_lock lock(body.mutex);
+          return estimate_looseness(*body.mesh, *body.owned, positions.view());
+        }));
+      },
+      nb::arg("body"), nb::arg("positions"), doc::estimate_looseness);
+}
+
+}  // namespace morula::python

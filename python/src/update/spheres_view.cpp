@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The spheres of one frame, as an array.
+#include <morula/morula.hpp>
+#include <tuple>
+
+#include "module.hpp"
+#include "posed.hpp"
+
+namespace morula::python {
+
+namespace {
+
+using LocalRows = nb::ndarray<nb::numpy, const float, nb::shape<-1, 4>>;
+
+LocalRows memory_of(const SpheresView& view, nb::handle owner) {
+  const auto spheres = view.pose().spheres;
+  return LocalRows(reinterpret_cast<const float*>(spheres.data()), {spheres.size(), 4}, owner);
+}
+
+nb::object copy_of(nb::handle self) {
+  return nb::cast(memory_of(nb::cast<const SpheresView&>(self), self)).attr("copy")();
+}
+
+}  // namespace
+
+void bind_spheres_view(nb::module_& m) {
+  nb::class_<SpheresView>(
+      m, "SpheresView",
+      "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. Reads "
+      "as an array and gives copies; once the body has moved on, reading it is a RuntimeError.")
+      .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
+      .def_prop_ro("is_current", &SpheresView::is_current, "False when the body has moved on.")
+      .def_prop_ro(
+          "origin", [](const SpheresView& self) { return self.pose().origin; }, "Add it to the centres: mesh units.")
+      .def_prop_ro("shape",
+                   [](const SpheresView& self) { return std::make_tuple(self.posed->pose().spheres.size(), 4); })
+      .def_prop_ro(
+          "memory", [](nb::handle self) { return memory_of(nb::cast<const SpheresView&>(self), self); },
+          "The body's own memory, without a copy: the next update writes over it, and nothing warns.")
+      .def(
+          "__array__",
+          [](nb::handle self, nb::handle dtype, nb::handle copy) -> nb::object {
+            if (copy.ptr() == Py_False && dtype.is_none())
+              return nb::cast(memory_of(nb::cast<const SpheresView&>(self), self));
+            nb::object array = copy_of(self);
+            return dtype.is_none() ? array : array.attr("astype")(dtype);
+          },
+          nb::arg("dtype") = nb::none(), nb::arg("copy") = nb::none(),
+          nb::sig("def __array__(self, dtype: typing.Any = None, copy: bool | None = None) -> "
+                  "numpy.typing.NDArray[typing.Any]"))
+      .def(
+          "__getitem__", [](nb::handle self, nb::handle index) -> nb::object { return copy_of(self)[index]; },
+          nb::arg("index"), nb::sig("def __getitem__(self, index: typing.Any, /) -> typing.Any"))
+      .def("__len__", [](const SpheresView& self) { return self.posed->pose().spheres.size(); })
+      .def("__repr__", [](const SpheresView& self) {
+        return "<morula.SpheresView: frame " + std::to_string(self.frame) +
+               (self.is_current() ? ">" : ", no longer current>");
+      });
+}
+
+}  // namespace morula::python
