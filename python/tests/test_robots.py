@@ -51,6 +51,21 @@ def test_what_the_file_says_is_there(arm):
     assert morula.robot.find_mesh(mesh.file_name, urdf).samefile(mesh.file)
 
 
+def test_what_is_printed_is_short(arm, spheres, ignored):
+    assert repr(arm) == f"Robot(name='arm', format='urdf', links=<{len(arm.links)}>, joints=<{len(arm.joints)}>, own=<5>)"
+    base = arm.links[arm.root]
+    assert repr(base) == f"Link(name='base', collision=<2>, visual=<{len(base.visual)}>, joint=None)"
+    assert repr(spheres) == (
+        f"RobotSpheres(links=<{len(spheres.links)}>, sphere_count={spheres.sphere_count}, inner_count=0, covered=True, "
+        f"notes=<{len(spheres.notes)}>)"
+    )
+    link = spheres.links[0]
+    assert repr(link) == f"LinkSpheres(link={link.link}, spheres=<{link.spheres.shape}>, inner=<(0, 4)>, notes=<{len(link.notes)}>)"
+    assert repr(ignored) == f"SelfCollision(ignored=<{len(ignored.ignored)}>, samples=200, pairs={ignored.pairs})"
+    # All of it is in the dict.
+    assert arm.to_dict()["joints"][0]["name"] == arm.joints[0].name and len(spheres.to_dict()["links"]) == len(spheres.links)
+
+
 def rotation(axis, angle):
     x, y, z = axis
     cross = numpy.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

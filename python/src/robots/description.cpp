@@ -57,7 +57,8 @@ void bind_robot_description(nb::module_& m) {
       .field("inertial", &Link::inertial)
       .property(
           "joint", [](const Link& l) { return index_or_none(l.joint); }, "The joint that carries it; None: the root.")
-      .field("line", &Link::line);
+      .field("line", &Link::line)
+      .shown({"name", "collision", "visual", "joint"});
   Record<Joint::Mimic>(m, "Mimic", "The joint that another follows: value = multiplier * its value + offset.")
       .property("joint", [](const Joint::Mimic& j) { return index_or_none(j.joint); })
       .field("multiplier", &Joint::Mimic::multiplier)
@@ -113,6 +114,7 @@ void bind_robot_description(nb::module_& m) {
       .field("notes", &Robot::notes, doc::Robot_notes)
       .field("included", &Robot::included, doc::Robot_included)
       .field("ignored", &Robot::ignored, doc::Robot_ignored)
+      .shown({"name", "format", "links", "joints", "own"})
       .python()
       .def(
           "find_link", [](const Robot& r, std::string_view name) { return index_or_none(r.find_link(name)); },

@@ -65,7 +65,8 @@ void bind_robot_fit(nb::module_& m) {
           "inner", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).inner, self); },
           doc::LinkSpheres_inner)
       .field("inner_volume", &LinkSpheres::inner_volume, doc::LinkSpheres_inner_volume)
-      .field("notes", &LinkSpheres::notes);
+      .field("notes", &LinkSpheres::notes)
+      .shown({"link", "spheres", "inner", "notes"});
   Record<RobotSpheres>(m, "RobotSpheres", "Spheres for a robot.")
       .field("links", &RobotSpheres::links, doc::RobotSpheres_links)
       .field("notes", &RobotSpheres::notes, doc::RobotSpheres_notes)
@@ -73,6 +74,7 @@ void bind_robot_fit(nb::module_& m) {
       .property("sphere_count", [](const RobotSpheres& r) { return r.sphere_count(); })
       .property(
           "covered", [](const RobotSpheres& r) { return r.covered(); }, "Are all links covered, proven?")
+      .shown({"links", "sphere_count", "inner_count", "covered", "notes"})
       .python()
       .def(
           "with_inner_spheres", [](const RobotSpheres& r) { return r.with_inner_spheres(); },

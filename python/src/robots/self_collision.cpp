@@ -40,7 +40,8 @@ void bind_robot_self_collision(nb::module_& m) {
   Record<SelfCollision>(m, "SelfCollision", "Pairs of links that a planner need not test against each other.")
       .field("ignored", &SelfCollision::ignored, doc::SelfCollision_ignored)
       .field("samples", &SelfCollision::samples, doc::SelfCollision_samples)
-      .field("pairs", &SelfCollision::pairs, doc::SelfCollision_pairs);
+      .field("pairs", &SelfCollision::pairs, doc::SelfCollision_pairs)
+      .shown({"ignored", "samples", "pairs"});
   m.def(
       "find_ignored",
       [](const robot::Robot& robot, const robot::RobotSpheres& spheres, std::size_t samples, std::uint64_t seed,

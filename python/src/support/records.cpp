@@ -38,13 +38,18 @@ nb::dict to_dict(nb::handle record) {
 
 nb::str to_text(nb::handle record) {
   std::string text = nb::cast<std::string>(nb::object(nb::handle(record.type()).attr("__name__"))) + "(";
+  const bool in_short = nb::hasattr(record, "_shown");
   bool first = true;
-  for (nb::handle name : nb::borrow<nb::tuple>(nb::object(record.attr("_fields")))) {
+  for (nb::handle name : nb::borrow<nb::tuple>(nb::object(record.attr(in_short ? "_shown" : "_fields")))) {
     const nb::object value = record.attr(nb::str(name));
     text += (first ? "" : ", ") + nb::cast<std::string>(nb::str(name)) + "=";
     first = false;
-    text += nb::hasattr(value, "dtype") ? "<" + nb::cast<std::string>(nb::str(nb::object(value.attr("shape")))) + ">"
-                                        : nb::cast<std::string>(nb::repr(value));
+    if (nb::hasattr(value, "dtype"))
+      text += "<" + nb::cast<std::string>(nb::str(nb::object(value.attr("shape")))) + ">";
+    else if (in_short && PyList_Check(value.ptr()))
+      text += "<" + std::to_string(nb::len(value)) + ">";
+    else
+      text += nb::cast<std::string>(nb::repr(value));
   }
   return nb::str((text + ")").c_str());
 }

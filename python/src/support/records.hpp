@@ -4,6 +4,7 @@
 // form.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,13 @@ class Record {
   Record& property(const char* name, const Get& get, const char* text = "") {
     class_.def_prop_ro(name, get, nb::rv_policy::automatic, text);
     names_.append(name);
+    return *this;
+  }
+  /// Prints these fields alone, lists by their lengths: for records that hold many others.
+  Record& shown(std::initializer_list<const char*> names) {
+    nb::list all;
+    for (const char* name : names) all.append(name);
+    class_.attr("_shown") = nb::tuple(all);
     return *this;
   }
   /// For queries of one's own beside the fields.
