@@ -25,13 +25,14 @@ from ._morula import version as __version__
 # Named twice, for type checkers: these names are the package's.
 from .display import Page as Page
 from .display import page as page
+from .display import page_of_scenes as page_of_scenes
 from .studies import Study as Study
 from .studies import study as study
 
 # A module of the package, which says why where there are no robots.
 globals().pop("robot", None)
 
-__all__ = [name for name in dir(_morula) if not name.startswith("_") and name != "robot"] + ["Page", "Study", "__version__", "page", "study"]
+__all__ = [name for name in dir(_morula) if not name.startswith("_") and name != "robot"] + ["Page", "Study", "__version__", "page", "page_of_scenes", "study"]
 
 _MODULES = ("batch", "ipctk", "plot", "robot", "typing", "usd")
 

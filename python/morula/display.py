@@ -52,6 +52,17 @@ def page(
     return Page(_morula.page_html(mesh, built, frames, rules=list(rules), title=title, measured=measured))
 
 
+def page_of_scenes(scenes: Sequence[_morula.PageScene], *, title: str = "Morula", study: str = "") -> Page:
+    """The page of several bodies, motions, trees or rules, of which the reader chooses one.
+
+    scenes: of `follow_motion()` or `show_spheres()`, or made from spheres as `PageScene`. study: the text of a study.json.
+    RuntimeError, with the remedy, where the package was built without the page.
+    """
+    if not _morula.has_page():
+        raise RuntimeError(f"no page: {_morula.why_no_page()}")
+    return Page(_morula.make_page(scenes, title=title, study=study))
+
+
 def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
     """The levels of a tree side by side, seen along its box's shortest side."""
     import numpy

@@ -10,8 +10,19 @@
 from __future__ import annotations
 
 from . import _morula
+from .display import Page
 
 if not hasattr(_morula, "robot"):
     raise ImportError("morula.robot: this package was built without robots: it needs tinyxml2 (docs/python.md)")
 
 from ._morula.robot import *  # noqa: E402, F403
+
+
+def page(robot: _morula.robot.Robot, spheres: _morula.robot.RobotSpheres, self_collision: _morula.robot.SelfCollision | None = None) -> Page:
+    """The page of a robot, which the reader moves joint by joint; it names links whose spheres meet, but for the pairs left out.
+
+    RuntimeError, with the remedy, where the package was built without the page.
+    """
+    if not _morula.has_page():
+        raise RuntimeError(f"no page: {_morula.why_no_page()}")
+    return Page(_morula.robot.page_html(robot, spheres, self_collision))

@@ -213,6 +213,27 @@ void bind_accuracy(nb::module_& m) {
               "positions: morula.typing.FloatArray | None = None, *, workers: Workers | None = None) -> Coverage"),
       doc::coverage);
   bind_meter(m);
+  nb::class_<FitSampler>(m, "FitSampler", doc::FitSampler)
+      .def(
+          "__init__",
+          [](FitSampler* self, MeshGiven given, std::size_t interior, std::size_t surface, std::size_t of_a_sphere,
+             std::uint64_t seed, Threads* workers) {
+            const auto mesh = mesh_of(given);
+            FitSampler made = without_gil([&] {
+              return FitSampler(*mesh, {interior, surface, of_a_sphere, seed}, CallWorkers(workers));
+            });
+            new (self) FitSampler(std::move(made));
+          },
+          nb::arg("mesh"), nb::kw_only(), nb::arg("interior") = 10000, nb::arg("surface") = 5000,
+          nb::arg("of_a_sphere") = 200, nb::arg("seed") = 1, nb::arg("workers") = nb::none(),
+          with_arguments(doc::FitSampler_FitSampler, {{"interior", doc::SampleCounts_interior}}).c_str())
+      .def(
+          "measure",
+          [](const FitSampler& self, ArrayGiven rows, Threads* workers) {
+            const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
+            return without_gil([&] { return self.measure(spheres, CallWorkers(workers)); });
+          },
+          nb::arg("spheres"), nb::arg("workers") = nb::none(), doc::FitSampler_measure);
   Record<BallProtrusion>(m, "BallProtrusion", "How far one ball sticks out of the object, between bounds.")
       .field("lower", &BallProtrusion::lower, doc::BallProtrusion_lower)
       .field("upper", &BallProtrusion::upper, doc::BallProtrusion_upper);

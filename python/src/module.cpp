@@ -44,6 +44,7 @@ NB_MODULE(_morula, m) {
   bind_kdop_tree(m);
   bind_looseness_estimate(m);
   bind_shapes(m);
+  bind_power_diagram(m);
   bind_accuracy(m);
   bind_contacts(m);
   bind_collider(m);
@@ -65,12 +66,16 @@ NB_MODULE(_morula, m) {
   bind_topology(m);
   bind_grains(m);
   bind_io(m);
+  bind_streams(m);
   bind_files(m);
 #ifdef MORULA_PYTHON_ROBOT
   bind_robots(m);
 #endif
   bind_page(m);
 #ifdef MORULA_PYTHON_COMMAND
+#ifdef MORULA_PYTHON_PAGE
+  bind_pages_together(m);
+#endif
   bind_command(m);
   bind_study(m);
 #endif

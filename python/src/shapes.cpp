@@ -3,7 +3,6 @@
 // Questions about a mesh as it stands: distances, insides, volumes of balls, medial balls.
 #include <morula/medial/inner_balls.hpp>
 #include <morula/morula.hpp>
-#include <morula/query/power_diagram.hpp>
 
 #include "holders.hpp"
 #include "module.hpp"
@@ -85,6 +84,13 @@ void bind_shapes(nb::module_& m) {
           },
           nb::arg("mesh"), nb::arg("workers") = nb::none(), doc::TriangleBvh_TriangleBvh)
       .def_prop_ro("facet_count", &TriangleBvh::facet_count)
+      .def_prop_ro(
+          "bounding_box",
+          [](const TriangleBvh& self) {
+            const Box box = self.bounding_box();
+            return std::make_tuple(box.lower, box.upper);
+          },
+          "Lower and upper corner.")
       .def(
           "closest_points",
           [](const TriangleBvh& self, ArrayGiven given, Threads* workers) {
@@ -107,55 +113,6 @@ void bind_shapes(nb::module_& m) {
           },
           nb::arg("points"), nb::arg("accuracy") = 2.0, nb::arg("workers") = nb::none(),
           doc::TriangleBvh_winding_number);
-
-  struct HeldDiagram {
-    std::unique_ptr<const std::vector<Sphere>> spheres;  // which the diagram borrows
-    PowerDiagram diagram;
-  };
-  nb::class_<HeldDiagram>(m, "PowerDiagram", doc::PowerDiagram)
-      .def(
-          "__init__",
-          [](HeldDiagram* self, ArrayGiven given) {
-            auto spheres = std::make_unique<const std::vector<Sphere>>(spheres_of(given.object, "spheres"));
-            if (spheres->empty()) throw std::invalid_argument("spheres: at least one is needed");
-            PowerDiagram diagram = without_gil([&] { return PowerDiagram(*spheres); });
-            new (self) HeldDiagram{std::move(spheres), std::move(diagram)};
-          },
-          nb::arg("spheres"), "Copies them: (n, 4), at least one. O(n log n).")
-      .def(
-          "owners",
-          [](const HeldDiagram& self, ArrayGiven given, Threads* workers) {
-            const std::vector<Vec3> points = points_of(given.object, "points");
-            return own_indices(without_gil([&] {
-              std::vector<std::uint32_t> owners(points.size());
-              CallWorkers call(workers);
-              parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) owners[i] = self.diagram.owner(points[i]);
-              });
-              return owners;
-            }));
-          },
-          nb::arg("points"), nb::arg("workers") = nb::none(),
-          (std::string("Of each point (n, 3). ") + doc::PowerDiagram_owner).c_str())
-      .def(
-          "candidates",
-          [](const HeldDiagram& self, ArrayGiven given) {
-            const std::vector<Vec3> corners = points_of(given.object, "triangle");
-            if (corners.size() != 3) throw std::invalid_argument("triangle: shape (3, 3) is needed");
-            std::vector<std::uint32_t> found;
-            self.diagram.candidates({corners[0], corners[1], corners[2]}, found);
-            return own_indices(std::move(found));
-          },
-          nb::arg("triangle"), doc::PowerDiagram_candidates)
-      .def(
-          "least_growth",
-          [](const HeldDiagram& self, ArrayGiven given) {
-            const std::vector<Vec3> points = points_of(given.object, "points");
-            if (points.empty()) throw std::invalid_argument("points: at least one is needed");
-            const PowerDiagram::Growth growth = self.diagram.least_growth(points);
-            return std::make_pair(growth.sphere, growth.amount);
-          },
-          nb::arg("points"), (std::string("A sphere and an amount. ") + doc::PowerDiagram_least_growth).c_str());
 
   nb::class_<SignedDistance>(m, "SignedDistance", "Signed distance to a mesh at rest: negative inside.")
       .def(

@@ -280,3 +280,14 @@ def test_ctrl_c_ends_a_build():
     child.send_signal(signal.SIGINT)
     said, _ = child.communicate(timeout=120)
     assert said == "interrupted\n" and child.returncode == 5
+
+
+def test_rules_by_level_have_names():
+    rules = ["traditional", "approach2", "exact"]
+    assert [morula.rule_of_level(rules, level) for level in range(5)] == [*rules, "exact", "exact"]
+    described = morula.describe_rules(rules, 4)
+    assert all(rule in described for rule in rules) and morula.describe_rules(["exact"], 4) == "exact"
+    with pytest.raises(ValueError, match="rules"):
+        morula.rule_of_level([], 0)
+    with pytest.raises(ValueError, match="rules"):
+        morula.describe_rules(["none"], 1)

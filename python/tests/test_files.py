@@ -167,6 +167,75 @@ def test_power_diagrams_are_those_of_numpy(built):
     assert owners[0] in diagram.candidates(points[:1].repeat(3, axis=0) + 1e-9 * numpy.eye(3))
 
 
+def test_facets_fall_apart_into_cells(built):
+    """Pieces tile the facet, and no sphere has less power at a sample of a piece than its owner."""
+    spheres = numpy.array([[0, 0, 0, 1], [1, 0, 0, 1], [0, 1, 0, 0.8], [9, 9, 9, 0.1]], float)
+    triangle = numpy.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2]])
+    cut = morula.cut_by_power(triangle, spheres)
+    assert len(cut) == len(cut.owner) == len(cut.corner_begin) - 1 and sorted(cut.owner.tolist()) == [0, 1, 2]
+    pieces = [cut.polygon(k) for k in range(len(cut))]
+    assert numpy.array_equal(numpy.concatenate(pieces), cut.corners)
+
+    def area(polygon):
+        return sum(abs(numpy.linalg.det([polygon[0], p, q])) for p, q in zip(polygon[1:], polygon[2:]))
+
+    assert numpy.isclose(sum(map(area, pieces)), 1)
+    generator = numpy.random.default_rng(6)
+    for owner, polygon in zip(cut.owner, pieces):
+        points = generator.dirichlet(numpy.ones(len(polygon)), 50) @ polygon @ triangle
+        powers = ((points[:, None] - spheres[:, :3]) ** 2).sum(axis=2) - spheres[:, 3] ** 2
+        assert (powers[:, owner] <= powers.min(axis=1) + 1e-12).all()
+    whole = morula.PowerDiagram(spheres).cut(triangle)
+    assert numpy.array_equal(whole.corners, cut.corners) and numpy.array_equal(whole.owner, cut.owner)
+    # A part of it, and spheres that may own it; a cut is the same from both sides of an edge.
+    half = morula.cut_by_power(triangle, spheres, numpy.array([[1, 0, 0], [0, 1, 0], [0, 0.5, 0.5]]), candidates=numpy.array([1, 2]))
+    assert set(half.owner.tolist()) <= {1, 2} and numpy.isclose(sum(area(half.polygon(k)) for k in range(len(half))), 0.5)
+    beside = morula.cut_by_power(triangle[[1, 0, 2]] + [[0, 0, 0], [0, 0, 0], [0, -2, 0]], spheres, vertices=[1, 0, 3])
+    on_edge = {tuple(c[:2]) for c in cut.corners if c[2] == 0}
+    assert on_edge == {(c[1], c[0]) for c in beside.corners if c[2] == 0} and len(on_edge) == 3
+    for wrong in (dict(polygon=numpy.eye(3)[:1]), dict(candidates=numpy.arange(0)), dict(candidates=numpy.array([4]))):
+        with pytest.raises((ValueError, IndexError)):
+            morula.cut_by_power(triangle, spheres, **wrong)
+    with pytest.raises(ValueError, match="triangle"):
+        morula.PowerDiagram(spheres).cut(triangle[:2])
+    with pytest.raises(IndexError):
+        cut.polygon(len(cut))
+
+
+def test_frames_are_read_and_written_one_at_a_time(limb, built, motion, tmp_path):
+    for path in (tmp_path / "motion.npy", tmp_path / "frames"):
+        with morula.MotionWriter(path, limb, len(motion)) as writer:
+            for positions in motion:
+                writer.write(positions)
+        read = morula.Motion(path, limb)
+        assert len(read) == len(motion) and numpy.array_equal(read[-1], motion[-1]) and read.frame_name(2)
+        assert numpy.array_equal(numpy.stack(list(read)), morula.read_motion(path, limb))
+        numpy.testing.assert_allclose(read[3], motion[3], atol=1e-15)
+        with pytest.raises(IndexError):
+            read[len(motion)]
+    body = morula.Body(limb, built)
+    with morula.SphereFramesWriter(tmp_path / "spheres.npz", built.tree, len(motion)) as writer:
+        for positions in motion:
+            body.update(positions)
+            writer.write(body.copy_spheres())
+    assert numpy.array_equal(morula.read_sphere_frames(tmp_path / "spheres.npz").spheres, morula.Body(limb, built).follow(motion))
+    # Nothing is there of a block that raised, or had too few frames; nothing is written afterwards.
+    with pytest.raises(ZeroDivisionError):
+        with morula.MotionWriter(tmp_path / "never.npy", limb, 2) as writer:
+            writer.write(motion[0])
+            1 / 0
+    with pytest.raises(OSError):
+        with morula.SphereFramesWriter(tmp_path / "never.npz", built.tree, 2) as writer:
+            writer.write(built.spheres)
+    with pytest.raises(ValueError, match="finished"):
+        writer.write(built.spheres)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["frames", "motion.npy", "spheres.npz"]
+    with pytest.raises(ValueError, match="positions"):
+        morula.MotionWriter(tmp_path / "never.npy", limb, 1).write(motion[0][:-1])
+    with pytest.raises(ValueError, match="spheres"):
+        morula.SphereFramesWriter(tmp_path / "never.npz", built.tree, 1).write(built.spheres[:-1])
+
+
 def test_looseness_meters_say_what_looseness_says(limb, built, motion):
     meter = morula.LoosenessMeter(limb)
     assert meter.has_volume

@@ -107,6 +107,72 @@ def test_a_walk_sees_every_contact(pair):
         morula.walk_pairs(*pair, lambda a, b, final: 1 / 0)
 
 
+def test_a_front_is_kept_and_taken_up_again(pair):
+    whole = morula.ContactQuery()
+    whole.add(*pair)
+    expected = whole.run()
+    query = morula.ContactQuery(budget=60)
+    query.add(*pair)
+    begun = query.start()
+    assert not begun.is_finished
+    front = query.front()
+    assert front == query.front() and front.waiting_count > 0 and front.pair_count == 1 and "waiting" in repr(front)
+    query.set_budget(None)
+    assert query.resume().is_finished and query.front() != front
+    # Another query goes on from where the first one stood.
+    other = morula.ContactQuery()
+    other.add(*pair)
+    other.set_front(front)
+    found = other.resume()
+    assert found.is_finished and sorted(zip(found.node_a, found.node_b)) == sorted(zip(expected.node_a, expected.node_b))
+    lonely = morula.ContactQuery()
+    lonely.set_front(front)
+    with pytest.raises(ValueError):
+        lonely.resume()
+
+
+def test_shapes_print_as_the_calls_that_make_them():
+    floor, rod = morula.HalfSpace((0, 0, 2), 3), morula.Capsule((0, 0, 0), (1, 0, 0), 0.5)
+    assert repr(floor) == "HalfSpace(normal=(0.0, 0.0, 2.0), offset=3.0)" and floor.normal == (0, 0, 2) and floor.offset == 3
+    assert repr(rod) == "Capsule(p=(0.0, 0.0, 0.0), q=(1.0, 0.0, 0.0), radius=0.5)" and (rod.p, rod.q, rod.radius) == ((0, 0, 0), (1, 0, 0), 0.5)
+
+
+def test_components_are_inside_or_not():
+    bar = morula.sample_body("bar", 8)
+    body = morula.Body(bar, morula.build(bar, quality="fast"))
+    lower, upper = map(numpy.array, morula.bounding_box(bar))
+    small = numpy.array(bar.positions) * 0.2
+    center = (lower + upper) / 2
+    two = morula.Mesh(
+        numpy.concatenate([small - small.mean(axis=0) + center, small + upper + 1]),
+        numpy.concatenate([bar.facets, bar.facets + len(small)]),
+    )
+    other = morula.Body(two, morula.build(two, quality="fast"))
+    inside = morula.InsideQuery(body).components_inside(other, morula.component_vertices(two))
+    assert inside.inside == [True, False] and inside.certified and inside.any and not inside.all
+    assert morula.InsideQuery(body).components_inside(body, morula.component_vertices(bar)).inside in ([True], [False])
+    with pytest.raises(IndexError, match="vertices"):
+        morula.InsideQuery(body).components_inside(other, numpy.array([two.vertex_count]))
+
+
+def test_samplers_and_estimators_say_what_single_calls_say(limb, built, motion):
+    spheres = built.level(1)
+    sampled = morula.measure_spheres(limb, spheres, resolution=16, with_sampled_fit=True).sampled
+    sampler = morula.FitSampler(limb)
+    assert sampler.measure(spheres) == sampled == sampler.measure(spheres, morula.Workers(2))
+    bare = spheres * [1, 1, 1, 0.6]
+    assert morula.FitSampler(limb, seed=2).measure(bare).surface_gap_mean != sampler.measure(bare).surface_gap_mean > 0
+    estimator = morula.LoosenessEstimator(limb)
+    body = morula.Body(limb, built)
+    for positions in motion[:3]:
+        body.update(positions)
+        assert numpy.array_equal(estimator.estimate(body, positions), morula.estimate_looseness(body, positions))
+    with pytest.raises(ValueError, match="vertices"):
+        estimator.estimate(body, motion[0][:-1])
+    with pytest.raises(ValueError):
+        morula.LoosenessEstimator(limb, 3)
+
+
 def test_distance_lies_between_its_bounds(limb, built):
     tool = morula.sample_body("tool", 12)
     a, b = morula.Collider(morula.Body(limb, built)), morula.Collider(morula.Body(tool, morula.build(tool, quality="fast")))

@@ -99,6 +99,21 @@ void bind_contact_query(nb::module_& m) {
           },
           "(n,) uint8: morula.FrontPairState of each.")
       .table([](const FrontPairs& self) { return self.rows.size(); });
+  nb::class_<Front>(m, "Front", doc::Front)
+      .def_ro("margin", &Front::margin)
+      .def_prop_ro(
+          "pair_count", [](const Front& self) { return self.pairs.size(); }, "Of bodies.")
+      .def_prop_ro(
+          "opened_count", [](const Front& self) { return self.opened.size(); }, "Pairs of nodes.")
+      .def_prop_ro(
+          "waiting_count", [](const Front& self) { return self.waiting.size(); }, doc::Front_waiting)
+      .def(
+          "__eq__", [](const Front& self, const Front& other) { return self == other; }, nb::arg("other"),
+          nb::is_operator())
+      .def("__repr__", [](const Front& self) {
+        return "<morula.Front: " + std::to_string(self.opened.size()) + " pairs opened, " +
+               std::to_string(self.waiting.size()) + " waiting>";
+      });
   nb::class_<HeldContactQuery> query(m, "ContactQuery", doc::ContactQuery);
   query
       .def(
@@ -176,7 +191,14 @@ void bind_contact_query(nb::module_& m) {
             self.ask([&](ContactQuery& q) { q.cut(cut.rows); });
             return cut;
           },
-          doc::ContactQuery_cut);
+          doc::ContactQuery_cut)
+      .def(
+          "front", [](HeldContactQuery& self) { return self.locked([](ContactQuery& q) { return q.front(); }); },
+          (std::string("A copy. ") + doc::Front).c_str())
+      .def(
+          "set_front",
+          [](HeldContactQuery& self, const Front& front) { self.locked([&](ContactQuery& q) { q.set_front(front); }); },
+          nb::arg("front"), doc::ContactQuery_set_front);
 
   m.def(
       "collide",

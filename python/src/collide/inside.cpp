@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points and balls inside a body.
 #include <morula/morula.hpp>
+#include <mutex>
+#include <vector>
 
 #include "held_query.hpp"
 #include "holders.hpp"
@@ -73,6 +75,26 @@ void bind_inside(nb::module_& m) {
             return probe;
           },
           nb::arg("ball"), doc::InsideQuery_probe)
+      .def(
+          "components_inside",
+          [](HeldInside& self, ColliderGiven given, ArrayGiven numbers) {
+            const auto other = side_of(given, "other");
+            const std::vector<std::uint32_t> vertices = indices_of(numbers.object, "vertices");
+            Containment found;
+            without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              std::vector<const Side*> sides = self.seen.current();
+              sides.push_back(other.get());
+              const Reading reading(sides);
+              const Collider& asked = other->current();
+              for (const std::uint32_t vertex : vertices)
+                if (vertex >= asked.vertex_count()) throw nb::index_error("vertices: there is no such vertex");
+              self.query.components_inside(asked, vertices, found);
+            });
+            require(found.status);
+            return found;
+          },
+          nb::arg("other"), nb::arg("vertices"), doc::InsideQuery_components_inside)
       .def_prop_ro("is_oriented", [](const HeldInside& self) { return self.query.is_oriented(); });
   m.def(
       "component_vertices", [](MeshGiven given) { return own_indices(component_vertices(*mesh_of(given))); },

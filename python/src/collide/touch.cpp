@@ -1,13 +1,30 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A body and a half space, a capsule, a hull or a ball.
+#include <initializer_list>
 #include <morula/morula.hpp>
+#include <string>
 
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
 
 namespace morula::python {
+
+namespace {
+
+/// As the call that makes it.
+std::string shown(nb::handle shape, std::initializer_list<const char*> names) {
+  std::string text = nb::cast<std::string>(nb::object(nb::handle(shape.type()).attr("__name__")));
+  const char* before = "(";
+  for (const char* name : names) {
+    text += std::string(before) + name + "=" + nb::cast<std::string>(nb::repr(nb::object(shape.attr(name))));
+    before = ", ";
+  }
+  return text + ")";
+}
+
+}  // namespace
 
 void bind_touch(nb::module_& m) {
   nb::class_<HalfSpace>(m, "HalfSpace", doc::HalfSpace)
@@ -16,14 +33,25 @@ void bind_touch(nb::module_& m) {
           [](HalfSpace* self, Vec3 normal, double offset) {
             new (self) HalfSpace{normal, offset};
           },
-          nb::arg("normal") = Vec3{0, 0, 1}, nb::arg("offset") = 0.0);
+          nb::arg("normal") = Vec3{0, 0, 1}, nb::arg("offset") = 0.0)
+      .def_ro("normal", &HalfSpace::normal)
+      .def_ro("offset", &HalfSpace::offset)
+      .def("__repr__", [](nb::handle self) {
+        return shown(self, {"normal", "offset"});
+      });
   nb::class_<Capsule>(m, "Capsule", doc::Capsule)
       .def(
           "__init__",
           [](Capsule* self, Vec3 p, Vec3 q, double radius) {
             new (self) Capsule{p, q, radius};
           },
-          nb::arg("p"), nb::arg("q"), nb::arg("radius"));
+          nb::arg("p"), nb::arg("q"), nb::arg("radius"))
+      .def_ro("p", &Capsule::p)
+      .def_ro("q", &Capsule::q)
+      .def_ro("radius", &Capsule::radius)
+      .def("__repr__", [](nb::handle self) {
+        return shown(self, {"p", "q", "radius"});
+      });
   Record<TouchingFacet>(m, "TouchingFacet", doc::TouchingFacet)
       .field("point", &TouchingFacet::point)
       .field("depth", &TouchingFacet::depth, doc::TouchingFacet_depth)

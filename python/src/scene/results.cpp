@@ -9,7 +9,7 @@
 
 #include "module.hpp"
 #include "records.hpp"
-#include "rows.hpp"
+#include "scene_rows.hpp"
 
 namespace morula::python {
 

@@ -14,7 +14,7 @@
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
-#include "rows.hpp"
+#include "scene_rows.hpp"
 
 namespace morula::python {
 

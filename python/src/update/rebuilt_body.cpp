@@ -3,6 +3,7 @@
 // Bodies that build their tree anew for the present pose, and how loose a body has become.
 #include <memory>
 #include <morula/morula.hpp>
+#include <mutex>
 #include <string_view>
 
 #include "holders.hpp"
@@ -11,6 +12,16 @@
 #include "records.hpp"
 
 namespace morula::python {
+
+namespace {
+
+struct HeldEstimator {
+  LoosenessEstimator estimator;
+  std::size_t vertex_count;
+  std::mutex mutex;
+};
+
+}  // namespace
 
 void bind_rebuilt_body(nb::module_& m) {
   Record<RebuildReport>(m, "RebuildReport", doc::RebuildReport)
@@ -115,6 +126,37 @@ void bind_rebuilt_body(nb::module_& m) {
 }
 
 void bind_looseness_estimate(nb::module_& m) {
+  nb::class_<HeldEstimator>(m, "LoosenessEstimator", doc::LoosenessEstimator)
+      .def(
+          "__init__",
+          [](HeldEstimator* self, MeshGiven given, std::size_t sample_count) {
+            const auto rest = mesh_of(given, "rest");
+            LoosenessEstimator made = without_gil([&] { return LoosenessEstimator(*rest, sample_count); });
+            new (self) HeldEstimator{std::move(made), rest->vertex_count(), {}};
+          },
+          nb::arg("rest"), nb::arg("sample_count") = LoosenessEstimator::default_samples,
+          doc::LoosenessEstimator_LoosenessEstimator)
+      .def(
+          "estimate",
+          [](HeldEstimator& self, const PosedBody& body, PositionsGiven given) {
+            const Positions positions(given.object, "positions");
+            if (positions.view().size() != self.vertex_count || body.owned->vertex_count() != self.vertex_count)
+              throw std::invalid_argument("positions, body: " + std::to_string(self.vertex_count) +
+                                          " vertices are needed");
+            return own_numbers(without_gil([&] {
+              const std::scoped_lock lock(self.mutex);
+              const std::shared_lock reading(body.mutex);
+              std::vector<double> looseness(body.owned->rest_tree().level_count());
+              self.estimator.pose(positions.view());
+              self.estimator.estimate(*body.owned, looseness);
+              return looseness;
+            }));
+          },
+          nb::arg("body"), nb::arg("positions"),
+          "Looseness of every level set of a body, from the root; object volumes. The root's is exact where it "
+          "contains "
+          "the object. positions: those of the body's last update, finite. The same bits on every run. Cost: linear in "
+          "facets (the volume) and samples.");
   m.def(
       "estimate_looseness",
       [](const PosedBody& body, PositionsGiven given) {

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Update rules, and what an update and a binding report.
 #include <morula/morula.hpp>
+#include <morula/update/rule_levels.hpp>
 #include <string>
 #include <vector>
 
+#include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
 
@@ -50,6 +52,24 @@ void bind_rules(nb::module_& m) {
   m.def(
       "rule_table", [] { return std::vector<RuleTraits>(rule_table.begin(), rule_table.end()); },
       "What is known of each rule.");
+  const auto rules_of = [](const std::vector<std::string>& names) {
+    if (names.empty()) throw std::invalid_argument("rules: at least one is needed");
+    std::vector<Rule> rules;
+    for (const std::string& rule : names) rules.push_back(choice<Rule>(rule, "rules", rule_from_name, all_rules()));
+    return rules;
+  };
+  m.def(
+      "rule_of_level",
+      [rules_of](const std::vector<std::string>& rules, std::size_t level) {
+        return std::string(name(rule_of_level(rules_of(rules), level)));
+      },
+      nb::arg("rules"), nb::arg("level"), doc::rule_of_level);
+  m.def(
+      "describe_rules",
+      [rules_of](const std::vector<std::string>& rules, std::size_t level_count) {
+        return describe_rules(rules_of(rules), level_count);
+      },
+      nb::arg("rules"), nb::arg("level_count"), doc::describe_rules);
 }
 
 }  // namespace morula::python
