@@ -78,8 +78,25 @@ namespace {
 constexpr std::initializer_list<std::pair<const char*, Axis>> axes{
     {"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}, {"automatic", Axis::automatic}};
 
+/// What it was made with, and its printed form.
+template <class Kind, class Member>
+void bind_number(nb::class_<Kind>& type, const char* name, Member Kind::*member) {
+  type.def_prop_ro(
+      name, [member](const Kind& self) -> Member { return self.*member; }, nb::rv_policy::automatic);
+}
 template <class Kind>
 void bind_deformation(nb::class_<Kind>& type) {
+  if constexpr (requires(const Kind& kind) { kind.axis; }) {
+    type.def_prop_ro(
+        "axis",
+        [](const Kind& self) {
+          for (const auto& [text, axis] : axes)
+            if (axis == self.axis) return text;
+          return "automatic";
+        },
+        "x, y, z or automatic.");
+  }
+  if constexpr (requires(const Kind& kind) { kind.degrees; }) bind_number(type, "degrees", &Kind::degrees);
   type.def("__repr__", [](const Kind& self) { return "<morula: " + describe(Deformation(self)) + ">"; });
 }
 
@@ -126,6 +143,14 @@ void bind_deformations(nb::module_& m) {
         new (self) Rotate{degrees, choice<Axis>(axis, "axis", axes)};
       },
       nb::arg("degrees") = 90.0, nb::arg("axis") = "automatic");
+  bind_number(stretch, "factor", &Stretch::factor);
+  bind_number(stretch, "shrink", &Stretch::shrink);
+  bind_number(poke, "center", &Poke::center);
+  bind_number(poke, "push", &Poke::push);
+  bind_number(poke, "radius", &Poke::radius);
+  bind_number(noise, "amplitude", &Noise::amplitude);
+  bind_number(noise, "wavelength", &Noise::wavelength);
+  bind_number(noise, "seed", &Noise::seed);
   bind_deformation(stretch);
   bind_deformation(twist);
   bind_deformation(bend);

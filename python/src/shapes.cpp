@@ -141,6 +141,21 @@ void bind_shapes(nb::module_& m) {
           (std::string("(n,) float64, mesh units, negative inside. points: (n, 3). ") + doc::SignedDistance_call)
               .c_str())
       .def(
+          "is_inside",
+          [](const SignedDistance& self, ArrayGiven given, Threads* workers) {
+            const std::vector<Vec3> points = points_of(given.object, "points");
+            auto [inside, owner] = kept(without_gil([&] {
+              std::vector<std::uint8_t> flags(points.size());
+              CallWorkers call(workers);
+              parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) flags[i] = self.is_inside(points[i]);
+              });
+              return flags;
+            }));
+            return Flags(reinterpret_cast<const bool*>(inside->data()), {inside->size()}, owner);
+          },
+          nb::arg("points"), nb::arg("workers") = nb::none(), "(n,) bool: is the distance negative? points: (n, 3).")
+      .def(
           "protrusion_bound", [](const SignedDistance& self, Sphere ball) { return self.protrusion_bound(ball); },
           nb::arg("ball"), doc::SignedDistance_protrusion_bound)
       .def(

@@ -291,3 +291,5 @@ def test_rules_by_level_have_names():
         morula.rule_of_level([], 0)
     with pytest.raises(ValueError, match="rules"):
         morula.describe_rules(["none"], 1)
+    assert {row.name: row.reads for row in morula.rule_table()}["wrapped"] == "children"
+    assert [row.reads for row in morula.rule_table() if row.name in ("traditional", "exact", "modal")] == ["links", "corners", "nothing"]

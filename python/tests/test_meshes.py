@@ -110,3 +110,11 @@ def test_transforms_are_matrices():
     assert numpy.allclose(turn.matrix @ [1, 0, 0, 1], [1, 3, 3, 1])
     assert morula.RigidTransform(turn.matrix) == turn and pickle.loads(pickle.dumps(turn)) == turn
     assert numpy.allclose((turn.inverse().matrix @ turn.matrix), numpy.eye(4))
+
+
+def test_deformations_say_what_they_are():
+    stretch, poke, noise = morula.Stretch(3, shrink=0.25, axis="y"), morula.Poke(radius=0.5), morula.Noise(0.1, 0.5, seed=7)
+    assert (stretch.factor, stretch.shrink, stretch.axis) == (3, 0.25, "y")
+    assert [(kind(30).degrees, kind(30).axis) for kind in (morula.Bend, morula.Twist, morula.Rotate)] == [(30, "automatic")] * 3
+    assert (poke.center, poke.push, poke.radius) == ((0.5, 0.5, 1), (0, 0, -0.15), 0.5)
+    assert (noise.amplitude, noise.wavelength, noise.seed) == (0.1, 0.5, 7)

@@ -208,7 +208,9 @@ def test_a_box_is_where_it_is():
     query = morula.InsideQuery(body)
     assert numpy.array_equal(query.inside(points), inside)
     assert query.locate(points[0]).inside == inside[0] and query.probe((0, 0, 0, 0.1)).inside
+    assert query.locate(points[0]).sphere_tests > 0
     distances = morula.SignedDistance(bar)(points)
+    assert numpy.array_equal(morula.SignedDistance(bar).is_inside(points, morula.Workers(2)), inside)
     outside = numpy.linalg.norm(numpy.maximum(numpy.maximum(lower - points, points - upper), 0), axis=1)
     assert numpy.array_equal(distances < 0, inside) and numpy.allclose(distances[~inside], outside[~inside])
     with pytest.raises(ValueError, match="directions"):

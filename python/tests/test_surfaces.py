@@ -47,6 +47,14 @@ sides = {
 }
 
 
+def test_directions_lead_from_one_to_the_other(surfaces):
+    found = morula.proximity(*surfaces, distance=0.05)
+    apart = found.distance > 0
+    between = found.point_b - found.point_a
+    numpy.testing.assert_allclose(found.direction[apart] * found.distance[apart, None], between[apart], atol=1e-12)
+    assert not found.direction[~apart].any() and apart.any() and found[0]["direction"].shape == (3,)
+
+
 @pytest.mark.parametrize("kind", queries)
 @pytest.mark.parametrize("workers", [None, 2])
 def test_what_a_budget_leaves_out_is_open_and_found_later(surfaces, kind, workers):

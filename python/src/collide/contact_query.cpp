@@ -109,7 +109,7 @@ void bind_contact_query(nb::module_& m) {
           "waiting_count", [](const Front& self) { return self.waiting.size(); }, doc::Front_waiting)
       .def(
           "__eq__", [](const Front& self, const Front& other) { return self == other; }, nb::arg("other"),
-          nb::is_operator())
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__repr__", [](const Front& self) {
         return "<morula.Front: " + std::to_string(self.opened.size()) + " pairs opened, " +
                std::to_string(self.waiting.size()) + " waiting>";

@@ -23,7 +23,9 @@ void bind_inside(nb::module_& m) {
       .field("inside", &PointLocation::inside, doc::PointLocation_inside)
       .field("on_surface", &PointLocation::on_surface, doc::PointLocation_on_surface)
       .field("winding", &PointLocation::winding, doc::PointLocation_winding)
-      .field("certified", &PointLocation::certified, doc::PointLocation_certified);
+      .field("certified", &PointLocation::certified, doc::PointLocation_certified)
+      .field("sphere_tests", &PointLocation::sphere_tests)
+      .field("facet_tests", &PointLocation::facet_tests);
   Record<Probe>(m, "Probe", doc::Probe)
       .field("inside", &Probe::inside, doc::Probe_inside)
       .field("touches", &Probe::touches, doc::Probe_touches)

@@ -79,7 +79,15 @@ void bind_pair_records(nb::module_& m) {
       .property("weights_a", near_column3(&ProximityPair::weights_a), doc::ProximityPair_weights_a)
       .property("weights_b", near_column3(&ProximityPair::weights_b), doc::ProximityPair_weights_a)
       .property("point_a", near_column3(&ProximityPair::point_a), "(n, 3) float64, mesh units.")
-      .property("point_b", near_column3(&ProximityPair::point_b), "(n, 3) float64, mesh units.");
+      .property("point_b", near_column3(&ProximityPair::point_b), "(n, 3) float64, mesh units.")
+      .property(
+          "direction",
+          [](const ProximityPairs& self) {
+            std::vector<Vec3> directions;
+            for (const ProximityPair& pair : self.pairs) directions.push_back(pair.direction());
+            return own_points(std::move(directions));
+          },
+          doc::ProximityPair_direction);
   Record<SweptPairs> swept_pairs(m, "SweptPairs", "Pairs of features that may meet within a step.");
   pair_columns(swept_pairs);
   swept_pairs.property(

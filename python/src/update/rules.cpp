@@ -32,6 +32,22 @@ void bind_rules(nb::module_& m) {
                          : t.follows == RuleTraits::Follows::modes   ? "modes"
                                                                      : "bones";
                 })
+      .property(
+          "reads",
+          [](const RuleTraits& t) {
+            switch (t.reads) {
+              case RuleTraits::Reads::corners:
+                return "corners";
+              case RuleTraits::Reads::links:
+                return "links";
+              case RuleTraits::Reads::children:
+                return "children";
+              case RuleTraits::Reads::nothing:
+                break;
+            }
+            return "nothing";
+          },
+          doc::RuleTraits_Reads)
       .field("covers", &RuleTraits::covers, doc::RuleTraits_covers);
   m.def(
       "all_rules",
