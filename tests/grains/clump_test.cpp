@@ -13,6 +13,7 @@
 #include <numbers>
 #include <sstream>
 #include <support/meshes.hpp>
+#include <support/parity.hpp>
 
 namespace morula {
 namespace {
@@ -49,22 +50,6 @@ TEST(Clump, covers_every_kind_of_mesh_with_no_more_spheres_than_asked_for) {
   }
 }
 
-/// Points thrown into each ball must be inside the mesh, by the parity of crossings along a ray: no distance is asked.
-bool parity_inside(const Mesh& mesh, const Vec3& p) {
-  const Vec3 direction = normalized(Vec3{0.57, 0.31, 0.76});
-  bool inside = false;
-  for (const Facet& facet : mesh.facets) {
-    const Vec3 a = mesh.positions[facet[0]], ab = mesh.positions[facet[1]] - a, ac = mesh.positions[facet[2]] - a;
-    const Vec3 h = cross(direction, ac);
-    const double det = dot(ab, h);
-    if (det == 0) continue;
-    const Vec3 s = p - a;
-    const double u = dot(s, h) / det, v = dot(direction, cross(s, ab)) / det, t = dot(ac, cross(s, ab)) / det;
-    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) inside = !inside;
-  }
-  return inside;
-}
-
 TEST(Clump, inner_spheres_stay_inside_and_fill_more_the_more_there_are) {
   Random random(3);
   for (const std::string body : {"limb", "torus", "blob", "tool"}) {
@@ -80,7 +65,7 @@ TEST(Clump, inner_spheres_stay_inside_and_fill_more_the_more_there_are) {
         EXPECT_EQ(object.protrusion_bound(narrowed(ball)), 0) << body;
         for (int i = 0; i < 20; ++i) {
           const Vec3 direction = normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
-          EXPECT_TRUE(parity_inside(mesh, ball.center + ball.radius * direction)) << body;
+          EXPECT_TRUE(test::parity_inside(mesh, ball.center + ball.radius * direction)) << body;
         }
       }
       ASSERT_TRUE(clump.missed_volume.has_value());

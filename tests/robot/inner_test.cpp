@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <support/parity.hpp>
 #include <support/scratch_folder.hpp>
 
 namespace morula::test {
@@ -19,22 +20,6 @@ namespace {
 
 const robot::Robot the_arm = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
 const robot::Robot the_gripper = robot::read_robot(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
-
-/// By the parity of crossings along a ray that meets no edge of the meshes below.
-bool parity_inside(const Mesh& mesh, const Vec3& p) {
-  const Vec3 direction = normalized(Vec3{0.571, 0.3117, 0.7613});
-  bool inside = false;
-  for (const Facet& facet : mesh.facets) {
-    const Vec3 a = mesh.positions[facet[0]], ab = mesh.positions[facet[1]] - a, ac = mesh.positions[facet[2]] - a;
-    const Vec3 h = cross(direction, ac);
-    const double det = dot(ab, h);
-    if (det == 0) continue;
-    const Vec3 s = p - a;
-    const double u = dot(s, h) / det, v = dot(direction, cross(s, ab)) / det, t = dot(ac, cross(s, ab)) / det;
-    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) inside = !inside;
-  }
-  return inside;
-}
 
 /// Is a point of a link inside a shape, by the shape's own equation?
 bool is_inside(const robot::Robot& robot, const robot::Shape& shape, const Vec3& point) {

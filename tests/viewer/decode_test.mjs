@@ -3,17 +3,11 @@
 // What the page decodes is what the command encoded: meshes and spheres read from other files of the same run.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { at, check, claim, equal, finish, morula } from './support.mjs';
-import { PageError, Varints, checksum, decodeMotion, decodeScene, fromBase64, readBytes, readManifest } from '../../viewer/src/decode.js';
+import { elements, isRefused } from './page.mjs';
+import { Varints, checksum, decodeMotion, decodeScene, fromBase64, readBytes, readManifest } from '../../viewer/src/decode.js';
 import { distanceOutside, sphereGrid } from '../../viewer/src/bare.js';
 import { SceneList } from '../../viewer/src/model.js';
 
-/** text(id) of a page, without a browser. */
-function elements(html) {
-  return (id) => {
-    const found = new RegExp(`<script [^>]*id="${id}">([^<]*)</script>`).exec(html);
-    return found ? found[1] : null;
-  };
-}
 function obj(path) {
   const vertices = [];
   const facets = [];
@@ -25,14 +19,6 @@ function obj(path) {
   return { vertices, facets };
 }
 const digits = (frame) => String(frame).padStart(4, '0');
-const throws = (f) => {
-  try {
-    f();
-  } catch (error) {
-    return error instanceof PageError;
-  }
-  return false;
-};
 
 morula('sample limb -o limb.obj --resolution 16');
 morula('build limb.obj -o limb.morula --method grid --depth 2');
@@ -122,7 +108,7 @@ await claim('varints_of_all_sizes_come_back', () => {
   }
   const numbers = new Varints(Uint8Array.from(bytes));
   for (const value of values) equal(numbers.next() + 0, value, 'varint');
-  check(throws(() => numbers.next()), 'nothing is read past the end');
+  check(isRefused(() => numbers.next()), 'nothing is read past the end');
 });
 
 await claim('base64_and_checksum_agree_with_known_answers', () => {
@@ -138,12 +124,12 @@ await claim('every_damage_is_told', () => {
   const packed = text(entry.data.id);
   const middle = html.indexOf(packed) + Math.floor(packed.length / 2);
   const changed = html.slice(0, middle) + (html[middle] === 'A' ? 'B' : 'A') + html.slice(middle + 1);
-  check(throws(() => new SceneList(readManifest(elements(changed)), elements(changed)).scene(0)), 'one changed character');
-  check(throws(() => readManifest(elements(html.slice(0, middle)))), 'half a file');
-  check(throws(() => readManifest(elements(html.replace('"format":1', '"format":99')))), 'a newer format');
-  check(throws(() => readManifest(elements('<html></html>'))), 'no data');
+  check(isRefused(() => new SceneList(readManifest(elements(changed)), elements(changed)).scene(0)), 'one changed character');
+  check(isRefused(() => readManifest(elements(html.slice(0, middle)))), 'half a file');
+  check(isRefused(() => readManifest(elements(html.replace('"format":1', '"format":99')))), 'a newer format');
+  check(isRefused(() => readManifest(elements('<html></html>'))), 'no data');
   const short = html.replace(packed, packed.slice(0, -8));
-  check(throws(() => new SceneList(readManifest(elements(short)), elements(short)).scene(0)), 'data cut short');
+  check(isRefused(() => new SceneList(readManifest(elements(short)), elements(short)).scene(0)), 'data cut short');
 });
 
 await claim('nothing_in_the_lock_file_names_a_server', () => {

@@ -133,8 +133,7 @@ int run_scene(const CollideArguments& o) {
     throw UsageError(fmt::format("--scene {}: --self and --within are for one or two bodies", o.scene));
   if (const std::string given = given_of_two(o); !given.empty())
     throw UsageError(fmt::format("--scene {}: {} is for two bodies; leave it out", o.scene, given));
-  const std::vector<Rule> rules = parse_rules(o.rule);
-  require_position_rules(rules);
+  require_position_rules(parse_rules(o.rule));
   if (!(o.margin >= 0)) throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
   return collide_scene({.file = o.scene,
                         .options = {.level = o.level,
@@ -142,12 +141,11 @@ int run_scene(const CollideArguments& o) {
                                     .budget = parse_budget(o.budget),
                                     .surfaces = !o.exact,
                                     .exact = o.exact},
-                        .rules = rules,
+                        .rule = o.rule,
                         .sph_origin = o.sph_origin,
                         .budget = o.budget,
                         .output = o.output,
                         .page = o.page,
-                        .rule = o.rule,
                         .threads = o.threads,
                         .json = o.json});
 }

@@ -119,8 +119,7 @@ struct SceneFrame {
 
 using Members = std::vector<std::unique_ptr<SceneMember>>;
 
-Members read_members(const SceneRun& run, Workers& workers) {
-  const std::vector<SceneFileBody> files = read_scene_file(run.file);
+Members read_members(const SceneRun& run, const std::vector<SceneFileBody>& files, Workers& workers) {
   std::map<std::pair<std::filesystem::path, std::filesystem::path>, std::shared_ptr<Model>> models;
   Members members;
   for (const SceneFileBody& file : files) {
@@ -133,7 +132,8 @@ Members read_members(const SceneRun& run, Workers& workers) {
     model->built = paths.second.empty() ? build(model->mesh, {.quality = Quality::fast}, workers)
                                         : read_covered_tree(paths.second, model->mesh, reading, workers);
   }
-  for (const auto& member : members) member->prepare(run.rules, workers);
+  const std::vector<Rule> rules = parse_rules(run.rule);
+  for (const auto& member : members) member->prepare(rules, workers);
   return members;
 }
 
@@ -248,10 +248,10 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
 }  // namespace
 
 int collide_scene(const SceneRun& run) {
+  const std::vector<SceneFileBody> files = read_scene_file(run.file);
   if (!run.output.empty() || !run.page.empty()) {
     std::vector<std::filesystem::path> inputs{run.file};
-    for (const SceneFileBody& body : read_scene_file(run.file))
-      inputs.insert(inputs.end(), {body.mesh, body.tree, body.motion});
+    for (const SceneFileBody& body : files) inputs.insert(inputs.end(), {body.mesh, body.tree, body.motion});
     if (!run.output.empty()) {
       if (extension(run.output) != ".csv")
         throw UsageError(fmt::format("-o {}: contacts are written as .csv", run.output));
@@ -261,7 +261,7 @@ int collide_scene(const SceneRun& run) {
     require_page(run.page, inputs);
   }
   Workers workers = make_workers(run.threads);
-  const Members members = read_members(run, workers);
+  const Members members = read_members(run, files, workers);
   Scene scene(run.options);
   std::size_t count = 1;
   for (std::size_t i = 0; i < members.size(); ++i) {

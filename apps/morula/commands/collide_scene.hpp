@@ -4,21 +4,18 @@
 #pragma once
 
 #include <morula/scene/scene.hpp>
-#include <morula/update/rules.hpp>
 #include <string>
-#include <vector>
 
 namespace morula::cli {
 
 struct SceneRun {
   std::string file;
   SceneOptions options;
-  std::vector<Rule> rules;
+  std::string rule;  ///< one, or one per level with commas between
   std::string sph_origin;
   std::string budget;  ///< as given
   std::string output;
   std::string page;
-  std::string rule;  ///< as given
   unsigned threads = 0;
   bool json = false;
 };

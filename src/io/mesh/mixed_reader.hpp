@@ -28,7 +28,7 @@ class MixedReader {
   std::size_t bytes_left() const { return bytes_.size() - at_; }
   std::size_t at() const { return at_; }
   void seek(std::size_t at) { at_ = at; }
-  /// Where the text begins next, npos for nowhere.
+  /// Where the text begins next; std::string_view::npos when it does not.
   std::size_t find(std::string_view text) const { return bytes_.find(text, at_); }
 
   /// The rest of this line without blanks at its ends, whatever the mode; steps over its end.
