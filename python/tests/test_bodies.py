@@ -197,6 +197,45 @@ def test_boxes_of_a_kdop_tree_hold_their_vertices(limb, built, motion):
     assert (along.min(axis=0) >= tree.lower[0]).all() and (along.max(axis=0) <= tree.upper[0]).all()
 
 
+def test_spheres_around_kdops_are_asked_as_those_of_bodies(limb, built, motion):
+    tree, body = morula.KDopTree(limb, built, 14), morula.Body(limb, built)
+    spheres = tree.posed()
+    for positions in motion[1:4]:
+        tree.update(positions)
+        body.update(positions)
+        tree.pose(spheres)
+        copied = spheres.copy_spheres()
+        assert spheres.covers and morula.certify(built.cover, positions, copied)
+        # They hold the boxes' corners.
+        low, high = (numpy.array(side)[:, :3] + tree.origin for side in (tree.lower, tree.upper))
+        corner = numpy.maximum(abs(low - copied[:, :3]), abs(high - copied[:, :3]))
+        assert (numpy.linalg.norm(corner, axis=1) <= copied[:, 3] * (1 + 1e-6)).all()
+        one, other = morula.Collider(limb, built, spheres), morula.Collider(body)
+        one.set_positions(positions)
+        one.place((0.0, 0.3, 0.0))
+        assert numpy.array_equal(morula.crossings(one, other).facet_a, morula.crossings(placed(body, (0.0, 0.3, 0.0)), other).facet_a)
+    assert numpy.array_equal(tree.posed().copy_spheres(), copied)
+    with pytest.raises(ValueError, match="spheres"):
+        tree.pose(morula.PosedSpheres(morula.build(limb, method="octree", depth=1).tree))
+
+
+def placed(body, translation):
+    collider = morula.Collider(body)
+    collider.place(translation)
+    return collider
+
+
+def test_colliders_know_where_their_vertices_are(limb, built, motion):
+    body = morula.Body(limb, built)
+    body.update(motion[2])
+    collider = morula.Collider(body)
+    turn = morula.RigidTransform.from_axis((0, 0, 1), 0.5, (1, 2, 3))
+    collider.place(turn)
+    numpy.testing.assert_allclose(collider.vertices(), motion[2] @ turn.matrix[:3, :3].T + [1, 2, 3], atol=1e-12)
+    with pytest.raises(ValueError, match="set_positions"):
+        morula.Collider(morula.PosedSpheres(built.tree)).vertices()
+
+
 def test_two_threads_update_two_bodies(limb, built, motion):
     expected = morula.Body(limb, built).follow(motion)
     results = [None, None]

@@ -1,7 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Colliders: a body, or spheres, placed in the world.
+#include <cstdint>
+#include <memory>
 #include <morula/morula.hpp>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "docstrings.hpp"
 #include "holders.hpp"
@@ -73,6 +80,20 @@ void bind_collider(nb::module_& m) {
           doc::Collider_has_current_positions)
       .def_prop_ro(
           "has_surface", [](const Side& self) { return self.collider->has_surface(); }, doc::Collider_has_surface)
+      .def(
+          "vertices",
+          [](const Side& self) {
+            return own_points(without_gil([&] {
+              const std::shared_lock lock(self.posed->mutex);
+              const Collider& collider = self.current();
+              if (!collider.has_current_positions())
+                throw std::invalid_argument("the positions of the present frame are not known: set_positions()");
+              std::vector<Vec3> all(collider.vertex_count());
+              for (std::uint32_t v = 0; v < all.size(); ++v) all[v] = collider.vertex(v);
+              return all;
+            }));
+          },
+          (std::string("(vertices, 3) float64: a copy of all. ") + doc::Collider_vertex).c_str())
       .def(
           "facets",
           [](const Side& self, std::uint32_t node) {

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Trees of k-DOPs, which follow their vertices as bodies do.
+#include <memory>
 #include <morula/morula.hpp>
+#include <mutex>
 #include <shared_mutex>
+#include <stdexcept>
 #include <utility>
 
 #include "docstrings.hpp"
@@ -58,6 +61,29 @@ void bind_kdop_tree(nb::module_& m) {
             return status;
           },
           nb::arg("positions"), nb::arg("workers") = nb::none(), doc::KDopTree_update)
+      .def(
+          "posed",
+          [](const HeldDops& self) {
+            auto spheres = std::make_shared<PosedRows>();
+            spheres->owned = without_gil([&] {
+              const std::unique_lock lock(self.mutex);  // it works in memory of its own
+              return std::make_unique<PosedSpheres>(self.tree.posed());
+            });
+            return spheres;
+          },
+          doc::KDopTree_posed)
+      .def(
+          "pose",
+          [](const HeldDops& self, PosedRows& spheres) {
+            if (spheres.owned->pose().spheres.size() != self.tree.node_count())
+              throw std::invalid_argument("spheres: those of another tree; posed() makes some");
+            without_gil([&] {
+              const std::unique_lock lock(self.mutex);  // it works in memory of its own
+              const std::unique_lock writing(spheres.mutex);
+              self.tree.pose(*spheres.owned);
+            });
+          },
+          nb::arg("spheres"), doc::KDopTree_pose)
       .def_prop_ro("k", [](const HeldDops& self) { return self.tree.k(); })
       .def_prop_ro("node_count", [](const HeldDops& self) { return self.tree.node_count(); })
       .def_prop_ro(
