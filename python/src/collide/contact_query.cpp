@@ -60,7 +60,7 @@ Contacts asked(HeldContactQuery& self, Threads* workers, bool keep, const Call& 
   require(self.ask(workers, [&](ContactQuery& query, Workers& threads) {
     if (self.seen.exclusive) {
       CollideOptions options = self.options;
-      reach_by(options, self.seen.current());
+      reach_by(options, self.seen.all());
       query.set_options(std::move(options));
     }
     const ContactStatus status = call(query, threads);

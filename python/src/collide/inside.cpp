@@ -85,9 +85,10 @@ void bind_inside(nb::module_& m) {
             Containment found;
             without_gil([&] {
               const std::scoped_lock lock(self.mutex);
-              std::vector<const Side*> sides = self.seen.current();
+              std::vector<const Side*> sides = self.seen.all();
               sides.push_back(other.get());
               const Reading reading(sides);
+              self.seen.sides.front()->current();
               const Collider& asked = other->current();
               for (const std::uint32_t vertex : vertices)
                 if (vertex >= asked.vertex_count()) throw nb::index_error("vertices: there is no such vertex");

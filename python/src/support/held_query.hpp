@@ -74,16 +74,17 @@ struct SeenSides {
   std::vector<std::shared_ptr<Side>> sides;
   bool exclusive = false;  // the query brings spheres up to date itself
 
-  /// Throws RuntimeError when a body has another tree now.
-  std::vector<const Side*> current() const {
-    std::vector<const Side*> all;
-    for (const auto& side : sides) {
-      side->current();
-      all.push_back(side.get());
-    }
-    return all;
+  std::vector<const Side*> all() const {
+    std::vector<const Side*> found;
+    for (const auto& side : sides) found.push_back(side.get());
+    return found;
   }
-  Reading reading() const { return Reading(current(), exclusive); }
+  /// Throws RuntimeError when a body has another tree now.
+  Reading reading() const {
+    Reading locked(all(), exclusive);
+    for (const auto& side : sides) side->current();
+    return locked;
+  }
 };
 
 /// A query of surfaces, with options of which one is a function of Python's.
