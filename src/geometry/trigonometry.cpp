@@ -50,6 +50,9 @@ double angle_below_diagonal(double short_leg, double long_leg) {
 }  // namespace
 
 SinCos sin_cos(double radians) {
+  if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
+  // Whole turns are taken away exactly, of 2π as a double has it. Below, the number of quarter turns fits an integer.
+  if (std::abs(radians) > 0x1p30) radians = std::remainder(radians, 0x1.921fb54442d18p+2);
   // π/2 in three parts of 33 bits or fewer: products with small integers are exact.
   constexpr double high = 0x1.921fb544p+0, middle = 0x1.0b4611a6p-34, low = 0x1.3198a2e037073p-69;
   const double turns = std::nearbyint(radians * 0.63661977236758134308);

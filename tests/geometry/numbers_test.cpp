@@ -3,6 +3,7 @@
 // Trigonometry, random numbers and samples: the same on every machine, and right.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
@@ -11,6 +12,7 @@
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/trigonometry.hpp>
+#include <numbers>
 
 #include "geometry/hash.hpp"
 
@@ -27,6 +29,23 @@ TEST(SinCos, agrees_with_extended_precision) {
     const SinCos found = sin_cos(x);
     ASSERT_NEAR(found.sin, static_cast<double>(std::sin(static_cast<long double>(x))), 3e-16) << x;
     ASSERT_NEAR(found.cos, static_cast<double>(std::cos(static_cast<long double>(x))), 3e-16) << x;
+  }
+}
+
+TEST(SinCos, of_any_number_is_of_one_angle_or_none) {
+  for (const double x : {1e9, 0x1p30, 0x1.0000001p30, 0x1p63, 1e19, 1.48e109, std::numeric_limits<double>::max()})
+    for (const double radians : {x, -x}) {
+      const SinCos found = sin_cos(radians);
+      EXPECT_NEAR(found.sin * found.sin + found.cos * found.cos, 1, 1e-15) << radians;
+      // Whole turns of 2π as a double has it make no difference.
+      const SinCos left = sin_cos(std::remainder(radians, 2 * std::numbers::pi));
+      EXPECT_NEAR(found.sin, left.sin, 1e-15 + 1e-16 * std::min(std::abs(radians), 0x1p30)) << radians;
+      EXPECT_NEAR(found.cos, left.cos, 1e-15 + 1e-16 * std::min(std::abs(radians), 0x1p30)) << radians;
+    }
+  for (const double none : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(std::isnan(sin_cos(none).sin)) << none;
+    EXPECT_TRUE(std::isnan(sin_cos(none).cos)) << none;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "io/byte_reader.hpp"
 
@@ -13,6 +14,13 @@ namespace {
 
 std::size_t width_of(int type) {
   return type == TINYGLTF_TYPE_SCALAR ? 1 : type == TINYGLTF_TYPE_VEC3 ? 3 : type == TINYGLTF_TYPE_VEC4 ? 4 : 16;
+}
+
+// Counts and offsets are signed in tinygltf before 2.9.
+template <class Number>
+bool is_negative(Number number) {
+  if constexpr (std::is_signed_v<Number>) return number < 0;
+  return false;
 }
 
 }  // namespace
@@ -127,7 +135,8 @@ Accessors::Strided Accessors::strided(int view_index, std::uint64_t offset, int 
 
 void Accessors::replace_sparse(const morula_tinygltf::Accessor& a, std::size_t width, std::vector<double>& values,
                                const std::string& owner) const {
-  if (a.sparse.count < 0 || a.sparse.indices.byteOffset < 0 || a.sparse.values.byteOffset < 0)
+  if (is_negative(a.sparse.count) || is_negative(a.sparse.indices.byteOffset) ||
+      is_negative(a.sparse.values.byteOffset))
     document_.fail(owner + " has a negative count or offset");
   const int type = a.sparse.indices.componentType;
   if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&

@@ -166,6 +166,28 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
   return true;
 }
 
+// How tinygltf reaches files: buffers alone. From 2.9 on it asks for their sizes first.
+template <class Callbacks>
+Callbacks callbacks_for(Container& file) {
+  Callbacks callbacks{};
+  callbacks.FileExists = [](const std::string&, void*) { return true; };
+  callbacks.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  callbacks.ReadWholeFile = read_buffer;
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
+    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string* error, const std::string& uri, void* user) {
+      std::vector<unsigned char> bytes;
+      if (!read_buffer(&bytes, error, uri, user)) return false;
+      *size = bytes.size();
+      return true;
+    };
+  }
+  callbacks.user_data = &file;
+  return callbacks;
+}
+
 morula_tinygltf::Model decoded(Container& file) {
   Json json = cut_down(file);
   // The chunk may be up to three bytes longer than its buffer.
@@ -181,9 +203,7 @@ morula_tinygltf::Model decoded(Container& file) {
     }
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   morula_tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks(
-      {[](const std::string&, void*) { return true; }, [](const std::string& name, void*) { return name; }, read_buffer,
-       [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }, &file});
+  loader.SetFsCallbacks(callbacks_for<morula_tinygltf::FsCallbacks>(file));
   morula_tinygltf::Model model;
   std::string error, warning;
   bool good = false;

@@ -50,9 +50,14 @@ struct Remainders {
   const float *in_axes[3], *at_rest[3];
 };
 
-/// What the radii of a frame allow for (Rounding::allowances).
+/// What the radii of a frame allow for (Rounding::allowances). rounding.hpp proves that it is enough.
 struct RadiusAllowances {
-  double coordinate, per_coordinate, least;
+  double coordinate;      ///< of the origin and the points
+  double per_coordinate;  ///< a length, for every unit of that and of the centre's coordinates
+  double least;           ///< a length, whatever the centre
+
+  /// What a distance is multiplied with that was squared in float, and what is added for squares that vanish.
+  static constexpr double of_distance = 1 + 0x1p-22, of_underflow = 0x1p-62;
 };
 
 /// How many vertices ahead of the one at work are fetched.

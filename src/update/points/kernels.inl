@@ -243,9 +243,9 @@ void covering_radii(const float* squared, const float* norms, std::size_t count,
   for (std::size_t i = 0; i < count; ++i) {
     const double farthest = __builtin_sqrt(static_cast<double>(squared[i]));
     const double mesh_coordinate = allowances.coordinate + static_cast<double>(norms[i]);
-    const double pad = allowances.least + allowances.per_coordinate * mesh_coordinate + 0x1p-62;
+    const double pad = allowances.least + allowances.per_coordinate * mesh_coordinate + RadiusAllowances::of_underflow;
     // rounded_up, of positive numbers
-    const double exact = farthest * (1 + 0x1p-22) + pad;
+    const double exact = farthest * RadiusAllowances::of_distance + pad;
     const float nearest = static_cast<float>(exact);
     const std::uint32_t below = static_cast<double>(nearest) < exact ? 1u : 0u;
     radii[i] = __builtin_bit_cast(float, __builtin_bit_cast(std::uint32_t, nearest) + below);

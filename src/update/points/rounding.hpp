@@ -64,14 +64,14 @@ struct Rounding {
   /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
   /// is.
   float covering_radius(float squared_distance, const Vec3f& center) const {
+    const RadiusAllowances allowed = allowances();
     const double farthest = std::sqrt(static_cast<double>(squared_distance));
-    const double mesh_coordinate =
-        largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
-    const double pad = 0x1p-20 * largest_coordinate + (0x1p-48 + 6 * weight_slack) * mesh_coordinate + 0x1p-62;
-    return rounded_up(farthest * (1 + 0x1p-22) + pad);
+    const double mesh_coordinate = allowed.coordinate + static_cast<double>(max_norm(center));
+    const double pad = allowed.least + allowed.per_coordinate * mesh_coordinate + RadiusAllowances::of_underflow;
+    return rounded_up(farthest * RadiusAllowances::of_distance + pad);
   }
 
-  /// The same for many at once, Kernels::covering_radii.
+  /// What covering_radius allows for, and Kernels::covering_radii, which is the same for many at once.
   RadiusAllowances allowances() const {
     return {largest_origin_coordinate + largest_coordinate, 0x1p-48 + 6 * weight_slack, 0x1p-20 * largest_coordinate};
   }
