@@ -236,8 +236,9 @@ struct PenetrationQuery::State {
     for (std::size_t i = next; i < cells.size(); ++i) add(cells[i], shares[i]);
     for (std::size_t i = 0; i < parts.size(); ++i) add(parts[i], part_shares[i]);
     if (guess > 0) result.center = moment / guess;
-    // Sums and differences of a million volumes are off by 2^-30 of the largest.
-    const double rounding = 0x1p-30 * first_volume;
+    // Sums and differences of a million volumes are off by 2^-30 of the largest, and each volume by 2^-1074: those of
+    // bodies below 10^-107 vanish.
+    const double rounding = 0x1p-30 * first_volume + 0x1p-1050;
     const bool is_empty = cells.size() == next && parts.empty() && sure == 0;
     result.lower = std::max(0.0, lower - rounding);
     result.upper = is_empty ? 0.0 : upper + rounding;

@@ -62,7 +62,7 @@ std::string message(const Status& status) {
     case Code::other_placement:
       return pair + "a body was placed elsewhere since the front was made: call carry() or start()";
     case Code::other_options:
-      return "the front is of another margin or level: call start()";
+      return "what was started is of another margin, level or distance: start anew";
     case Code::bad_front:
       return "the front has indices out of range: call start()";
   }

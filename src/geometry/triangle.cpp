@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/trigonometry.hpp>
+#include <optional>
 
 namespace morula {
 namespace {
@@ -25,6 +27,32 @@ TrianglePoint nearer(const TrianglePoint& a, const TrianglePoint& b) {
   return b.squared_distance < a.squared_distance ? b : a;
 }
 
+// Where p is above the inside of a thin triangle: how high above the longest edge, towards the third corner, and then
+// how far along the line at that height. Both are off by rounding of the longest edge alone, however thin the triangle:
+// what lies along that edge is taken off before anything is measured across.
+std::optional<TrianglePoint> closest_within_sliver(const Triangle& t, const Vec3& p) {
+  std::size_t i = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (squared_distance(t[k], t[(k + 1) % 3]) > squared_distance(t[i], t[(i + 1) % 3])) i = k;
+  const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+  const Vec3 edge = t[j] - t[i], side = t[k] - t[i], way = p - t[i];
+  const double squared = squared_length(edge);
+  const auto across = [&](const Vec3& v) { return v - edge * (dot(v, edge) / squared); };
+  const Vec3 height = across(side);
+  const double up = dot(across(way), height) / squared_length(height);
+  if (!(up > 0 && up < 1)) return std::nullopt;
+  const Vec3 from = t[i] + side * up, along = t[j] + (t[k] - t[j]) * up - from;
+  const double s = dot(p - from, along) / squared_length(along);
+  if (!(s > 0 && s < 1)) return std::nullopt;
+  TrianglePoint result{};
+  result.barycentric[i] = (1 - up) * (1 - s);
+  result.barycentric[j] = (1 - up) * s;
+  result.barycentric[k] = up;
+  result.point = from + along * s;
+  result.squared_distance = squared_distance(result.point, p);
+  return result;
+}
+
 }  // namespace
 
 TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
@@ -41,32 +69,38 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
   const double d5 = dot(ab, cp), d6 = dot(ac, cp);
   if (d6 >= 0 && d5 <= d6) return {t[2], {0, 0, 1}, squared_distance(t[2], p)};
 
-  // Signed areas of the three triangles with p, times twice the facet's. By cross products: differences of products of
-  // dot products lose the small areas of thin facets.
   const Vec3 normal = cross(ab, ac);
-  const double vc = dot(normal, cross(ap, bp));
-  const double vb = dot(normal, cross(cp, ap));
-  const double va = dot(normal, cross(bp, cp));
-  const double sum = squared_length(normal);
-  // In slivers these signs are rounding: all edges are tried instead, and the inside if it claims to be nearest.
-  constexpr double sliver = 1e-6;
-  const bool is_sliver = !(sum > sliver * squared_length(ab) * squared_length(ac));
-  if (!is_sliver) {
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return closest_on_edge(t, 0, 1, p);
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return closest_on_edge(t, 0, 2, p);
-    if (va <= 0 && d4 >= d3 && d5 >= d6) return closest_on_edge(t, 1, 2, p);
+  const double sum = squared_length(normal), to_b = squared_length(ab), to_c = squared_length(ac), sides = to_b * to_c;
+  // Squares of the sine at the first corner. Below the first, signs of areas are rounding: all edges are tried, and the
+  // inside. Below the second, a foot is off by more than rounding, and what is left of it is taken once more.
+  constexpr double sliver = 1e-6, narrow = 1e-2;
+  if (!(sum > sliver * sides)) {
+    const TrianglePoint best =
+        nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
+    const std::optional<TrianglePoint> inside = closest_within_sliver(t, p);
+    return inside ? nearer(best, *inside) : best;
   }
-  TrianglePoint best{};
-  if (!is_sliver || (va > 0 && vb > 0 && vc > 0 && std::isfinite(1 / sum))) {
-    const double v = vb / sum, w = vc / sum;
-    const Vec3 point = t[0] + ab * v + ac * w;
-    best = {point, {1 - v - w, v, w}, squared_distance(point, p)};
-    if (!is_sliver) return best;
-    best = nearer(closest_on_edge(t, 0, 1, p), best);
-  } else {
-    best = closest_on_edge(t, 0, 1, p);
+  // Signed areas of the three triangles with p, times twice the facet's. By cross products: differences of products of
+  // dot products lose the small areas of thin facets. Of an edge with the way from one of its ends: of the ways from
+  // two corners far away, those of needles are lost, too.
+  const double vc = dot(normal, cross(ab, ap));
+  const double vb = dot(normal, cross(ap, ac));
+  const double va = dot(normal, cross(t[2] - t[1], bp));
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return closest_on_edge(t, 0, 1, p);
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return closest_on_edge(t, 0, 2, p);
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return closest_on_edge(t, 1, 2, p);
+  double v = vb / sum, w = vc / sum;
+  if (!(sum > narrow * sides)) {
+    const Vec3 rest = p - (t[0] + ab * v + ac * w);
+    v += dot(normal, cross(rest, ac)) / sum;
+    w += dot(normal, cross(ab, rest)) / sum;
   }
-  return nearer(nearer(best, closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
+  // Of a needle one share is rounding, that of the short side: the other one is kept.
+  double &first = to_b > to_c ? v : w, &second = to_b > to_c ? w : v;
+  first = std::clamp(first, 0.0, 1.0);
+  second = std::clamp(second, 0.0, 1 - first);
+  const Vec3 point = t[0] + ab * v + ac * w;
+  return {point, {std::max(0.0, 1 - v - w), v, w}, squared_distance(point, p)};
 }
 
 double solid_angle(const Triangle& t, const Vec3& p) {

@@ -45,6 +45,12 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
   }
   if (balls.empty()) return {};
   const double edge = box.extent()[box.longest_axis()] / lattice_points;
+  // No lattice: balls that are no larger than what coordinates can tell, or not finite.
+  if (!(edge > 0) || !std::isfinite(edge)) {
+    if (count == 0) return {};
+    return {*std::max_element(balls.begin(), balls.end(),
+                              [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; })};
+  }
   std::array<std::size_t, 3> sides{};
   for (int axis = 0; axis < 3; ++axis) {
     sides[static_cast<std::size_t>(axis)] =

@@ -3,6 +3,7 @@
 #include "scene/pair_front.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/pairs/descent.hpp"
@@ -119,6 +120,7 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
 void PairFront::add_extras(const SceneOptions& options, const Budget& budget) {
   CollideOptions asked = options_for(options, has_front_ ? budget : Budget());
   asked.surfaces = options.surfaces, asked.exact = options.exact;
+  if (options.clock) asked.clock = std::cref(options.clock);
   query_.set_options(std::move(asked));
   is_descended_ = false;
   if (has_front_) {
@@ -126,7 +128,8 @@ void PairFront::add_extras(const SceneOptions& options, const Budget& budget) {
   } else {
     query_.run();
   }
-  extras_are_due = false;
+  // A pair that rests goes on with its surfaces in the next update, where time ended them.
+  extras_are_due = options.surfaces && query_.contacts().surfaces.size() < query_.contacts().finished_count;
 }
 
 std::span<const Contact> PairFront::contacts() const {

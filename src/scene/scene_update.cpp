@@ -15,6 +15,8 @@ constexpr std::size_t quantum = 512;
 // With fewer tests than one block of eight by eight nodes a round is not worth it.
 constexpr std::size_t least_budget = 64;
 constexpr std::size_t fewest_parted_fronts = 64;
+// Roots that only just overlap share nothing, or by rounding less than that, and would wait for ever.
+constexpr double least_share = 0x1p-10;
 
 bool is_earlier(const PairFront* x, const PairFront* y) {
   return std::pair(x->id_a(), x->id_b()) < std::pair(y->id_a(), y->id_b());
@@ -172,8 +174,8 @@ void SceneState::look_at_roots(Workers& workers) {
     front.tests = 0;
     if (extras_anew && front.is_current()) front.extras_are_due = true;
     if (front.is_finished()) continue;
-    front.importance = bodies[pair.a].options.weight * bodies[pair.b].options.weight * front.overlap_share() *
-                       (1.0 + front.updates_left_out);
+    front.importance = bodies[pair.a].options.weight * bodies[pair.b].options.weight *
+                       std::max(least_share, front.overlap_share()) * (1.0 + front.updates_left_out);
     ++front.updates_left_out;
     work_.push_back(&front);
   }

@@ -68,11 +68,18 @@ class FeatureQuery {
     candidates_ = 0;
     return go_on(options, workers, narrow);
   }
+  /// reach: as at the start. The filter is read anew: options may have been set since.
   template <class Options, class Narrow>
-  SurfaceQueryStatus resume(const Options& options, Workers& workers, const Narrow& narrow) {
+  SurfaceQueryStatus resume(double reach, const Options& options, Workers& workers, const Narrow& narrow) {
     const StandardFloats standard;
     if (!search_.is_started()) return {{.code = Status::Code::no_front}};
     if (!search_.is_current()) return {{.code = Status::Code::other_frame}};
+    // Pairs that were farther apart are gone.
+    if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
+    SurfaceQueryStatus status;
+    static_cast<Status&>(status) =
+        filter_.start(options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b());
+    if (!status) return status;
     return go_on(options, workers, narrow);
   }
 
@@ -81,6 +88,8 @@ class FeatureQuery {
   const std::vector<OpenFacets>& open() const { return open_; }
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
+  /// Of what was found.
+  double reach() const { return ask_.reach; }
 
  private:
   template <class Options, class Narrow>

@@ -64,10 +64,19 @@ struct Corners {
   Sphere sphere() const { return size == 1 ? Sphere{from[0], 0} : sphere_about({from[0], from[1], from[2]}); }
 };
 
+/// What was not found of another question is gone.
+struct Asked {
+  double margin = 0;
+  ObstacleFeatures features = ObstacleFeatures::facets;
+  explicit Asked(const ObstacleOptions& options) : margin(options.margin), features(options.features) {}
+  bool operator==(const Asked&) const = default;
+};
+
 }  // namespace
 
 struct ObstacleQuery::State {
   ObstacleOptions options;
+  Asked asked{options};
   const Obstacle* obstacle = nullptr;
   ObstacleSearch<ObstacleContact> search;
 
@@ -110,6 +119,7 @@ SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle
   const StandardFloats standard;
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
   state_->obstacle = &obstacle;
+  state_->asked = Asked(state_->options);
   state_->search.start(surface.state());
   return state_->go_on(workers);
 }
@@ -117,6 +127,7 @@ SurfaceQueryStatus ObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
+  if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
   return state_->go_on(workers);
 }
 
@@ -129,6 +140,7 @@ const std::vector<std::span<const std::uint32_t>>& ObstacleQuery::open() const {
 
 struct SweptObstacleQuery::State {
   ObstacleOptions options;
+  Asked asked{options};
   const Obstacle* obstacle = nullptr;
   Vec3 motion;
   ObstacleSearch<ObstacleImpact> search;
@@ -184,6 +196,7 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
   if (!is_finite(motion) || !(max_norm(motion) < greatest_usable_scale)) return {{.code = Status::Code::bad_option}};
   state_->obstacle = &obstacle;
+  state_->asked = Asked(state_->options);
   state_->motion = motion;
   state_->search.start(surface.state());
   return state_->go_on(workers);
@@ -192,6 +205,7 @@ SurfaceQueryStatus SweptObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
+  if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
   return state_->go_on(workers);
 }
 

@@ -89,8 +89,12 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
     // added to bounds by 2^-24 when it becomes a float. All of it is below 2^-22 of the largest number that occurs.
     // Bounds are rounded outwards; the sum of a bound and what is added to it, rounded to nearest, is on the same side
     // of any float as the sum itself.
-    const double largest = this->a().extent + this->b().extent + max_norm(shift) + reach;
-    const double pad = reach + 0x1p-22 * largest;
+    // No two boxes are as far apart as that, and it stays finite in float: an empty box, which is infinite, meets
+    // nothing only as long as what is added is finite.
+    constexpr double farthest_apart = 0x1p110;
+    const double near = std::min(reach, farthest_apart);
+    const double largest = this->a().extent + this->b().extent + max_norm(shift) + near;
+    const double pad = near + 0x1p-22 * largest;
     for (int k = 0; k < 3; ++k) {
       reach_.up[k] = static_cast<float>(shift[k] + pad);
       reach_.down[k] = static_cast<float>(shift[k] - pad);

@@ -100,7 +100,9 @@ SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& 
   return state_->run(a.state(), &b.state(), workers);
 }
 SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
-  return state_->ask([&](const auto& narrow) { return state_->query.resume(state_->options, workers, narrow); });
+  const ProximityOptions& options = state_->options;
+  return state_->ask(
+      [&](const auto& narrow) { return state_->query.resume(options.distance, options, workers, narrow); });
 }
 
 std::span<const ProximityPair> ProximityQuery::pairs() const {
@@ -111,12 +113,17 @@ const std::vector<OpenFacets>& ProximityQuery::open() const {
 }
 
 void ProximityQuery::safe_distances(std::span<double> distances) const {
-  std::fill(distances.begin(), distances.end(), 0.5 * state_->options.distance);
   const PairSearch& search = state_->query.search();
+  if (!search.is_started()) return std::fill(distances.begin(), distances.end(), 0.0);
+  // Distances that are computed may be longer than they are, and pairs that are as near as they may be missing.
+  const auto coordinate = [](const SurfaceTreeState& s) { return max_norm(s.origin) + s.extent; };
+  const double rounding = 0x1p-46 * std::max(coordinate(search.a()), coordinate(search.b()));
+  const auto half = [rounding](double distance) { return std::max(0.0, 0.5 * (distance - rounding) * (1 - 0x1p-50)); };
+  std::fill(distances.begin(), distances.end(), half(state_->query.reach()));
   for (const ProximityPair& pair : state_->query.found()) {
     const auto bound = [&](const SurfaceTreeState& s, Feature feature, std::uint32_t number) {
       for (const std::uint32_t v : FeatureVertices(s, feature, number))
-        if (v < distances.size()) distances[v] = std::min(distances[v], 0.5 * pair.distance);
+        if (v < distances.size()) distances[v] = std::min(distances[v], half(pair.distance));
     };
     bound(search.a(), feature_a(pair.kind), pair.a);
     if (search.is_with_itself()) bound(search.b(), feature_b(pair.kind), pair.b);

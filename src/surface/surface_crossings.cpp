@@ -51,7 +51,7 @@ SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const Surface
   return state_->run(a.state(), &b.state(), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
-  return state_->query.resume(state_->options, workers, crossing);
+  return state_->query.resume(0, state_->options, workers, crossing);
 }
 
 std::span<const FeaturePair> SurfaceCrossingQuery::pairs() const {

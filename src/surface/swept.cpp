@@ -41,8 +41,8 @@ struct SweptQuery::State {
     return query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    return options.candidates_only ? candidates.resume(options, workers, candidate)
-                                   : query.resume(options, workers, Impact{options.distance});
+    return options.candidates_only ? candidates.resume(options.distance, options, workers, candidate)
+                                   : query.resume(options.distance, options, workers, Impact{options.distance});
   }
 };
 

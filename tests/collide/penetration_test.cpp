@@ -89,6 +89,23 @@ TEST(Penetration, of_boxes_is_a_box) {
   EXPECT_NEAR(p.estimate, expected, 0.15 * expected);
 }
 
+// 0 says that nothing is shared: it is not to come of volumes that no double holds.
+TEST(Penetration, of_bodies_whose_volume_no_double_holds_is_not_nothing) {
+  const Mesh one = test::box_mesh({-1, -1, -1}, {1, 1, 1}), other = test::box_mesh({0, 0, 0}, {2, 2, 2});
+  PlacedBody a(one), b(other);
+  PenetrationQuery query(a.collider, b.collider);
+  for (const double size : {1e-60, 1e-100, 1e-106, 1e-107, 1e-110, 1e-150}) {
+    const Mesh small = test::scaled(one, size), small_other = test::scaled(other, size);
+    ASSERT_TRUE(a.body.update(small.positions));
+    ASSERT_TRUE(b.body.update(small_other.positions));
+    const Penetration p = query.run({.tolerance = 0, .budget = 2000});
+    ASSERT_TRUE(p.status) << size;
+    EXPECT_GT(p.upper, 0) << size;
+    EXPECT_GE(p.upper, size * size * size) << size;
+    EXPECT_LE(p.lower, size * size * size) << size;
+  }
+}
+
 TEST(Penetration, of_deformed_bodies_holds_what_random_points_find_at_every_interruption) {
   Random random(9);
   std::vector<std::unique_ptr<PlacedBody>> bodies;

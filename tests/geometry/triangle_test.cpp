@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <numbers>
@@ -30,6 +32,31 @@ TEST(Triangle, closest_point_is_nearer_than_every_point_of_a_fine_grid) {
         const Vec3 q = at_barycentric(t, {1.0 * i / n, 1.0 * j / n, 1.0 * (n - i - j) / n});
         EXPECT_LE(found.squared_distance, squared_distance(q, p) + 1e-12);
       }
+  }
+}
+
+// A point above a known place of the triangle is no farther from it than from that place: with every corner as the
+// first one, sides from 1 down to 10^-16, and angles from 90 degrees down to that.
+TEST(Triangle, closest_point_of_needles_and_slivers_is_as_near_as_any) {
+  Random random(11);
+  for (int trial = 0; trial < 60'000; ++trial) {
+    const double width = std::pow(10.0, random.uniform(-16, 0)), height = std::pow(10.0, random.uniform(-14, 0));
+    const Vec3 a = test::random_point(random, 1), b = test::random_point(random, 1);
+    const double along = trial % 3 == 0 ? 0 : trial % 3 == 1 ? 1 : random.uniform(0, 1);
+    const Vec3 c = a + (b - a) * along + test::random_point(random, width);
+    const auto first = static_cast<std::size_t>(trial / 3 % 3);
+    const std::array<Vec3, 3> corners{a, b, c};
+    const Triangle t{corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
+    double u = random.uniform(0, 1), v = random.uniform(0, 1);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Vec3 place = at_barycentric(t, {1 - u - v, u, v});
+    const Vec3 p = place + normalized(cross(t[1] - t[0], t[2] - t[0])) * height;
+    const TrianglePoint found = closest_point(t, p);
+    ASSERT_LE(std::sqrt(found.squared_distance), distance(p, place) + 0x1p-50)
+        << "trial " << trial << ", width " << width << ", height " << height;
+    const auto& weights = found.barycentric;
+    ASSERT_TRUE(weights[0] >= 0 && weights[1] >= 0 && weights[2] >= 0) << trial;
+    ASSERT_LT(distance(at_barycentric(t, weights), found.point), 0x1p-50) << trial;
   }
 }
 

@@ -152,6 +152,32 @@ TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
               std::sqrt(0.05 * 0.05 + 0.03 * 0.03 + 0.02 * 0.02) - 0.01, 1e-6);
 }
 
+TEST(FitSpheres, kept_spheres_cover_only_where_they_do_so_as_floats) {
+  robot::Robot ball;
+  ball.name = "ball";
+  ball.root = 0;
+  ball.links.resize(1);
+  ball.links[0].name = "ball";
+  robot::Shape shape;
+  shape.kind = robot::Shape::Kind::sphere;
+  shape.radius = 0.7;  // as a float it is less
+  ball.links[0].collision = {shape};
+  const auto kept = [&](double radius) {
+    return robot::fit_spheres(ball, {.kept = {{"ball", {Sphere{{0, 0, 0}, radius}}}}});
+  };
+  EXPECT_FALSE(kept(0.7).covered());
+  EXPECT_TRUE(kept(0.701).covered());
+  // So for polyhedra: the corner of a box, and the sphere through it.
+  shape.kind = robot::Shape::Kind::box;
+  shape.size = {2.4, 3.2, 0.0001};
+  ball.links[0].collision = {shape};
+  const double corner = length(0.5 * shape.size) * (1 + 1e-15);
+  ASSERT_LT(static_cast<float>(corner), length(0.5 * shape.size));
+  EXPECT_FALSE(kept(corner).covered());
+  EXPECT_GT(kept(corner).links[0].figures.gap, 0);
+  EXPECT_TRUE(kept(corner * (1 + 1e-6)).covered());
+}
+
 TEST(FitSpheres, same_bits_for_any_number_of_workers) {
   Workers three(3);
   const robot::RobotSpheres one = robot::fit_spheres(arm_robot, {.total = 50}),

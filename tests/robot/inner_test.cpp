@@ -8,10 +8,12 @@
 #include <array>
 #include <cmath>
 #include <morula/geometry/random.hpp>
+#include <morula/io/mesh_file.hpp>
 #include <morula/robot/output.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <support/meshes.hpp>
 #include <support/parity.hpp>
 #include <support/scratch_folder.hpp>
 
@@ -75,6 +77,34 @@ TEST(InnerSpheres, every_one_is_inside_a_shape_of_its_link) {
       }
     }
   }
+}
+
+// Two meshes, each by itself a solid, and one mesh of the same facets, of which the inner ones are a cavity.
+TEST(InnerSpheres, a_cavity_is_not_filled_because_another_link_has_the_same_facets) {
+  const ScratchFolder folder;
+  const Mesh wall = box_mesh({-1, -1, -1}, {1, 1, 1}, 2),
+             hole = inverted(box_mesh({-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}));
+  write_mesh(folder.path() / "wall.obj", wall);
+  write_mesh(folder.path() / "hole.obj", hole);
+  write_mesh(folder.path() / "both.obj", joined(wall, hole));
+  robot::Robot robot;
+  robot.name = "hollow";
+  robot.file = folder.path() / "hollow.urdf";
+  robot.root = 0;
+  const auto shape = [&](const char* name) {
+    robot::Shape mesh;
+    mesh.file = folder.path() / name;
+    return mesh;
+  };
+  robot.links.resize(2);
+  robot.links[0].name = "solid", robot.links[0].collision = {shape("wall.obj"), shape("hole.obj")};
+  robot.links[1].name = "hollow", robot.links[1].collision = {shape("both.obj")};
+  const robot::RobotSpheres fitted = robot::fit_spheres(robot, {.spheres = 2, .inner = 6});
+  ASSERT_EQ(fitted.links.size(), 2u);
+  ASSERT_EQ(fitted.links[0].surface.mesh.facets, fitted.links[1].surface.mesh.facets);
+  EXPECT_GT(fitted.links[0].inner.at(0).radius, 0.99);
+  ASSERT_FALSE(fitted.links[1].inner.empty());
+  for (const Sphere& s : fitted.links[1].inner) EXPECT_LE(s.radius, 0.13);  // in a corner of the wall
 }
 
 TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {

@@ -161,6 +161,52 @@ class Crowd {
   std::vector<std::unique_ptr<Thing>> spare_;
 };
 
+TEST(Scene, no_pair_waits_for_ever_not_even_one_whose_roots_only_touch) {
+  Thing a(test::grid_plate(8, 1.4, 1.0)), b(test::grid_plate(8, 1.4, 1.0));
+  Thing c(test::icosphere(2, 0.6)), d(test::icosphere(2, 0.6));
+  const double apart = (c.body.sphere(0).radius + d.body.sphere(0).radius) * (1 + 1e-8);
+  c.collider.place({.translation = {0, 0, 50}});
+  d.collider.place({.translation = {apart, 0, 50}});
+  Scene scene({.budget = 72});
+  scene.add(a.collider), scene.add(b.collider);
+  const BodyId id_c = scene.add(c.collider), id_d = scene.add(d.collider);
+  ASSERT_TRUE(scene.update());
+  const auto is_open = [&] {
+    const ScenePair* pair = scene.find(id_c, id_d);
+    return pair != nullptr && !pair->finished;
+  };
+  ASSERT_TRUE(is_open());
+  int frame = 0;
+  for (; frame < 5000 && is_open(); ++frame) {
+    a.collider.place({.translation = {0.1 * (frame % 3), 0, 0}});
+    ASSERT_TRUE(scene.update());
+  }
+  EXPECT_LT(frame, 5000);
+}
+
+// Time may end a pair's surfaces, by the clock that was given. A pair that rests gets them as soon as there is time.
+TEST(Scene, surfaces_that_time_has_ended_come_later_where_bodies_rest) {
+  Thing a(test::icosphere(2, 0.6)), b(test::icosphere(2, 0.6, {0.3, 0.1, 0}));
+  std::chrono::nanoseconds time{0};
+  SceneOptions options{.budget = 60us, .surfaces = true, .clock = [&] { return time += 2us; }};
+  Scene scene(options);
+  scene.add(a.collider), scene.add(b.collider);
+  std::size_t contacts = 0, surfaces = 0;
+  for (int frame = 0; frame < 20; ++frame) {
+    ASSERT_TRUE(scene.update());
+    ASSERT_EQ(scene.pairs().size(), 1u);
+    const ScenePair& pair = scene.pairs()[0];
+    if (pair.finished) contacts = pair.contacts.size(), surfaces = pair.surfaces.size();
+  }
+  ASSERT_GT(contacts, 40u);
+  EXPECT_GT(surfaces, 0u);
+  EXPECT_LT(surfaces, contacts);
+  options.budget = 10ms;
+  scene.set_options(options);
+  ASSERT_TRUE(scene.update());
+  EXPECT_EQ(scene.pairs()[0].surfaces.size(), contacts);
+}
+
 TEST(Scene, has_every_crossing_within_a_contact_wherever_a_budget_ends) {
   std::size_t crossed = 0, interrupted = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {

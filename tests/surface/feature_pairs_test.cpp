@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
@@ -285,6 +286,31 @@ TEST(Proximity, safe_distances_keep_surfaces_apart) {
     ASSERT_TRUE(crossings.run(tree));
     EXPECT_TRUE(crossings.pairs().empty());
   }
+}
+
+// Far from the origin computed distances are off by their last digits, and may be longer than they are.
+TEST(Proximity, safe_distances_are_not_more_than_half_of_any_distance_far_from_the_origin) {
+  Random random(52);
+  for (int round = 0; round < 40; ++round) {
+    const double far = std::pow(10.0, round % 10), reach = 1 + round % 4;
+    Mesh mesh = test::random_soup(14, 12, static_cast<int>(reach), random).mesh;
+    for (Vec3& p : mesh.positions)
+      p = p + test::random_point(random, 0.1) + Vec3{far, -0.7 * far, round % 3 == 0 ? far / 3 : 0.0};
+    const SurfaceTree tree(mesh);
+    ProximityQuery query({.distance = 0.5});
+    ASSERT_TRUE(query.run(tree).finished);
+    std::vector<double> safe(mesh.positions.size());
+    query.safe_distances(safe);
+    test::pairs_with_itself(mesh, [&](const Vertices& a, const Vertices& b) {
+      const long double apart = test::plain_distance(mesh.positions, a, b);
+      for (const Vertices& vertices : {a, b})
+        for (const std::uint32_t v : vertices) EXPECT_LE(2 * static_cast<long double>(safe[v]), apart + 1e-18L * far);
+      return false;
+    });
+  }
+  std::vector<double> nothing(3, 1.0);
+  ProximityQuery({.distance = 0.5}).safe_distances(nothing);
+  EXPECT_EQ(nothing, std::vector<double>(3, 0.0));
 }
 
 TEST(SurfaceCrossings, are_those_of_all_facets_against_all) {

@@ -197,6 +197,22 @@ TEST(ModalCertificate, of_two_plates_ends_where_they_meet) {
   EXPECT_FALSE(found.empty());
 }
 
+// A sum of thousands of squares that are all rounded down.
+TEST(ModalCertificate, norm_is_rounded_up_for_any_number_of_modes) {
+  const Mesh mesh = test::box_mesh({0, 0, 0}, {1, 1, 1});
+  Modes modes;
+  modes.vertex_count = mesh.positions.size();
+  modes.mode_count = 16'000;
+  modes.displacements.resize(modes.mode_count * modes.vertex_count);
+  const ModalCertificate certificate(mesh, modes, {.largest_norm = 1e-3});
+  const double y = 1 + 0.98 * 0x1p-43;
+  const std::vector<double> q(modes.mode_count, y);
+  const long double square = static_cast<long double>(y) * y * static_cast<long double>(q.size());
+  const long double norm = certificate.norm(q);
+  EXPECT_GE(norm * norm, square);
+  EXPECT_LE(norm * norm, square * (1 + 1e-11L));
+}
+
 TEST(ModalCertificate, refuses_what_it_cannot_know) {
   const Mesh mesh = sample_body("capsule", 12);
   const Modes modes = sample_modes(mesh.positions, 4);

@@ -394,6 +394,15 @@ TEST(Obstacles, warm_queries_allocate_nothing_and_bad_questions_are_refused) {
   EXPECT_TRUE(good);
 
   EXPECT_EQ(ObstacleQuery().resume().code, Status::Code::no_front);
+  // What was farther than the margin is gone.
+  query.set_options({.margin = 1});
+  EXPECT_EQ(query.resume().code, Status::Code::other_options);
+  query.set_options({.margin = 0.1, .features = ObstacleFeatures::vertices});
+  EXPECT_EQ(query.resume().code, Status::Code::other_options);
+  sweep.set_options({.margin = 0.2});
+  EXPECT_EQ(sweep.resume().code, Status::Code::other_options);
+  query.set_options({.margin = 0.1}), sweep.set_options({.margin = 0.1});
+  EXPECT_TRUE(query.resume());
   ASSERT_TRUE(tree.update(m.to));
   EXPECT_EQ(query.resume().code, Status::Code::other_frame);
   EXPECT_EQ(sweep.resume().code, Status::Code::other_frame);

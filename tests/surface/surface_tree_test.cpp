@@ -3,11 +3,14 @@
 // Surface trees: what boxes hold, what is refused, what depends on nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
 #include <support/aligned.hpp>
 #include <support/numbers.hpp>
+#include <vector>
 
 #include "surface/tree_state.hpp"
 #include "surfaces.hpp"
@@ -127,8 +130,54 @@ TEST(SurfaceQueries, refuse_options_that_make_no_sense_and_questions_about_the_p
   EXPECT_EQ(query.run(tree).code, Status::Code::bad_option);
   query.set_options({.distance = 0.1, .budget = 128});
   EXPECT_FALSE(query.run(tree).finished);
+  query.set_options({.distance = 0.2});
+  EXPECT_EQ(query.resume().code, Status::Code::other_options);
+  query.set_options({.distance = 0.1, .filter = {.masks_a = {.of = {1, 2, 3}}}});
+  EXPECT_EQ(query.resume().code, Status::Code::bad_option);
+  query.set_options({.distance = 0.1});
   ASSERT_TRUE(tree.update(mesh.positions));
   EXPECT_EQ(query.resume().code, Status::Code::other_frame);
+}
+
+// What is set between a piece of work and the next is what the next one does: nothing of the options before is read.
+TEST(SurfaceQueries, go_on_with_the_filter_that_is_set_now) {
+  const Mesh mesh = test::joined(test::icosphere(2), test::translated(test::icosphere(2), {0.3, 0.1, 0}));
+  const SurfaceTree tree(mesh);
+  const auto options = [&](Budget budget) {
+    ProximityOptions result{.distance = 0.05, .filter = {}, .budget = budget};
+    result.filter.masks_a.of.assign(mesh.facets.size(), 1);
+    for (std::size_t f = 0; f < mesh.facets.size(); f += 3) result.filter.masks_a.of[f] = 2;
+    result.filter.masks_a.with.assign(mesh.facets.size(), 2);
+    return result;
+  };
+  ProximityQuery whole(options({})), pieces(options(256));
+  ASSERT_TRUE(whole.run(tree).finished);
+  SurfaceQueryStatus status = pieces.run(tree);
+  while (!status.finished) {
+    pieces.set_options(options(256));
+    // Memory that the options before had is written over.
+    const std::vector<std::uint32_t> other(mesh.facets.size(), 0xffffffffu), another = other;
+    status = pieces.resume();
+    ASSERT_TRUE(status);
+  }
+  ASSERT_FALSE(whole.pairs().empty());
+  EXPECT_TRUE(std::equal(whole.pairs().begin(), whole.pairs().end(), pieces.pairs().begin(), pieces.pairs().end(),
+                         [](const FeaturePair& a, const FeaturePair& b) { return a == b; }));
+}
+
+TEST(SurfaceQueries, find_all_pairs_where_the_distance_is_beyond_float) {
+  const Mesh a = test::icosphere(0), b = test::translated(test::icosphere(0), {5, 0, 0});  // 20 facets: not in eights
+  const SurfaceTree tree_a(a), tree_b(b);
+  for (const double distance : {100.0, 1e39, 1e200, std::numeric_limits<double>::max()}) {
+    ProximityQuery query({.distance = distance});
+    ASSERT_TRUE(query.run(tree_a, tree_b).finished);
+    EXPECT_EQ(query.pairs().size(), 2 * 12 * 20 + 30 * 30u) << distance;
+    const std::size_t with_itself = query.run(tree_a).candidates;
+    EXPECT_EQ(with_itself, 12 * 20 - 20 * 3 + (30 * 29 - 30 * 8) / 2u) << distance;
+    SweptQuery swept({.distance = distance, .candidates_only = true});
+    ASSERT_TRUE(swept.run(tree_a, tree_b).finished);
+    EXPECT_EQ(swept.candidates().size(), 2 * 12 * 20 + 30 * 30u) << distance;
+  }
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ struct Status {
     other_bodies,     ///< the front is of another number of bodies, or of another ownership
     other_frame,      ///< a body was updated: carry() the front
     other_placement,  ///< a body was placed elsewhere: carry() the front
-    other_options,    ///< the front is of another margin or level
+    other_options,    ///< what was started is of another margin, level or distance
     bad_front,        ///< one from set_front() has indices out of range
   };
   Code code = Code::ok;

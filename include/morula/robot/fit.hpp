@@ -33,7 +33,7 @@ struct FitOptions {
   bool visual = false;               ///< the visual shapes, not those of collision
   std::set<std::string> left_out{};  ///< links that get none
   std::map<std::string, std::vector<Sphere>> kept{};  ///< links that keep these, which are certified anew
-  /// What lies beyond one of a link's planes is left out: it need not be covered.
+  /// What lies beyond one of a link's planes is left out, up to rounding: it need not be covered.
   std::map<std::string, std::vector<ClipPlane>> clip{};
   /// Not 0: what is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it
   /// takes.

@@ -82,7 +82,7 @@ class ObstacleQuery {
   /// constant that is not positive, or with a negative tolerance.
   SurfaceQueryStatus run(const SurfaceTree& surface, const Obstacle& obstacle, Workers& workers = serial_workers());
   /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, and other_frame
-  /// when the surface has moved since.
+  /// when the surface has moved since, and other_options for another margin or other features than it began with.
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   /// In the order of features, each once. The same for any number of workers and however often it was interrupted.

@@ -51,7 +51,8 @@ class ProximityQuery {
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
   /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, and other_frame
-  /// when a surface has moved since.
+  /// when a surface has moved since, and other_options for
+  /// another distance than it began with.
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   /// In the order of (kind, a, b), each once. The same for any number of workers and however often it was interrupted.
@@ -60,7 +61,8 @@ class ProximityQuery {
   /// How far each vertex of surface a (of both, when a is asked with itself) may move, whatever the others within their
   /// own bounds do, before a pair can touch: half the least distance of a pair that its facets and edges have, and half
   /// the query's distance where there is none. distances: one per vertex. Only of a finished query with all pairs
-  /// kept by its filter's rules; pairs that share a vertex do not bound one another.
+  /// kept by its filter's rules; pairs that share a vertex do not bound one another. Less than that by what distances
+  /// may be off; so 0 for what is that near.
   void safe_distances(std::span<double> distances) const;
 
  private:

@@ -20,7 +20,8 @@ Mesh ball_mesh_of(const Sphere& s, RoundShapes round);
 void append_mesh(Mesh& to, const Mesh& mesh);
 
 /// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbours at the
-/// same point of an edge. The cut is left open. Spheres that a plane passes through become polyhedra around them first.
+/// same point of an edge; what lies within rounding of a plane may fall to either side. The cut is left open. Spheres
+/// that a plane passes through become polyhedra around them first.
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);
 
 /// Leaves that do not stay give way to smaller ones over the same part of the surface, which is built anew with these

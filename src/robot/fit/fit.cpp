@@ -68,6 +68,15 @@ bool same_surface(const LinkSurface& a, const LinkSurface& b) {
   return a.mesh.positions == b.mesh.positions && a.mesh.facets == b.mesh.facets && a.spheres == b.spheres;
 }
 
+/// Shapes that have the same inside where their surfaces together are the same. What two meshes enclose each by itself,
+/// a mesh of both may leave out.
+bool same_insides(const std::vector<Shape>& a, const std::vector<Shape>& b) {
+  const auto meshes = std::count_if(a.begin(), a.end(), [](const Shape& s) { return s.kind == Shape::Kind::mesh; });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Shape& s, const Shape& t) {
+    return s.kind == t.kind && (s.kind != Shape::Kind::mesh || meshes == 1 || s.file == t.file);
+  });
+}
+
 /// Calls f(i) for all i on the workers, the costliest first, and tells how far it is.
 template <class Cost, class F>
 void for_each_group(std::size_t count, const FitOptions& o, Workers& workers, const Cost& cost, const F& f) {
@@ -157,7 +166,8 @@ class Fitter {
       LinkSpheres& link = result_.links[i];
       const auto same = [&](const Group& group) {
         const LinkSpheres& first = result_.links[group.members[0]];
-        return !stands_alone(link) && !stands_alone(first) && same_surface(first.surface, link.surface);
+        return !stands_alone(link) && !stands_alone(first) && same_surface(first.surface, link.surface) &&
+               (o_.inner == 0 || same_insides(shapes_of(robot_.links[first.link]), shapes_of(robot_.links[link.link])));
       };
       const auto found = std::find_if(groups_.begin(), groups_.end(), same);
       if (found == groups_.end()) {
@@ -341,9 +351,13 @@ class Fitter {
     const LinkSurface& surface = link.surface;
     figures.facets = surface.mesh.facet_count();
     figures.covered = true;
+    // Those that are kept may be anybody's. What a float may take is in the radius of ours, and more.
+    std::vector<Sphere> certified = link.spheres;
+    const double allowance = float_allowance(extent_of(link.spheres));
+    for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
     for (const Sphere& own : surface.spheres) {
       const auto contains = [&](const Sphere& s) { return distance(s.center, own.center) + own.radius <= s.radius; };
-      if (!std::any_of(link.spheres.begin(), link.spheres.end(), contains)) figures.covered = false;
+      if (!std::any_of(certified.begin(), certified.end(), contains)) figures.covered = false;
     }
     figures.solid = union_mass(link.spheres);
     if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
@@ -365,7 +379,7 @@ class Fitter {
       figures.object_volume = union_mass(surface.spheres).volume;
       figures.outside_volume = std::max(0.0, figures.solid.volume - *figures.object_volume);
     } else {
-      const Coverage cover = coverage(surface.mesh, link.spheres);
+      const Coverage cover = coverage(surface.mesh, certified);
       figures.covered = figures.covered && cover.covered;
       figures.gap = cover.gap;
       const SignedDistance object(surface.mesh);
