@@ -87,16 +87,19 @@ int main() {
         move(std::array{pair.a}, pair.weights_a, -1), move(tree.facets()[pair.b], pair.weights_b, 1);
       }
     }
-    // Vertices of pairs that would meet stop before they do; those of the others go on. A step that is free of impacts
-    // comes out in the end, at the worst by stopping all.
+    // Vertices of pairs that would meet stop before they do; those of the others go on. From the twentieth round on they
+    // stay where they were: a part of a motion that is no longer than rounding would be that motion again. Every round
+    // then stops a vertex that moved, or finds none in what is left, which is as it was and crosses nothing: it ends.
     for (int round = 0;; ++round) {
       if (!tree.update(at, next) || !swept.run(tree)) return 1;
-      if (swept.pairs().empty()) break;
-      ++limited;
-      std::vector<double> share(at.size(), round < 20 ? 1.0 : 0.9 * swept.collision_free_step());
+      std::vector<double> share(at.size(), 1.0);
+      bool anything_moves = false;
       for (const SweptPair& pair : swept.pairs()) {
         const auto limit = [&](std::span<const std::uint32_t> vertices) {
-          for (const std::uint32_t v : vertices) share[v] = std::min(share[v], 0.8 * pair.time);
+          for (const std::uint32_t v : vertices) {
+            share[v] = round < 20 ? std::min(share[v], 0.8 * pair.time) : 0.0;
+            anything_moves = anything_moves || length(next[v] - at[v]) > 0;
+          }
         };
         if (pair.kind == PairKind::edge_edge) {
           limit(tree.edges()[pair.a]), limit(tree.edges()[pair.b]);
@@ -104,7 +107,10 @@ int main() {
           limit(std::array{pair.a}), limit(tree.facets()[pair.b]);
         }
       }
-      for (std::size_t v = 0; v < at.size(); ++v) next[v] = at[v] + (next[v] - at[v]) * share[v];
+      if (!anything_moves) break;
+      ++limited;
+      for (std::size_t v = 0; v < at.size(); ++v)
+        if (share[v] < 1) next[v] = at[v] + (next[v] - at[v]) * share[v];
     }
     for (std::size_t v = 0; v < at.size(); ++v) velocity[v] = (next[v] - at[v]) / step * 0.99;
     at = next;
