@@ -3,10 +3,12 @@
 // Nested bodies in motion: the rule `wrapped`, judged in long double.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/update/rule_levels.hpp>
 #include <support/aligned.hpp>
 
@@ -36,6 +38,11 @@ long double worst_excess(const Body& body) {
     add(in_mesh[parent], in_mesh[node]);
   }
   return worst;
+}
+
+Vec3 farthest_corner(const Mesh& mesh, const Vec3& direction) {
+  return *std::max_element(mesh.positions.begin(), mesh.positions.end(),
+                           [&](const Vec3& p, const Vec3& q) { return dot(p, direction) < dot(q, direction); });
 }
 
 bool all_wrapped(const Body& body) {
@@ -106,14 +113,21 @@ TEST(Nested, bodies_hold_far_away_at_any_size_and_on_aligned_meshes) {
   }
 }
 
-// Ratios of the paper's rules grow without measure where a distance at rest was small; their radii stop at 2^60.
+// Ratios of the paper's rules grow without measure where a distance at rest was small; their radii stop at 2^60. Those
+// of their parents do not, which have to contain them: here both leaves are as large as can be, and apart.
 TEST(Nested, parents_of_spheres_whose_radii_stop_contain_them) {
   const Mesh mesh = test::icosphere(1);
-  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 2, .branching = 3});
-  Body body(mesh, built, {.rules = {Rule::wrapped, Rule::wrapped, Rule::approach1}});
-  std::vector<Vec3> positions = test::noisy(test::scaled(mesh.positions, 0x1p52), 0x1p55, 3);
-  ASSERT_TRUE(body.update(positions));
-  expect_nested("large", body);
+  std::vector<Sphere> leaves;
+  for (const double x : {-1.0, 1.0}) leaves.push_back({farthest_corner(mesh, {x, 0, 0}) * 0.999, 0.9});
+  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, leaves);
+  Body body(mesh, built, {.rules = {Rule::wrapped, Rule::approach1}});
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    ASSERT_TRUE(body.update(test::noisy(test::scaled(mesh.positions, 0x1p52), 0x1p55, seed)));
+    expect_nested("large", body);
+    for (const std::uint32_t leaf : {1, 2}) EXPECT_EQ(body.spheres()[leaf].radius, largest_radius) << seed;
+    EXPECT_NE(body.spheres()[1].center, body.spheres()[2].center) << seed;
+    EXPECT_GT(body.spheres()[0].radius, largest_radius) << seed;
+  }
 }
 
 // A convex function of the centre, made least by steps in all directions that shrink where none helps.
