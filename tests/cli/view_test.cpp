@@ -12,12 +12,13 @@ namespace {
 
 constexpr std::size_t megabyte = 1'000'000;
 
-/// A build without node and npm has no page to test; what the command says about that is.
+/// A build without its page has none to test; that it says why, and what to do, is tested then.
 struct ViewCommand : ::testing::Test {
   void SetUp() override {
     if (!bench.has_page()) {
-      bench.expect_refused("view no.obj no.morula -o no.html", "this morula was built without its page: ");
-      GTEST_SKIP() << "this build has no page: scripts/setup brings node and npm; then build again";
+      const std::string command = "view no.obj no.morula -o no.html";
+      bench.expect_refused(command, "this morula was built without its page: ");
+      GTEST_SKIP() << bench.run(command).err;
     }
     bench.require("sample torus -o probe.obj --resolution 12");
     bench.require("build probe.obj -o probe.morula --method octree --depth 1");
