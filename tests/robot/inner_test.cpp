@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 #include <support/meshes.hpp>
 #include <support/parity.hpp>
 #include <support/scratch_folder.hpp>
@@ -314,6 +316,55 @@ TEST(ClipPlanes, with_a_margin_no_sphere_reaches_beyond) {
       EXPECT_TRUE(checked > 500 || whole.mesh.facets.empty());
     }
   }
+}
+
+// Spheres of any size around the cut reach beyond the plane: to divide them is in vain.
+TEST(ClipPlanes, a_margin_that_padding_or_rounding_takes_is_refused) {
+  robot::Robot box;
+  box.root = 0;
+  box.links.resize(1);
+  box.links[0].name = "block";
+  robot::Shape shape;
+  shape.kind = robot::Shape::Kind::box;
+  shape.size = {1, 1, 1};
+  box.links[0].collision = {shape};
+  const auto fitted = [&](double margin, double padding, double min_radius, double offset) {
+    return robot::fit_spheres(box, {.spheres = 4,
+                                    .padding = padding,
+                                    .min_radius = min_radius,
+                                    .clip = {{"block", {{{0, 0, 1}, offset}}}},
+                                    .clip_margin = margin});
+  };
+  for (const double padding : {0.0, 0.05}) {
+    try {
+      fitted(padding + 0.9e-6, padding, 0, 0);
+      ADD_FAILURE() << "a margin that is too small was taken";
+    } catch (const std::invalid_argument& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("clip margin"), std::string::npos) << text;
+      EXPECT_NE(text.find("link block"), std::string::npos) << text;
+      EXPECT_NE(text.find(padding > 0 ? "take 0.050001;" : "take 1e-06;"), std::string::npos) << text;
+    }
+  }
+  const robot::RobotSpheres good = fitted(0.1, 0.05, 0, 0);
+  EXPECT_TRUE(good.covered());
+  EXPECT_EQ(good.links[0].figures.beyond_clip, 0.0);
+  ASSERT_EQ(good.links[0].notes.size(), 1u);
+  EXPECT_NE(good.links[0].notes[0].find("so that none reaches beyond"), std::string::npos);
+  // What lies far from its plane needs no margin; spheres that are kept are only measured.
+  EXPECT_EQ(fitted(1e-9, 0.05, 0, -5).links[0].figures.beyond_clip, 0.0);
+  const robot::RobotSpheres kept = robot::fit_spheres(
+      box,
+      {.kept = {{"block", {Sphere{{0, 0, 0.25}, 1}}}}, .clip = {{"block", {{{0, 0, 1}, 0}}}}, .clip_margin = 1e-9});
+  EXPECT_EQ(kept.links[0].figures.beyond_clip, 0.75);
+
+  // Radii that are enlarged leave no way either: that ends before thousands of spheres, and a note says so.
+  const robot::RobotSpheres large = fitted(0.01, 0, 0.1, 0);
+  EXPECT_TRUE(large.covered());
+  EXPECT_LT(large.links[0].spheres.size(), 500u);
+  EXPECT_GT(large.links[0].figures.beyond_clip, 0.0);
+  ASSERT_EQ(large.links[0].notes.size(), 1u);
+  EXPECT_NE(large.links[0].notes[0].find("spheres reach beyond its clip planes"), std::string::npos);
 }
 
 TEST(ClipPlanes, a_link_beyond_gets_no_spheres_and_nonsense_is_refused) {

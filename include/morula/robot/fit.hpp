@@ -36,7 +36,7 @@ struct FitOptions {
   /// What lies beyond one of a link's planes is left out, up to rounding: it need not be covered.
   std::map<std::string, std::vector<ClipPlane>> clip{};
   /// Not 0: what is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it
-  /// takes.
+  /// takes. It has to be more than the padding and 2e-6 of the largest |coordinate| where something is that near.
   double clip_margin = 0;
   std::size_t inner = 0;  ///< not 0: each link also gets at most so many spheres inside its shapes
   Method method = Method::morula;

@@ -3,6 +3,7 @@
 #include "robot/fit/clip.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <morula/tree/ball_tree.hpp>
 #include <utility>
@@ -82,8 +83,9 @@ Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node) {
 constexpr std::size_t most_spheres = 20'000;
 constexpr int deepest_division = 16;
 
-void add_what_stays(const std::function<bool(const Sphere&)>& stays, const Mesh& mesh, const CoveredTree& built,
-                    const BuildOptions& options, int depth, std::vector<Sphere>& spheres) {
+void add_what_stays(const std::function<bool(const Sphere&)>& stays,
+                    const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh,
+                    const CoveredTree& built, const BuildOptions& options, int depth, std::vector<Sphere>& spheres) {
   for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
     if (built.tree.child_count[node] != 0) continue;
     const Sphere& s = built.tree.spheres[node];
@@ -92,23 +94,28 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays, const Mesh&
       continue;
     }
     const Mesh region = region_mesh(mesh, built.cover, node);
+    if (!may_stay(s, region)) {
+      spheres.push_back(s);
+      continue;
+    }
     CoveredTree smaller = build(region, options);
     // A region that is round may be covered best by one sphere. Those of an octree are as small as its cells.
     if (smaller.tree.leaf_count() < 2 || depth >= 4) {
       smaller = build(region, {.method = Method::octree, .depth = 1, .stop = options.stop});
     }
-    add_what_stays(stays, region, smaller, options, depth + 1, spheres);
+    add_what_stays(stays, may_stay, region, smaller, options, depth + 1, spheres);
   }
 }
 
 }  // namespace
 
-void divide_until(const std::function<bool(const Sphere&)>& stays, const Mesh& mesh, CoveredTree& built,
+void divide_until(const std::function<bool(const Sphere&)>& stays,
+                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& built,
                   const BuildOptions& options) {
   BuildOptions four = options;
   four.spheres = 4;
   std::vector<Sphere> spheres;
-  add_what_stays(stays, mesh, built, four, 0, spheres);
+  add_what_stays(stays, may_stay, mesh, built, four, 0, spheres);
   if (spheres == level_set_spheres(built.tree, built.tree.level_count() - 1)) return;
   CoveredTree fitted = cover(mesh, tree_over_balls(spheres), CoverOptions{.nested = true});
   fitted.report.complete = built.report.complete;
@@ -135,6 +142,13 @@ double reach_beyond(std::span<const Sphere> spheres, std::span<const ClipPlane> 
     for (const ClipPlane& plane : planes) most = std::max(most, reach_beyond(s, plane) + growth);
   }
   return most;
+}
+
+double least_height(const Mesh& mesh, std::span<const ClipPlane> planes) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : mesh.positions)
+    for (const ClipPlane& plane : planes) least = std::min(least, dot(plane.normal, p) - plane.offset);
+  return least;
 }
 
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin) {

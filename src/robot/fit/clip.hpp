@@ -24,9 +24,14 @@ void append_mesh(Mesh& to, const Mesh& mesh);
 /// that a plane passes through become polyhedra around them first.
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);
 
+/// How far a mesh stays from the planes: the least of it over all vertices and planes, infinite without any.
+double least_height(const Mesh& mesh, std::span<const ClipPlane> planes);
+
 /// Leaves that do not stay give way to smaller ones over the same part of the surface, which is built anew with these
-/// options and four spheres, or by an octree, again and again. After: every leaf stays, or there are too many of them.
-void divide_until(const std::function<bool(const Sphere&)>& stays, const Mesh& mesh, CoveredTree& built,
+/// options and four spheres, or by an octree, again and again. After: every leaf stays, or no smaller sphere over its
+/// part may, which may_stay(leaf, part) says, or there are too many of them.
+void divide_until(const std::function<bool(const Sphere&)>& stays,
+                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& built,
                   const BuildOptions& options);
 
 }  // namespace morula::robot

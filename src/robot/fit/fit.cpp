@@ -137,6 +137,7 @@ class Fitter {
       surface = surface_of(robot_.file, shapes_of(link));
       if (const std::vector<ClipPlane>& planes = planes_of(result_.links[i]); !planes.empty()) {
         surface = clipped(surface, planes, o_.clip_margin);
+        if (o_.clip_margin > 0 && o_.kept.count(link.name) == 0) require_margin(link, surface.mesh, planes);
       }
     });
     std::erase_if(result_.links, [&](const LinkSpheres& link) {
@@ -307,21 +308,43 @@ class Fitter {
 
   double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
 
+  /// What a sphere stays away from planes by at least: rounding to decimals moves less than 1e-6 of the size, and a
+  /// float is nearer still.
+  static double clip_allowance(const Mesh& mesh) {
+    double extent = 0;
+    for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
+    return 2e-6 * extent;
+  }
+
+  /// A sphere around what is that near to a plane reaches beyond it, however small.
+  void require_margin(const Link& link, const Mesh& mesh, std::span<const ClipPlane> planes) const {
+    const double least = o_.padding + clip_allowance(mesh);
+    if (least_height(mesh, planes) >= least) return;
+    throw std::invalid_argument(
+        fmt::format("clip margin: with {} every cover of link {} reaches beyond its clip planes, since padding and "
+                    "rounding take {:.6g}; give more, and the more, the fewer spheres it takes",
+                    o_.clip_margin, link.name, least));
+  }
+
   void keep_from_planes(LinkSpheres& link, CoveredTree& built) const {
     const std::vector<ClipPlane>& planes = planes_of(link);
-    double extent = 0;
-    for (const Vec3& p : link.surface.mesh.positions) extent = std::max(extent, max_norm(p));
-    // Rounding to decimals moves less than 1e-6 of the size, and a float is nearer still.
+    const double allowance = clip_allowance(link.surface.mesh);
     const auto stays = [&](const Sphere& s) {
       const Sphere last{s.center, final_radius(s)};
-      return !(reach_beyond(std::span(&last, 1), planes, 2e-6 * extent) > 0);
+      return !(reach_beyond(std::span(&last, 1), planes, allowance) > 0);
+    };
+    // The centre of a sphere around the lowest point is no higher above that than its radius.
+    const auto may_stay = [&](const Sphere& s, const Mesh& part) {
+      return least_height(part, planes) >= allowance + std::max(o_.padding, o_.min_radius - s.radius);
     };
     const std::size_t before = built.tree.leaf_count();
-    divide_until(stays, link.surface.mesh, built, {.seed = o_.seed, .quality = Quality::draft, .stop = o_.stop});
-    if (built.tree.leaf_count() == before) return;
+    divide_until(stays, may_stay, link.surface.mesh, built,
+                 {.seed = o_.seed, .quality = Quality::draft, .stop = o_.stop});
+    const std::vector<Sphere> divided = leaves(built);
+    if (divided.size() == before || !std::all_of(divided.begin(), divided.end(), stays)) return;
     link.notes.push_back(
         fmt::format("link {} has {} spheres instead of {}, so that none reaches beyond its clip planes", name_of(link),
-                    built.tree.leaf_count(), before));
+                    divided.size(), before));
   }
 
   void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& built) const {
@@ -364,7 +387,8 @@ class Fitter {
       figures.beyond_clip = reach_beyond(link.spheres, planes);
       if (o_.clip_margin > 0 && *figures.beyond_clip > 0) {
         link.notes.push_back(fmt::format(
-            "link {}: spheres reach beyond its clip planes; give a larger margin or less padding", name_of(link)));
+            "link {}: spheres reach beyond its clip planes; give a larger margin, or less padding or smaller radii",
+            name_of(link)));
       }
     }
     std::vector<double> protrusions;
