@@ -189,6 +189,30 @@ def test_bodies_that_meet_are_on_one_page(limb, built, motion):
         morula.CollidePage([morula.PosedSpheres(built.tree)])
 
 
+def test_marks_of_pairs_that_a_budget_ended_have_the_surfaces_of_their_own_pair():
+    if not hasattr(morula, "CollidePage"):
+        pytest.skip("this package was built without the command")
+    limb, tool = morula.sample_body("limb", 24), morula.sample_body("tool", 6)
+    meshes = [limb, limb, tool, tool]
+    bodies = [morula.Collider(morula.Body(mesh, morula.build(mesh, quality="fast"))) for mesh in meshes]
+    for body, x in zip(bodies, (0, 0.1, 100, 100.05)):
+        body.place((x, 0, 0))
+    scene = morula.Scene(surfaces=True, budget=256)
+    for body, weight in zip(bodies, (1, 1, 100, 100)):
+        scene.add(body, weight=weight)
+    scene.update()
+    found = scene.pairs()
+    assert len(found[0].surfaces) < len(found[0].contacts) and len(found[1].surfaces) == len(found[1].contacts) > 0
+    marks = 0
+    for pair in found:
+        deep = numpy.zeros(len(pair.contacts), bool)
+        deep[: len(pair.surfaces)] = pair.surfaces.depth != 0
+        marks += int((pair.contacts.finished & deep).sum())
+    page = morula.CollidePage(bodies)
+    page.add(found)
+    assert manifest(page.html())["scenes"][0]["contacts"] == [marks]
+
+
 def test_the_page_of_a_robot_is_that_of_the_command(tmp_path, command):
     if not hasattr(morula._morula, "robot") or not hasattr(morula._morula.robot, "page_html"):
         pytest.skip("this package was built without robots or without the command")

@@ -301,8 +301,7 @@ void bind_page_scene(nb::module_& m) {
               "morula.typing.FloatArray, *, name: str = 'tree', label: str = 'spheres as they are', measured: bool = "
               "False, workers: Workers | None = None) -> PageScene"),
       "Spheres that are there already, (frames, nodes, 4) as Body.follow() gives them: nothing is updated. name: what "
-      "to "
-      "call the tree. label: what stands in the place of a rule.");
+      "to call the tree. label: what stands in the place of a rule.");
   m.def(
       "make_page",
       [](const std::vector<HeldPageScene*>& scenes, const std::string& title, const std::string& study) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pages that the command makes: of bodies that meet, and of a robot.
 #include <commands/collide_page.hpp>
+#include <cstddef>
 #include <memory>
 #include <morula/morula.hpp>
 #include <mutex>
@@ -35,7 +36,11 @@ std::vector<PageContact> marks_of(nb::handle given) {
     cli::add_marks(found.contacts, found.surfaces, marks);
   } else if (nb::isinstance<SceneRows>(given)) {
     const auto& found = nb::cast<const SceneRows&>(given);
-    cli::add_marks(found.contacts.rows, found.surfaces.rows, marks);
+    // Pair by pair: one that a budget ended has fewer surfaces than contacts.
+    for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+      const SceneRow row = found.row(i);
+      cli::add_marks(row.contacts.rows, row.surfaces.rows, marks);
+    }
   } else if (!nb::try_cast(given, marks)) {
     throw nb::type_error(
         ("contacts: " + describe(given) + ", but None, Contacts, ScenePairs or a list of PageContact is needed")
