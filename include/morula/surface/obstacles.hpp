@@ -81,8 +81,8 @@ class ObstacleQuery {
   /// Refused with bad_shape: an obstacle that is not finite or has no inside; a field without a function, with a
   /// constant that is not positive, or with a negative tolerance.
   SurfaceQueryStatus run(const SurfaceTree& surface, const Obstacle& obstacle, Workers& workers = serial_workers());
-  /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, and other_frame
-  /// when the surface has moved since, and other_options for another margin or other features than it began with.
+  /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, with other_frame
+  /// when the surface has moved since, and with other_options for another margin or other features than it began with.
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   /// In the order of features, each once. The same for any number of workers and however often it was interrupted.
