@@ -64,6 +64,8 @@ class FeatureQuery {
     if (!status) return status;
     search_.start(a, b, ask.reach, ask.features);
     ask_ = ask;
+    const auto coordinate = [](const SurfaceTreeState& s) { return max_norm(s.origin) + s.extent; };
+    largest_coordinate_ = std::max(coordinate(a), b != nullptr ? coordinate(*b) : 0.0);
     found_.clear();
     candidates_ = 0;
     return go_on(options, workers, narrow);
@@ -88,8 +90,9 @@ class FeatureQuery {
   const std::vector<OpenFacets>& open() const { return open_; }
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
-  /// Of what was found.
+  /// Of what was found: also when surfaces have moved since.
   double reach() const { return ask_.reach; }
+  double largest_coordinate() const { return largest_coordinate_; }
 
  private:
   template <class Options, class Narrow>
@@ -130,6 +133,7 @@ class FeatureQuery {
   PairSearch search_;
   FeatureFilter filter_;
   Ask ask_{};
+  double largest_coordinate_ = 0;
   std::vector<Chunk> chunks_;
   std::vector<Found> found_;
   std::size_t candidates_ = 0;

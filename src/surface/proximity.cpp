@@ -113,11 +113,11 @@ const std::vector<OpenFacets>& ProximityQuery::open() const {
 }
 
 void ProximityQuery::safe_distances(std::span<double> distances) const {
+  const StandardFloats standard;
   const PairSearch& search = state_->query.search();
   if (!search.is_started()) return std::fill(distances.begin(), distances.end(), 0.0);
   // Distances that are computed may be longer than they are, and pairs that are as near as they may be missing.
-  const auto coordinate = [](const SurfaceTreeState& s) { return max_norm(s.origin) + s.extent; };
-  const double rounding = 0x1p-46 * std::max(coordinate(search.a()), coordinate(search.b()));
+  const double rounding = 0x1p-46 * state_->query.largest_coordinate();
   const auto half = [rounding](double distance) { return std::max(0.0, 0.5 * (distance - rounding) * (1 - 0x1p-50)); };
   std::fill(distances.begin(), distances.end(), half(state_->query.reach()));
   for (const ProximityPair& pair : state_->query.found()) {

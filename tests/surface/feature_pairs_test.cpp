@@ -313,6 +313,25 @@ TEST(Proximity, safe_distances_are_not_more_than_half_of_any_distance_far_from_t
   EXPECT_EQ(nothing, std::vector<double>(3, 0.0));
 }
 
+// They are of the frame that was asked about, wherever the surface has gone since.
+TEST(Proximity, safe_distances_stay_when_the_surface_moves) {
+  Random random(53);
+  Mesh mesh = test::random_soup(14, 12, 2, random).mesh;
+  for (Vec3& p : mesh.positions) p = p + test::random_point(random, 0.1);
+  SurfaceTree tree(mesh);
+  ProximityQuery query({.distance = 0.5});
+  ASSERT_TRUE(query.run(tree).finished);
+  ASSERT_FALSE(query.pairs().empty());
+  std::vector<double> before(mesh.positions.size()), after(before);
+  query.safe_distances(before);
+  ASSERT_TRUE(std::any_of(before.begin(), before.end(), [](double d) { return d > 0; }));
+  std::vector<Vec3> far;
+  for (const Vec3& p : mesh.positions) far.push_back(p * 1e9);
+  ASSERT_TRUE(tree.update(far));
+  query.safe_distances(after);
+  EXPECT_EQ(before, after);
+}
+
 TEST(SurfaceCrossings, are_those_of_all_facets_against_all) {
   Random random(61);
   std::size_t total = 0;

@@ -50,9 +50,8 @@ class ProximityQuery {
   /// Refused with bad_option: masks of another number of facets.
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
-  /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, and other_frame
-  /// when a surface has moved since, and other_options for
-  /// another distance than it began with.
+  /// Goes on where a budget ended it, with a new one. Refused with no_front when nothing was started, with other_frame
+  /// when a surface has moved since, and with other_options for another distance than it began with.
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   /// In the order of (kind, a, b), each once. The same for any number of workers and however often it was interrupted.
@@ -60,9 +59,9 @@ class ProximityQuery {
   const std::vector<OpenFacets>& open() const;
   /// How far each vertex of surface a (of both, when a is asked with itself) may move, whatever the others within their
   /// own bounds do, before a pair can touch: half the least distance of a pair that its facets and edges have, and half
-  /// the query's distance where there is none. distances: one per vertex. Only of a finished query with all pairs
-  /// kept by its filter's rules; pairs that share a vertex do not bound one another. Less than that by what distances
-  /// may be off; so 0 for what is that near.
+  /// the query's distance where there is none. It is less by what computed distances may be off, and 0 where that is
+  /// all there is. distances: one per vertex. Only of a finished query with all pairs kept by its filter's rules, and
+  /// of the frame that it was asked in; pairs that share a vertex do not bound one another.
   void safe_distances(std::span<double> distances) const;
 
  private:
