@@ -70,13 +70,15 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
   if (d6 >= 0 && d5 <= d6) return {t[2], {0, 0, 1}, squared_distance(t[2], p)};
 
   const Vec3 normal = cross(ab, ac);
-  const double sum = squared_length(normal), to_b = squared_length(ab), to_c = squared_length(ac), sides = to_b * to_c;
+  const double sum = squared_length(normal), sides = squared_length(ab) * squared_length(ac);
   // Squares of the sine at the first corner. Below the first, signs of areas are rounding: all edges are tried, and the
   // inside. Below the second, a foot is off by more than rounding, and what is left of it is taken once more.
   constexpr double sliver = 1e-6, narrow = 1e-2;
+  const auto on_any_edge = [&] {
+    return nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
+  };
   if (!(sum > sliver * sides)) {
-    const TrianglePoint best =
-        nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
+    const TrianglePoint best = on_any_edge();
     const std::optional<TrianglePoint> inside = closest_within_sliver(t, p);
     return inside ? nearer(best, *inside) : best;
   }
@@ -95,10 +97,9 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
     v += dot(normal, cross(rest, ac)) / sum;
     w += dot(normal, cross(ab, rest)) / sum;
   }
-  // Of a needle one share is rounding, that of the short side: the other one is kept.
-  double &first = to_b > to_c ? v : w, &second = to_b > to_c ? w : v;
-  first = std::clamp(first, 0.0, 1.0);
-  second = std::clamp(second, 0.0, 1 - first);
+  // A foot that lies beyond an edge does so by rounding alone: the edges are as near. Shares of a short side may be
+  // nothing but rounding, and shares of sides that nearly cancel must not change by themselves.
+  if (!(v >= 0 && w >= 0 && v + w <= 1)) return on_any_edge();
   const Vec3 point = t[0] + ab * v + ac * w;
   return {point, {std::max(0.0, 1 - v - w), v, w}, squared_distance(point, p)};
 }

@@ -60,6 +60,30 @@ TEST(Triangle, closest_point_of_needles_and_slivers_is_as_near_as_any) {
   }
 }
 
+// Where sides nearly cancel, a share may not be changed without the other one.
+TEST(Triangle, closest_point_of_flat_corners_is_as_near_as_any) {
+  // 4e-15 from its inside, and from no edge nearer than that.
+  const Triangle known{Vec3{0.67735358550744129, -0.9890345259043134, -0.973296316067781},
+                       Vec3{0.67735358550442948, -0.98903452590902385, -0.97329631606948641},
+                       Vec3{0.67735358550798075, -0.98903452590347019, -0.97329631606747191}};
+  const Vec3 above{0.67735358550749025, -0.9890345259042298, -0.9732963160677508};
+  EXPECT_LT(std::sqrt(closest_point(known, above).squared_distance), 4e-15);
+  Random random(12);
+  for (int trial = 0; trial < 60'000; ++trial) {
+    const double size = std::pow(10.0, random.uniform(-13, 0)), flat = std::pow(10.0, random.uniform(-4, 0));
+    const Vec3 a = test::random_point(random, 1), b = a + test::random_point(random, size);
+    const Vec3 c = a + (a - b) * random.uniform(0, 1) + test::random_point(random, size * flat);
+    const std::array<Vec3, 3> corners{a, b, c};
+    const auto first = static_cast<std::size_t>(trial % 3);
+    const Triangle t{corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
+    const double u = random.uniform(0, 1), v = trial % 2 == 0 ? 0 : random.uniform(0, 1 - u);
+    const Vec3 place = at_barycentric(t, {1 - u - v, u, v});
+    const Vec3 p = place + test::random_point(random, std::pow(10.0, random.uniform(-17, -12)));
+    ASSERT_LE(std::sqrt(closest_point(t, p).squared_distance), distance(p, place) + 0x1p-50)
+        << "trial " << trial << ", size " << size << ", flat " << flat;
+  }
+}
+
 TEST(Triangle, closest_point_on_corners_and_edges_has_zero_coordinates) {
   const Triangle t{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
   EXPECT_EQ(closest_point(t, {-1, -1, 2}).barycentric, (std::array<double, 3>{1, 0, 0}));
