@@ -117,6 +117,7 @@ class SweptObstacleQuery {
   /// a motion that is not finite or 2^100 or more. A surface that is in no step stands still.
   SurfaceQueryStatus run(const SurfaceTree& surface, const Obstacle& obstacle, const Vec3& motion = {},
                          Workers& workers = serial_workers());
+  /// As ObstacleQuery::resume().
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   std::span<const ObstacleImpact> impacts() const;
