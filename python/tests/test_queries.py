@@ -4,6 +4,8 @@
 
 import datetime
 import itertools
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -300,6 +302,27 @@ def test_medial_balls_hold_no_surface():
     assert len(balls) > 50 and (-shape(numpy.array(balls[:, :3])) >= balls[:, 3] - 1e-6).all()
     tree = morula.tree_over_balls(numpy.array(balls))
     assert tree.leaf_count == len(balls) and tree.validate() == []
+
+
+def test_spheres_that_are_asked_in_one_thread_are_set_in_another():
+    """In a program of its own, since what waits for ever here would stop all tests."""
+    code = """
+import threading, time
+import morula, numpy
+bar = morula.sample_body("bar", 8)
+built = morula.build(bar, quality="fast")
+spheres = morula.PosedSpheres(built.tree)
+collider = morula.Collider(bar, built, spheres)
+collider.set_positions(bar.positions)
+rays = numpy.tile([[0.0, 0, 9]], (100000, 1)), numpy.tile([[0.0, 0, -1]], (100000, 1))
+long = threading.Thread(target=morula.first_hits, args=(collider, *rays))
+long.start()
+time.sleep(0.01)
+while long.is_alive():
+    spheres.set(numpy.array(built.spheres))
+print("done")
+"""
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120).stdout == "done\n"
 
 
 def test_posed_spheres_are_asked_as_bodies_are(built):

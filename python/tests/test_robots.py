@@ -4,6 +4,8 @@
 
 import itertools
 import pathlib
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -301,3 +303,22 @@ def test_mujoco_puts_links_where_we_do(tmp_path):
         ball = data.geom_xpos[model.ngeom - 1]
         reach = numpy.linalg.norm(spheres.spheres()[:, :3] - ball, axis=1) + 0.05 - spheres.spheres()[:, 3]
         assert reach.min() < 1e-6
+
+
+def test_a_robot_that_is_asked_in_one_thread_is_posed_in_another():
+    """In a program of its own, since what waits for ever here would stop all tests."""
+    code = f"""
+import threading
+import morula, numpy
+arm = morula.robot.read_robot({str(urdf)!r})
+robot = morula.robot.SphereRobot(arm, morula.robot.fit_spheres(arm, spheres=4))
+values = numpy.zeros(len(arm.own))
+long = threading.Thread(target=robot.self_collisions, args=(numpy.zeros((200000, len(values))),))
+long.start()
+while long.is_alive():
+    robot.pose(values)
+    robot.meets((9, 9, 9, 0.1))
+    assert len(robot.spheres()) == robot.sphere_count
+print("done")
+"""
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120).stdout == "done\n"

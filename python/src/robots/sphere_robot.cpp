@@ -20,6 +20,15 @@ struct HeldRobot {
   robot::SphereRobot robot;
   std::size_t own_count;
   std::mutex mutex;
+
+  /// Without the interpreter's lock: who has the robot may wait for that.
+  template <class F>
+  auto locked(const F& f) {
+    return without_gil([&] {
+      const std::scoped_lock lock(mutex);
+      return f();
+    });
+  }
 };
 
 std::shared_ptr<Posed> posed_of(nb::handle given) {
@@ -55,16 +64,14 @@ void bind_sphere_robot(nb::module_& m) {
           "pose",
           [](HeldRobot& self, ArrayGiven given) {
             const std::vector<double> values = values_of(given);
-            const std::scoped_lock lock(self.mutex);
-            self.robot.pose(values);
+            self.locked([&] { self.robot.pose(values); });
           },
           nb::arg("values"), doc::SphereRobot_pose)
       .def(
           "place",
           [](HeldRobot& self, nb::handle given) {
             const std::vector<RigidTransform> poses = poses_of(given, "link_poses");
-            const std::scoped_lock lock(self.mutex);
-            self.robot.place(poses);
+            self.locked([&] { self.robot.place(poses); });
           },
           nb::arg("link_poses"),
           nb::sig("def place(self, link_poses: collections.abc.Sequence[morula._morula.RigidTransform] | "
@@ -78,20 +85,10 @@ void bind_sphere_robot(nb::module_& m) {
           doc::SphereRobot_links)
       .def_prop_ro("sphere_count", [](const HeldRobot& self) { return self.robot.sphere_count(); })
       .def(
-          "spheres",
-          [](HeldRobot& self) {
-            const std::scoped_lock lock(self.mutex);
-            return own_spheres(self.robot.spheres());
-          },
+          "spheres", [](HeldRobot& self) { return own_spheres(self.locked([&] { return self.robot.spheres(); })); },
           (std::string("(n, 4) float64. ") + doc::SphereRobot_spheres).c_str())
       .def(
-          "self_collision",
-          [](HeldRobot& self) {
-            return without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
-              return self.robot.self_collision();
-            });
-          },
+          "self_collision", [](HeldRobot& self) { return self.locked([&] { return self.robot.self_collision(); }); },
           doc::SphereRobot_self_collision)
       .def(
           "self_collisions",
@@ -99,8 +96,7 @@ void bind_sphere_robot(nb::module_& m) {
             std::vector<std::size_t> shape;
             const std::vector<double> all =
                 numbers_of(given.object, "values", {-1, static_cast<std::int64_t>(self.own_count)}, shape);
-            auto [found, owner] = kept(without_gil([&] {
-              const std::scoped_lock lock(self.mutex);
+            auto [found, owner] = kept(self.locked([&] {
               SignalCheck check;
               std::vector<std::uint8_t> collides(shape[0]);
               for (std::size_t i = 0; i < shape[0]; ++i) {
@@ -119,8 +115,7 @@ void bind_sphere_robot(nb::module_& m) {
           "meets",
           [](HeldRobot& self, nb::handle obstacle, const RigidTransform& placement) {
             if (const std::shared_ptr<Posed> posed = posed_of(obstacle)) {
-              return without_gil([&] {
-                const std::scoped_lock lock(self.mutex);
+              return self.locked([&] {
                 const std::shared_lock reading(posed->mutex);
                 return self.robot.meets(posed->pose(), placement);
               });
@@ -129,8 +124,7 @@ void bind_sphere_robot(nb::module_& m) {
               const auto& box = nb::cast<const ObstacleBox&>(obstacle);
               const ObstacleBox placed{relative_to(inverse(placement), box.pose), box.half};
               const bool moved = !(placement == RigidTransform{});
-              const std::scoped_lock lock(self.mutex);
-              return self.robot.meets(moved ? placed : box);
+              return self.locked([&] { return self.robot.meets(moved ? placed : box); });
             }
             Sphere sphere;
             if (!nb::try_cast(obstacle, sphere))
@@ -139,8 +133,7 @@ void bind_sphere_robot(nb::module_& m) {
                                     "PosedSpheres is needed")
                                        .c_str());
             sphere.center = placement(sphere.center);
-            const std::scoped_lock lock(self.mutex);
-            return self.robot.meets(sphere);
+            return self.locked([&] { return self.robot.meets(sphere); });
           },
           nb::arg("obstacle"), nb::arg("placement") = RigidTransform{},
           nb::sig("def meets(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "

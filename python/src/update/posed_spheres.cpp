@@ -27,8 +27,11 @@ void bind_posed_spheres(nb::module_& m) {
           "set",
           [](PosedRows& self, ArrayGiven given) {
             const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
-            const std::unique_lock lock(self.mutex);
-            self.owned->set(spheres);
+            // Whoever reads them may wait for the interpreter's lock.
+            without_gil([&] {
+              const std::unique_lock lock(self.mutex);
+              self.owned->set(spheres);
+            });
           },
           nb::arg("spheres"), doc::PosedSpheres_set);
 }
