@@ -75,6 +75,8 @@ TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
       bench.require("robot gripper.urdf -o out --spheres 4 --clip palm=0,0,1,0 --clip-margin 0.005 --json").json();
   EXPECT_EQ(report["links"][0]["beyond_clip"], 0);
   EXPECT_TRUE(report["covered"]);
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,0 --clip-margin 0.005 --padding 0.01",
+                       "clip margin 0.005 is too small for link palm");
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,0,1", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,nan", "as --clip base=0,0,1,0.02");

@@ -343,7 +343,7 @@ TEST(ClipPlanes, a_margin_that_padding_or_rounding_takes_is_refused) {
       const std::string text = error.what();
       EXPECT_NE(text.find("clip margin"), std::string::npos) << text;
       EXPECT_NE(text.find("link block"), std::string::npos) << text;
-      EXPECT_NE(text.find(padding > 0 ? "take 0.050001;" : "take 1e-06;"), std::string::npos) << text;
+      EXPECT_NE(text.find(padding > 0 ? "take 0.050001," : "take 1e-06,"), std::string::npos) << text;
     }
   }
   const robot::RobotSpheres good = fitted(0.1, 0.05, 0, 0);

@@ -321,8 +321,8 @@ class Fitter {
     const double least = o_.padding + clip_allowance(mesh);
     if (least_height(mesh, planes) >= least) return;
     throw std::invalid_argument(
-        fmt::format("clip margin: with {} every cover of link {} reaches beyond its clip planes, since padding and "
-                    "rounding take {:.6g}; give more, and the more, the fewer spheres it takes",
+        fmt::format("clip margin {} is too small for link {}: padding and rounding take {:.6g}, so every cover reaches "
+                    "beyond its clip planes; give more than that, and the more, the fewer spheres it takes",
                     o_.clip_margin, link.name, least));
   }
 
