@@ -34,15 +34,21 @@ struct SweptQuery::State {
   SweptOptions options;
   FeatureQuery<SweptPair> query;
   FeatureQuery<FeaturePair> candidates;
+  bool has_candidates = false;  // of the two, what was started last
 
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
-    if (options.candidates_only)
-      return candidates.run(a, b, {.reach = options.distance, .sorted = false}, options, workers, candidate);
-    return query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
+    const SurfaceQueryStatus status =
+        options.candidates_only
+            ? candidates.run(a, b, {.reach = options.distance, .sorted = false}, options, workers, candidate)
+            : query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
+    if (status) has_candidates = options.candidates_only;
+    return status;
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    return options.candidates_only ? candidates.resume(options.distance, options, workers, candidate)
-                                   : query.resume(options.distance, options, workers, Impact{options.distance});
+    const bool is_started = query.search().is_started() || candidates.search().is_started();
+    if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
+    return has_candidates ? candidates.resume(options.distance, options, workers, candidate)
+                          : query.resume(options.distance, options, workers, Impact{options.distance});
   }
 };
 
@@ -80,7 +86,7 @@ std::span<const FeaturePair> SweptQuery::candidates() const {
   return state_->candidates.found();
 }
 const std::vector<OpenFacets>& SweptQuery::open() const {
-  return state_->options.candidates_only ? state_->candidates.open() : state_->query.open();
+  return state_->has_candidates ? state_->candidates.open() : state_->query.open();
 }
 
 double SweptQuery::collision_free_step() const {

@@ -135,6 +135,14 @@ TEST(SurfaceQueries, refuse_options_that_make_no_sense_and_questions_about_the_p
   query.set_options({.distance = 0.1, .filter = {.masks_a = {.of = {1, 2, 3}}}});
   EXPECT_EQ(query.resume().code, Status::Code::bad_option);
   query.set_options({.distance = 0.1});
+  SweptQuery swept({.distance = 0.1, .budget = 128});
+  EXPECT_EQ(swept.resume().code, Status::Code::no_front);
+  EXPECT_FALSE(swept.run(tree).finished);
+  swept.set_options({.distance = 0.1, .candidates_only = true});
+  EXPECT_EQ(swept.resume().code, Status::Code::other_options);
+  EXPECT_FALSE(swept.open().empty());
+  swept.set_options({.distance = 0.1});
+  EXPECT_TRUE(swept.resume().finished);
   ASSERT_TRUE(tree.update(mesh.positions));
   EXPECT_EQ(query.resume().code, Status::Code::other_frame);
 }

@@ -45,7 +45,7 @@ class SweptQuery {
   /// Surfaces that were updated by positions alone stand still.
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
-  /// As ProximityQuery::resume().
+  /// As ProximityQuery::resume(); refused with other_options also for another candidates_only.
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
   /// In the order of (kind, a, b), each once; the same for any number of workers and interruptions.

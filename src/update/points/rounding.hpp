@@ -15,15 +15,13 @@
 //                   than 2 sqrt(3) M each, so below 3.5 x 2^-30 M = 0.06 e M, 12.3 e M with the line above
 //   distance        squared in float: differences e, products e, two sums; (1 + e)^5 in all, so 2.5 e of the distance,
 //                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
-//   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more: 3 x 2^-126
-//   of
-//                   the square, below 2^-62 of the distance. Allowed: 2^-62.
-//   reading         origin + centre in double 2^-53 A, a cut point as a weighted sum of mesh coordinates 3 x 2^-53 A
-//   and
-//                   s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same combination of
-//                   those tested as far as x and y go; their first weights differ by up to 2 s, which moves it by up
-//                   to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which is also what
-//                   rounded_up_radius and so certify() ask for, and 6 s A.
+//   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more:
+//                   3 x 2^-126 of the square, below 2^-62 of the distance. Allowed: 2^-62.
+//   reading         origin + centre in double 2^-53 A, a cut point as a weighted sum of mesh coordinates
+//                   3 x 2^-53 A and s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same
+//                   combination of those tested as far as x and y go; their first weights differ by up to 2 s, which
+//                   moves it by up to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which is also
+//                   what rounded_up_radius and so certify() ask for, and 6 s A.
 // What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
 #pragma once
 
