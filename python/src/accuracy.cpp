@@ -197,8 +197,7 @@ void bind_accuracy(nb::module_& m) {
       nb::arg("resolution") = 192, nb::arg("voxel_edge") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def looseness(mesh: morula.typing.MeshLike, spheres: morula.typing.FloatArray, "
               "positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = "
-              "None, "
-              "workers: Workers | None = None) -> Looseness"),
+              "None, workers: Workers | None = None) -> Looseness"),
       with_arguments(doc::looseness, {{"resolution", grid_text}}).c_str());
   m.def(
       "coverage",

@@ -29,10 +29,8 @@ void bind_mesh(nb::module_& m) {
           },
           nb::arg("positions"), nb::arg("facets"),
           "Copies both. positions: (vertices, 3), float32 or float64. facets: (facets, 3), any integers, "
-          "counter-clockwise "
-          "seen from outside. ValueError, naming the first offender, for indices out of range and used positions that "
-          "are "
-          "not finite.")
+          "counter-clockwise seen from outside. ValueError, naming the first offender, for indices out of range and "
+          "used positions that are not finite.")
       .def_static(
           "of", [](MeshGiven mesh) { return std::make_shared<Mesh>(*mesh_of(mesh)); }, nb::arg("mesh"),
           "A mesh of anything that is one: with vertices and faces (trimesh), a meshio.Mesh of triangles, a tuple "

@@ -311,8 +311,7 @@ void bind_motion(nb::module_& m) {
       },
       nb::arg("rest"), nb::arg("deformations"), nb::kw_only(), nb::arg("frame_count"), nb::arg("and_back") = true,
       nb::sig("def deform_frames(rest: morula.typing.MeshLike, *deformations: Stretch | Twist | Bend | Poke | Noise | "
-              "Rotate, "
-              "frame_count: int, and_back: bool = True) -> numpy.typing.NDArray[numpy.float64]"),
+              "Rotate, frame_count: int, and_back: bool = True) -> numpy.typing.NDArray[numpy.float64]"),
       "All frames of a motion out and back: (frames, vertices, 3) float64. As deform() at frame_parameters().");
   m.def(
       "frame_parameters",

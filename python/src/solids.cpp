@@ -205,9 +205,8 @@ void bind_modal_certificate(nb::module_& m) {
           },
           nb::arg("coordinates"), nb::arg("positions"),
           "The pairs of open() whose facets intersect, exactly, where the vertices are now, in the order of (a, b): "
-          "what "
-          "surface_crossings() finds with the same rest distance, when positions are those of move_by_modes() at these "
-          "coordinates. None for coordinates that are not known.")
+          "what surface_crossings() finds with the same rest distance, when positions are those of move_by_modes() at "
+          "these coordinates. None for coordinates that are not known.")
       .def_prop_ro(
           "tested_facet_pairs", [](const HeldCertificate& self) { return self.certificate.tested_facet_pairs(); },
           doc::ModalCertificate_tested_facet_pairs)

@@ -152,7 +152,7 @@ def test_components_are_inside_or_not():
     other = morula.Body(two, morula.build(two, quality="fast"))
     inside = morula.InsideQuery(body).components_inside(other, morula.component_vertices(two))
     assert inside.inside == [True, False] and inside.certified and inside.any and not inside.all
-    assert morula.InsideQuery(body).components_inside(body, morula.component_vertices(bar)).inside in ([True], [False])
+    assert morula.InsideQuery(body).components_inside(body, morula.component_vertices(bar)).inside == [True]  # on its surface
     with pytest.raises(IndexError, match="vertices"):
         morula.InsideQuery(body).components_inside(other, numpy.array([two.vertex_count]))
 

@@ -365,9 +365,8 @@ void bind_page(nb::module_& m) {
       nb::arg("rules") = std::vector<std::string>{"exact"}, nb::arg("title") = "Morula", nb::arg("measured") = false,
       nb::arg("workers") = nb::none(),
       nb::sig("def page_html(mesh: morula.typing.MeshLike, built: CoveredTree, frames: morula.typing.FloatArray | None "
-              "= None, *, "
-              "rules: collections.abc.Sequence[str] = ['exact'], title: str = 'Morula', measured: bool = False, "
-              "workers: Workers | None = None) -> str"),
+              "= None, *, rules: collections.abc.Sequence[str] = ['exact'], title: str = 'Morula', measured: bool = "
+              "False, workers: Workers | None = None) -> str"),
       doc::make_page);
 }
 

@@ -54,8 +54,7 @@ void bind_robot_self_collision(nb::module_& m) {
       nb::arg("given") = std::vector<std::array<std::string, 2>>{}, nb::arg("workers") = nb::none(),
       nb::sig("def find_ignored(robot: Robot, spheres: RobotSpheres, *, samples: int = 2000, seed: int = 1, "
               "given: collections.abc.Sequence[collections.abc.Sequence[str]] = [], workers: morula._morula.Workers | "
-              "None = None) "
-              "-> SelfCollision"),
+              "None = None) -> SelfCollision"),
       with_arguments("Which pairs of links need not be tested against each other.",
                      {{"samples", doc::SelfCollisionOptions_samples}, {"given", doc::SelfCollisionOptions_given}})
           .c_str());

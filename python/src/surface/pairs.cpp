@@ -113,10 +113,9 @@ void bind_pairs(nb::module_& m) {
       nb::arg("nearest_features_once") = false, nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
       nb::arg("same_component") = false, nb::arg("keeps") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def proximity(a: SurfaceTree, b: SurfaceTree | None = None, *, distance: float, nearest_features_once: "
-              "bool = False, "
-              "rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
-              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) "
-              "-> ProximityPairs"),
+              "bool = False, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, keeps: "
+              "collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) -> "
+              "ProximityPairs"),
       (std::string("All pairs of features within a distance. ") + doc::ProximityQuery + filter_arguments).c_str());
   m.def(
       "safe_distances",
@@ -165,9 +164,8 @@ void bind_pairs(nb::module_& m) {
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
       nb::arg("same_component") = false, nb::arg("keeps") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def surface_crossings(a: SurfaceTree, b: SurfaceTree | None = None, *, rings: int = 0, rest_distance: "
-              "float = 0.0, "
-              "same_component: bool = False, keeps: collections.abc.Callable[[int, int, int], bool] | None = None, "
-              "workers: Workers | None = None) -> FeaturePairs"),
+              "float = 0.0, same_component: bool = False, keeps: collections.abc.Callable[[int, int, int], bool] | "
+              "None = None, workers: Workers | None = None) -> FeaturePairs"),
       (std::string(doc::SurfaceCrossingQuery) + filter_arguments).c_str());
   m.def(
       "time_of_impact",

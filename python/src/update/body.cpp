@@ -132,8 +132,7 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                   "rules: str | collections.abc.Sequence[str] = 'exact', conservative: bool = False, "
                   "approach1_weights: str = 'uniform', approach1_inner_center: str = 'children', "
                   "approach2_inner_boxes: str = 'child_spheres', wrapped_center: str = 'children', distance_floor: "
-                  "float = 0.0, "
-                  "modal_bound: str = 'gradient', modes: Modes | morula.typing.FloatArray | None = None, "
+                  "float = 0.0, modal_bound: str = 'gradient', modes: Modes | morula.typing.FloatArray | None = None, "
                   "skin: Skin | morula.typing.FloatArray | None = None, workers: Workers | None = None) -> None"),
           with_arguments(doc::Body_Body, {{"rules", doc::UpdateOptions},
                                           {"conservative", doc::UpdateOptions_conservative},
@@ -188,10 +187,8 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           nb::sig("def follow(self, frames: morula.typing.FloatArray, workers: Workers | None = None) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
           "A whole motion in one call. frames: (frames, vertices, 3) float32 or float64, not copied. Returns the "
-          "spheres of "
-          "every frame, (frames, nodes, 4) float64 in mesh coordinates. The body stays in the last frame. ValueError "
-          "names "
-          "the frame that is refused.")
+          "spheres of every frame, (frames, nodes, 4) float64 in mesh coordinates. The body stays in the last frame. "
+          "ValueError names the frame that is refused.")
       .def(
           "update_modal",
           [](PosedBody& self, ArrayGiven given, Threads* workers) {

@@ -154,9 +154,8 @@ void bind_looseness_estimate(nb::module_& m) {
           },
           nb::arg("body"), nb::arg("positions"),
           "Looseness of every level set of a body, from the root; object volumes. The root's is exact where it "
-          "contains "
-          "the object. positions: those of the body's last update, finite. The same bits on every run. Cost: linear in "
-          "facets (the volume) and samples.");
+          "contains the object. positions: those of the body's last update, finite. The same bits on every run. Cost: "
+          "linear in facets (the volume) and samples.");
   m.def(
       "estimate_looseness",
       [](const PosedBody& body, PositionsGiven given) {
