@@ -75,7 +75,8 @@ TEST(CollideScene, tells_the_contacts_of_every_two_bodies_frame_by_frame) {
 TEST(CollideScene, shows_bodies_and_contacts_on_a_page) {
   const SceneBench bench;
   if (!bench.has_page())
-    return bench.expect_refused("collide --scene room.json --page room.html", "this morula was built without its page: ");
+    return bench.expect_refused("collide --scene room.json --page room.html",
+                                "this morula was built without its page: ");
   bench.expect_refused("collide --scene room.json --page room.json", "pages are written as .html");
   bench.require("collide --scene room.json --page room.html -o contacts.csv");
   const nlohmann::json content = page_manifest(bench.read("room.html"));
