@@ -87,9 +87,10 @@ int main() {
         move(std::array{pair.a}, pair.weights_a, -1), move(tree.facets()[pair.b], pair.weights_b, 1);
       }
     }
-    // Vertices of pairs that would meet stop before they do; those of the others go on. From the twentieth round on they
-    // stay where they were: a part of a motion that is no longer than rounding would be that motion again. Every round
-    // then stops a vertex that moved, or finds none in what is left, which is as it was and crosses nothing: it ends.
+    // Vertices of pairs that would meet stop before they do; those of the others go on. From the twentieth round on
+    // they stay where they were: a part of a motion that is no longer than rounding would be that motion again. Every
+    // round then stops a vertex that moved, or finds none in what is left, which is as it was and crosses nothing: it
+    // ends.
     for (int round = 0;; ++round) {
       if (!tree.update(at, next) || !swept.run(tree)) return 1;
       std::vector<double> share(at.size(), 1.0);
