@@ -35,7 +35,7 @@ std::vector<PageContact> marks_of(nb::handle given) {
     cli::add_marks(found.contacts, found.surfaces, marks);
   } else if (nb::isinstance<SceneRows>(given)) {
     const auto& found = nb::cast<const SceneRows&>(given);
-    cli::add_marks(found.contacts.rows, found.surfaces.rows, marks);
+    cli::add_marks(found.contacts.contacts, found.surfaces.rows, marks);
   } else if (!nb::try_cast(given, marks)) {
     throw nb::type_error(
         ("contacts: " + describe(given) + ", but None, Contacts, ScenePairs or a list of PageContact is needed")
