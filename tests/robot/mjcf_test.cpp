@@ -8,6 +8,7 @@
 #include <cmath>
 #include <morula/robot/robot.hpp>
 #include <numbers>
+#include <set>
 #include <span>
 
 #include "formats.hpp"
@@ -119,6 +120,57 @@ TEST_F(Formats, of_mjcf_the_world_is_a_link_only_where_it_is_needed) {
   EXPECT_EQ(mjcf("<body name='a'><joint name='j'/></body>").own.size(), 1u);
   EXPECT_EQ(mjcf("<body/><body/><body name='body'/>").find_link("body_2"), 1u)
       << "names are made up beside those given";
+}
+
+/// Poses, names and pairs as MuJoCo 4.0 has them of these files.
+TEST_F(Formats, mjcf_replicates_are_copies_whose_names_end_with_their_numbers) {
+  const robot::Robot arms = mjcf(
+      "<body name='hub'><geom size='.1'/><replicate count='3' offset='1 0 0' euler='0 0 1.5707963267948966' sep='-'>"
+      "<body name='f' pos='.5 0 0'><joint name='j' axis='0 1 0'/><geom name='g' size='.05' pos='0 0 1'/>"
+      "<body name='h'><joint name='k' axis='0 1 0'/><geom size='.1'/></body></body></replicate>"
+      "<replicate count='2' offset='0 1 0'><geom type='box' size='.1 .1 .1' pos='0 0 2'/>"
+      "<replicate count='2' offset='0 0 1' sep='_'><body name='w'><geom "
+      "size='.1'/></body></replicate></replicate></body>",
+      "<contact><exclude body1='f' body2='h'/><exclude body1='hub' body2='h'/><exclude body1='f-0' body2='f-2'/>"
+      "</contact><equality><joint joint1='k' joint2='j' polycoef='0 2 0 0 0'/></equality>");
+  const std::vector<double> still(arms.own.size(), 0);
+  expect_near(origin_of(arms, "f-0", still), {0.5, 0, 0}, "the first stands where it would");
+  expect_near(origin_of(arms, "f-1", still), {1, 0.5, 0}, "turned, and away from it");
+  expect_near(origin_of(arms, "h-2", still), {0.5, 1, 0}, "away from the second, in its axes");
+  expect_near(point_of(arms, "f-2", still, {1, 0, 0}), {-0.5, 1, 0}, "turned twice");
+  for (const auto& [name, at] : {std::pair{"w_00", Vec3{0, 0, 0}}, std::pair{"w_10", Vec3{0, 0, 1}},
+                                 std::pair{"w_01", Vec3{0, 1, 0}}, std::pair{"w_11", Vec3{0, 1, 1}}}) {
+    ASSERT_NE(arms.find_link(name), robot::none) << name << ": the number of the inner copy stands first";
+    expect_near(origin_of(arms, name, still), at, name);
+  }
+  const auto& boxes = arms.links[arms.find_link("hub")].collision;
+  ASSERT_EQ(boxes.size(), 3u);
+  EXPECT_EQ(boxes[2].origin.translation, (Vec3{0, 1, 2}));
+  std::set<std::array<std::string, 2>> pairs(arms.ignored.begin(), arms.ignored.end());
+  EXPECT_EQ(pairs, (std::set<std::array<std::string, 2>>{{"f-0", "h-0"},
+                                                         {"f-1", "h-1"},
+                                                         {"f-2", "h-2"},
+                                                         {"hub", "h-0"},
+                                                         {"hub", "h-1"},
+                                                         {"hub", "h-2"},
+                                                         {"f-0", "f-2"}}));
+  for (const char* number : {"0", "1", "2"}) {
+    const robot::Joint& k = arms.joints[arms.find_joint(std::string("k-") + number)];
+    ASSERT_TRUE(k.mimic) << number;
+    EXPECT_EQ(arms.joints[k.mimic->joint].name, std::string("j-") + number) << "of the same copy";
+    EXPECT_EQ(k.mimic->multiplier, 2);
+  }
+  const auto in_degrees = [&](const std::string& count) {
+    return mjcf("<body><replicate count='" + count +
+                    "' offset='1 0.5 0' euler='30 40 20'><body name='f' pos='.5 0 0'>"
+                    "<geom size='.05'/></body></replicate></body>",
+                "<compiler angle='degree'/>");
+  };
+  const robot::Robot spiral = in_degrees("3");
+  const Vec3 apart = origin_of(spiral, "f2", {}) - Vec3{1.65535611, 1.93751128, 0.06776398};
+  EXPECT_LT(length(apart), 1e-8) << "turned by twice the angles, which is not turned twice by the angles";
+  EXPECT_NE(in_degrees("10").find_link("f09"), robot::none) << "as many digits as the count has";
+  EXPECT_EQ(in_degrees("0").links.size(), 1u);
 }
 
 /// The tetrahedron above as MuJoCo writes it: four counts, then vertices, normals, places in a texture, facets.
@@ -242,11 +294,18 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {"<body childclass='no'/>", "", "no default class no"},
       {body(""), "<default><default/></default>", "has no class"},
       {body(""), "<default><default class='x'/><default class='x'/></default>", "two default classes x"},
-      {body("<replicate count='1000000000'/>"), "", "<replicate> is not supported"},
+      {body("<replicate count='1000000000'/>"), "", "is not a number of copies from 0 to 10000"},
+      {body("<replicate count='2.5'/>"), "", "is not a number of copies from 0 to 10000"},
+      {body("<replicate count='-1'/>"), "", "is not a number of copies from 0 to 10000"},
+      {body("<replicate offset='1 0 0'/>"), "", "count=\"\" of <replicate> is not 1 numbers"},
+      {body("<replicate count='200'><replicate count='200'/></replicate>"), "", "makes more than 10000 elements"},
+      {body("<replicate count='2'><body name='b'/></replicate><body name='b1'/>"), "", "two bodies b1"},
+      {body("<replicate count='150'><body name='b'/></replicate><replicate count='150'><body name='c'/></replicate>"),
+       "<contact><exclude body1='b' body2='c'/></contact>", "too many pairs of copies"},
       {body("<composite count='9999 9999 9999'/>"), "", "<composite> is not supported"},
       {body("<flexcomp name='f'/>"), "", "<flexcomp> is not supported"},
       {body("<attach model='m'/>"), "", "<attach> is not supported"},
-      {body("") + "<replicate count='7'/>", "", "<replicate> in the world is not supported"},
+      {body("") + "<composite count='7'/>", "", "<composite> in the world is not supported"},
       {body(""), "<deformable>\n<flex name='f'/></deformable>", "r.xml:3: <flex> of <deformable> is not supported"},
       {body(""), "<compiler coordinate='global'/>", "coordinate=\"global\" is not supported"},
       {body(""), "<compiler angle='grad'/>", "neither degree nor radian"},

@@ -52,6 +52,11 @@ TEST_F(Formats, small_files_that_mean_much_are_refused_with_little_memory) {
   for (int i = 0; i < 70; ++i) classes += "<default class='" + std::to_string(i) + "'><geom size='1'/>";
   for (int i = 0; i < 70; ++i) classes += "</default>";
   refused("r", "<mujoco><default>" + classes + "</default></mujoco>", read, "nested more than 64 deep");
+  refused(
+      "r",
+      "<mujoco><worldbody><replicate count='9999'><body name='b'><joint name='j'/><geom size='1'/></body></replicate>"
+      "</worldbody></mujoco>",
+      read, "makes more than 10000 elements");
   // Ten levels of nodes, each of which shows the one below ten times.
   std::string nodes;
   for (int i = 0; i < 10; ++i) {
