@@ -3,6 +3,7 @@
 // Building trees, with progress and Ctrl-C.
 #include <morula/morula.hpp>
 
+#include "building.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -10,23 +11,6 @@
 namespace morula::python {
 
 namespace {
-
-template <class Value>
-std::vector<std::string> names(std::span<const Value> values) {
-  std::vector<std::string> all;
-  for (const Value value : values) all.emplace_back(name(value));
-  return all;
-}
-
-/// Ctrl-C, then what the caller wants to be told. What these raise ends the build.
-std::function<void(const BuildProgress&)> progress_of(const nb::object& callback) {
-  return [&callback, check = SignalCheck()](const BuildProgress& progress) mutable {
-    check();
-    if (callback.is_none()) return;
-    const nb::gil_scoped_acquire gil;
-    callback(progress);
-  };
-}
 
 constexpr const char* build_text = R"(
 
@@ -37,13 +21,13 @@ meanwhile, and Ctrl-C ends it with KeyboardInterrupt.)";
 
 void bind_build(nb::module_& m) {
   m.def(
-      "all_methods", [] { return names(all_methods()); }, "Names of the generators.");
+      "all_methods", [] { return names_of(all_methods()); }, "Names of the generators.");
   m.def(
-      "all_reductions", [] { return names(all_reductions()); }, doc::Reduction);
+      "all_reductions", [] { return names_of(all_reductions()); }, doc::Reduction);
   m.def(
-      "all_optimisers", [] { return names(all_optimisers()); }, "Names of the optimisers.");
+      "all_optimisers", [] { return names_of(all_optimisers()); }, "Names of the optimisers.");
   m.def(
-      "all_qualities", [] { return names(all_qualities()); }, doc::Quality);
+      "all_qualities", [] { return names_of(all_qualities()); }, doc::Quality);
   m.def("automatic_depth", &automatic_depth, nb::arg("facet_count"), nb::arg("branching") = 8, doc::automatic_depth);
 
   Record<BuildProgress>(m, "BuildProgress", doc::BuildProgress)
@@ -58,7 +42,7 @@ void bind_build(nb::module_& m) {
          std::string_view optimiser, double balance_excess, std::string_view quality, double time_limit_seconds,
          nb::object progress, Threads* workers) {
         BuildOptions options;
-        options.method = choice<Method>(method, "method", method_from_name, all_methods());
+        options.method = method_of(method);
         options.branching = branching;
         options.depth = depth;
         options.spheres = spheres;
@@ -70,7 +54,7 @@ void bind_build(nb::module_& m) {
         }
         options.optimiser = choice<Optimiser>(optimiser, "optimiser", optimiser_from_name, all_optimisers());
         options.balance_excess = balance_excess;
-        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.quality = quality_of(quality);
         options.time_limit_seconds = time_limit_seconds;
         options.progress = progress_of(progress);
         const auto mesh = mesh_of(given);
@@ -126,8 +110,8 @@ void bind_build(nb::module_& m) {
       [](MeshGiven given, const CoveredTree& built, nb::iterable poses, std::string_view method,
          std::string_view quality, std::uint64_t seed, double looser_by, std::size_t most, Threads* workers) {
         KnownPoseOptions options;
-        options.method = choice<Method>(method, "method", method_from_name, all_methods());
-        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.method = method_of(method);
+        options.quality = quality_of(quality);
         options.seed = seed;
         options.looser_by = looser_by;
         options.most = most;

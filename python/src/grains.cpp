@@ -5,6 +5,7 @@
 #include <morula/grains/clump.hpp>
 #include <morula/morula.hpp>
 
+#include "building.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -112,16 +113,11 @@ void bind_grains(nb::module_& m) {
         options.min_radius = min_radius;
         options.max_radius = max_radius;
         options.density = density;
-        options.method = choice<Method>(method, "method", method_from_name, all_methods());
-        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.method = method_of(method);
+        options.quality = quality_of(quality);
         options.candidates = candidates;
         options.seed = seed;
-        options.progress = [&progress, check = SignalCheck()](const BuildProgress& done) mutable {
-          check();
-          if (progress.is_none()) return;
-          const nb::gil_scoped_acquire gil;
-          progress(done);
-        };
+        options.progress = progress_of(progress);
         const auto mesh = mesh_of(given);
         return without_gil([&] { return fit_clump(*mesh, options, CallWorkers(workers)); });
       },

@@ -42,17 +42,10 @@ void bind_contacts(nb::module_& m) {
   Record<MutualContainment>(m, "MutualContainment", doc::MutualContainment)
       .field("a_in_b", &MutualContainment::a_in_b)
       .field("b_in_a", &MutualContainment::b_in_a);
-  Record<Contacts>(m, "Contacts",
-                   "Pairs of nodes whose spheres meet; every crossing of the surfaces lies in one of them.")
-      .property("pair", MORULA_COLUMN(Contacts, contacts, pair), doc::Contact_pair)
-      .property("node_a", MORULA_COLUMN(Contacts, contacts, node_a), "(n,) uint32.")
-      .property("node_b", MORULA_COLUMN(Contacts, contacts, node_b), "(n,) uint32.")
-      .property("finished", MORULA_COLUMN(Contacts, contacts, finished), doc::Contact_finished)
-      .property("point", MORULA_COLUMN3(Contacts, contacts, point), doc::Contact_point)
-      .property("normal", MORULA_COLUMN3(Contacts, contacts, normal), doc::Contact_normal)
-      .property("depth", MORULA_COLUMN(Contacts, contacts, depth), doc::Contact_depth)
-      .property("lens_volume", MORULA_COLUMN(Contacts, contacts, lens_volume), doc::Contact_lens_volume)
-      .property("error_bound", MORULA_COLUMN(Contacts, contacts, error_bound), doc::Contact_error_bound)
+  Record<Contacts> contacts(m, "Contacts",
+                            "Pairs of nodes whose spheres meet; every crossing of the surfaces lies in one of them.");
+  contacts.property("pair", MORULA_COLUMN(Contacts, contacts, pair), doc::Contact_pair);
+  contact_columns(contacts)
       .property(
           "surfaces", [](const Contacts& c) { return ContactSurfaces{c.surfaces}; }, doc::Contacts_surfaces)
       .property(

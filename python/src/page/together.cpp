@@ -39,7 +39,7 @@ std::vector<PageContact> marks_of(nb::handle given) {
     // Pair by pair: one that a budget ended has fewer surfaces than contacts.
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
       const SceneRow row = found.row(i);
-      cli::add_marks(row.contacts.rows, row.surfaces.rows, marks);
+      cli::add_marks(row.contacts.contacts, row.surfaces.rows, marks);
     }
   } else if (!nb::try_cast(given, marks)) {
     throw nb::type_error(

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "building.hpp"
 #include "holders.hpp"
 #include "records.hpp"
 #include "robots.hpp"
@@ -111,19 +112,14 @@ void bind_robot_fit(nb::module_& m) {
             options.kept[link] = spheres_of(item.second, ("kept['" + link + "']").c_str());
           }
         }
-        options.method = choice<Method>(method, "method", method_from_name, all_methods());
-        options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
+        options.method = method_of(method);
+        options.quality = quality_of(quality);
         options.seed = seed;
         options.density = density;
         options.clip = clip_of(clip);
         options.clip_margin = clip_margin;
         options.inner = inner;
-        options.progress = [&progress, check = SignalCheck()](double share, const std::string& link) mutable {
-          check();
-          if (progress.is_none()) return;
-          const nb::gil_scoped_acquire gil;
-          progress(share, link);
-        };
+        options.progress = progress_of(progress);
         return without_gil([&] { return robot::fit_spheres(robot, options, CallWorkers(workers)); });
       },
       nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("total") = 0,

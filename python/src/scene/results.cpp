@@ -19,10 +19,10 @@ SceneRows rows_of(const Scene& scene) {
     rows.pairs.push_back(pair);
     rows.user_data_a.push_back(scene.user_data(pair.a));
     rows.user_data_b.push_back(scene.user_data(pair.b));
-    rows.contacts.rows.insert(rows.contacts.rows.end(), pair.contacts.begin(), pair.contacts.end());
+    rows.contacts.contacts.insert(rows.contacts.contacts.end(), pair.contacts.begin(), pair.contacts.end());
     rows.surfaces.rows.insert(rows.surfaces.rows.end(), pair.surfaces.begin(), pair.surfaces.end());
     rows.crossings.pairs.insert(rows.crossings.pairs.end(), pair.crossings.begin(), pair.crossings.end());
-    rows.contacts_begin.push_back(static_cast<std::uint32_t>(rows.contacts.rows.size()));
+    rows.contacts_begin.push_back(static_cast<std::uint32_t>(rows.contacts.contacts.size()));
     rows.surfaces_begin.push_back(rows.surfaces.rows.size());
     rows.crossings_begin.push_back(static_cast<std::uint32_t>(rows.crossings.pairs.size()));
   }
@@ -59,16 +59,8 @@ void bind_scene_results(nb::module_& m) {
             return nb::make_tuple(nb::object(nb::borrow(self.type())), nb::make_tuple(body.place, body.generation));
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
-  Record<SceneContacts>(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.")
-      .property("node_a", MORULA_COLUMN(SceneContacts, rows, node_a), "(n,) uint32.")
-      .property("node_b", MORULA_COLUMN(SceneContacts, rows, node_b), "(n,) uint32.")
-      .property("finished", MORULA_COLUMN(SceneContacts, rows, finished), doc::Contact_finished)
-      .property("point", MORULA_COLUMN3(SceneContacts, rows, point), doc::Contact_point)
-      .property("normal", MORULA_COLUMN3(SceneContacts, rows, normal), doc::Contact_normal)
-      .property("depth", MORULA_COLUMN(SceneContacts, rows, depth), doc::Contact_depth)
-      .property("lens_volume", MORULA_COLUMN(SceneContacts, rows, lens_volume), doc::Contact_lens_volume)
-      .property("error_bound", MORULA_COLUMN(SceneContacts, rows, error_bound), doc::Contact_error_bound)
-      .table([](const SceneContacts& self) { return self.rows.size(); });
+  Record<SceneContacts> contacts(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.");
+  contact_columns(contacts).table([](const SceneContacts& self) { return self.contacts.size(); });
   Record<SceneRow>(m, "ScenePair", "Two bodies in contact, as of the update that they were read after.")
       .property(
           "a", [](const SceneRow& row) { return row.pair.a; }, doc::ScenePair_a)

@@ -36,4 +36,18 @@ struct ContactSurfaces {
     return column3<Row>(std::span<const Row>(all), all.empty() ? nullptr : &all[0].member, self); \
   }
 
+/// What is known of each of the `contacts` of a holder.
+template <class Holder>
+Record<Holder>& contact_columns(Record<Holder>& record) {
+  record.property("node_a", MORULA_COLUMN(Holder, contacts, node_a), "(n,) uint32.")
+      .property("node_b", MORULA_COLUMN(Holder, contacts, node_b), "(n,) uint32.")
+      .property("finished", MORULA_COLUMN(Holder, contacts, finished), doc::Contact_finished)
+      .property("point", MORULA_COLUMN3(Holder, contacts, point), doc::Contact_point)
+      .property("normal", MORULA_COLUMN3(Holder, contacts, normal), doc::Contact_normal)
+      .property("depth", MORULA_COLUMN(Holder, contacts, depth), doc::Contact_depth)
+      .property("lens_volume", MORULA_COLUMN(Holder, contacts, lens_volume), doc::Contact_lens_volume)
+      .property("error_bound", MORULA_COLUMN(Holder, contacts, error_bound), doc::Contact_error_bound);
+  return record;
+}
+
 }  // namespace morula::python

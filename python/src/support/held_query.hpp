@@ -125,6 +125,15 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   }
 };
 
+/// A copy of what get(query) finds: a list of it, as the table `Rows`.
+template <class Rows, class Held, class Get>
+Rows found_by(Held& self, const Get& get) {
+  return self.locked([&](auto& query) {
+    const auto found = get(query);
+    return Rows{{found.begin(), found.end()}};
+  });
+}
+
 /// set_budget() of whatever has a query with options.
 template <class Held>
 void bind_set_budget(nb::class_<Held>& type) {

@@ -11,6 +11,7 @@
 #include <morula/morula.hpp>
 #include <mutex>
 #include <shared_mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -164,6 +165,13 @@ auto with_shape(const ShapeGiven& given, const F& f) {
 
 /// None: unlimited; an integer: pair tests; a datetime.timedelta or a text such as "200us": time.
 Budget budget_of(const BudgetGiven& given, const char* name = "budget");
+
+template <class Value>
+std::vector<std::string> names_of(std::span<const Value> values) {
+  std::vector<std::string> all;
+  for (const Value& value : values) all.emplace_back(name(value));
+  return all;
+}
 
 /// The value that a text names. Throws ValueError with the names there are.
 template <class Value, class Find, class All>

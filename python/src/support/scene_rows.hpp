@@ -15,7 +15,7 @@ namespace morula::python {
 
 /// Contacts of one pair of bodies, or of all.
 struct SceneContacts {
-  std::vector<Contact> rows;
+  std::vector<Contact> contacts;
 };
 
 /// A pair of bodies, with its contacts.
@@ -42,7 +42,7 @@ struct SceneRows {
       return List(all.begin() + static_cast<std::ptrdiff_t>(begin), all.begin() + static_cast<std::ptrdiff_t>(end));
     };
     return {pairs[i],
-            {part(contacts.rows, contacts_begin[i], contacts_begin[i + 1])},
+            {part(contacts.contacts, contacts_begin[i], contacts_begin[i + 1])},
             {part(surfaces.rows, surfaces_begin[i], surfaces_begin[i + 1])},
             {part(crossings.pairs, crossings_begin[i], crossings_begin[i + 1])}};
   }

@@ -198,12 +198,7 @@ void bind_obstacles(nb::module_& m) {
           nb::arg("surface"), nb::arg("obstacle"), nb::arg("workers") = nb::none(), doc::ObstacleQuery_run)
       .def(
           "contacts",
-          [](Still& self) {
-            return self.locked([](const ObstacleQuery& query) {
-              const auto found = query.contacts();
-              return ObstacleContacts{{found.begin(), found.end()}};
-            });
-          },
+          [](Still& self) { return found_by<ObstacleContacts>(self, [](ObstacleQuery& q) { return q.contacts(); }); },
           doc::ObstacleQuery_contacts);
   using Swept = HeldObstacleQuery<SweptObstacleQuery>;
   bind_query<SweptObstacleQuery>(m, "SweptObstacleQuery", doc::SweptObstacleQuery)
@@ -220,10 +215,7 @@ void bind_obstacles(nb::module_& m) {
       .def(
           "impacts",
           [](Swept& self) {
-            return self.locked([](const SweptObstacleQuery& query) {
-              const auto found = query.impacts();
-              return ObstacleImpacts{{found.begin(), found.end()}};
-            });
+            return found_by<ObstacleImpacts>(self, [](SweptObstacleQuery& q) { return q.impacts(); });
           },
           doc::ObstacleImpact)
       .def(

@@ -49,7 +49,7 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
       "run",
       [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
         return self.run({std::move(a), std::move(b)}, workers, [](Query& q, const SeenSurfaces& seen, Workers& call) {
-          return seen.b && seen.b != seen.a ? q.run(seen.a->tree, seen.b->tree, call) : q.run(seen.a->tree, call);
+          return run_on(q, *seen.a, seen.b.get(), call);
         });
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text);
@@ -75,23 +75,6 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
   return query;
 }
 
-/// A copy of what a query found.
-template <class Rows, class Held, class Get>
-Rows found_by(Held& self, const Get& get) {
-  return self.locked([&](auto& query) {
-    const auto found = get(query);
-    return Rows{{found.begin(), found.end()}};
-  });
-}
-
-PairFilter whole_filter(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps,
-                        nb::handle masks_a, nb::handle masks_b) {
-  PairFilter filter = filter_of(rings, rest_distance, same_component, keeps);
-  filter.masks_a = masks_of(masks_a, "masks_a");
-  filter.masks_b = masks_of(masks_b, "masks_b");
-  return filter;
-}
-
 constexpr const char* query_arguments = R"(
 
 Args:
@@ -103,6 +86,34 @@ Args:
     keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
     budget: box tests, or a time.)";
 
+/// __init__() of a pair query: arguments `own` of its own, of types Own, which are the first members of its options;
+/// then those of all. own_text: its own ones, each with a comma after it, as Python writes them.
+template <class... Own, class Query, class Options, class... Args>
+void bind_init(nb::class_<HeldPairQuery<Query, Options>>& query, const char* own_text, const std::string& text,
+               const Args&... own) {
+  using Held = HeldPairQuery<Query, Options>;
+  query.def(
+      "__init__",
+      [](Held* self, Own... values, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
+         nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
+        PairFilter filter = filter_of(rings, rest_distance, same_component, keeps);
+        filter.masks_a = masks_of(masks_a, "masks_a");
+        filter.masks_b = masks_of(masks_b, "masks_b");
+        new (self) Held(Options{values..., std::move(filter), budget_of(budget), {}}, std::move(keeps));
+      },
+      nb::kw_only(), own..., nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
+      nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),
+      nb::arg("budget") = nb::none(),
+      nb::sig((std::string("def __init__(self, *, ") + own_text +
+               "rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
+               "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
+               "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
+               "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+               "None) -> None")
+                  .c_str()),
+      (text + query_arguments).c_str());
+}
+
 }  // namespace
 
 void bind_pair_queries(nb::module_& m) {
@@ -111,27 +122,12 @@ void bind_pair_queries(nb::module_& m) {
       .field("box_tests", &SurfaceQueryStatus::box_tests, doc::SurfaceQueryStatus_box_tests)
       .field("candidates", &SurfaceQueryStatus::candidates, doc::SurfaceQueryStatus_candidates);
   using Near = HeldPairQuery<ProximityQuery, ProximityOptions>;
-  bind_pair_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery, doc::ProximityQuery_run)
-      .def(
-          "__init__",
-          [](Near* self, double distance, bool nearest_features_once, std::uint32_t rings, double rest_distance,
-             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
-            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
-            new (self) Near(ProximityOptions{distance, nearest_features_once, std::move(filter), budget_of(budget), {}},
-                            std::move(keeps));
-          },
-          nb::kw_only(), nb::arg("distance"), nb::arg("nearest_features_once") = false, nb::arg("rings") = 0,
-          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
-          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
-          nb::sig(
-              "def __init__(self, *, distance: float, nearest_features_once: bool = False, rings: int = 0, "
-              "rest_distance: float = 0.0, same_component: bool = False, "
-              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
-              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
-              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
-              "None) -> None"),
-          (std::string(doc::ProximityQuery_ProximityQuery) + query_arguments).c_str())
-      .def(
+  auto near = bind_pair_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery,
+                                                                doc::ProximityQuery_run);
+  bind_init<double, bool>(near, "distance: float, nearest_features_once: bool = False, ",
+                          doc::ProximityQuery_ProximityQuery, nb::arg("distance"),
+                          nb::arg("nearest_features_once") = false);
+  near.def(
           "pairs",
           [](Near& self) { return found_by<ProximityPairs>(self, [](ProximityQuery& q) { return q.pairs(); }); },
           doc::ProximityQuery_pairs)
@@ -147,26 +143,10 @@ void bind_pair_queries(nb::module_& m) {
           },
           doc::ProximityQuery_safe_distances);
   using Swept = HeldPairQuery<SweptQuery, SweptOptions>;
-  bind_pair_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run)
-      .def(
-          "__init__",
-          [](Swept* self, double distance, bool candidates_only, std::uint32_t rings, double rest_distance,
-             bool same_component, nb::handle masks_a, nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
-            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
-            new (self) Swept(SweptOptions{distance, candidates_only, std::move(filter), budget_of(budget), {}},
-                             std::move(keeps));
-          },
-          nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("candidates_only") = false, nb::arg("rings") = 0,
-          nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("masks_a") = nb::none(),
-          nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(), nb::arg("budget") = nb::none(),
-          nb::sig(
-              "def __init__(self, *, distance: float = 0.0, candidates_only: bool = False, rings: int = 0, "
-              "rest_distance: float = 0.0, same_component: bool = False, "
-              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
-              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
-              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
-              "None) -> None"),
-          (std::string(doc::SweptQuery_SweptQuery) + query_arguments).c_str())
+  auto swept = bind_pair_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run);
+  bind_init<double, bool>(swept, "distance: float = 0.0, candidates_only: bool = False, ", doc::SweptQuery_SweptQuery,
+                          nb::arg("distance") = 0.0, nb::arg("candidates_only") = false);
+  swept
       .def(
           "pairs", [](Swept& self) { return found_by<SweptPairs>(self, [](SweptQuery& q) { return q.pairs(); }); },
           doc::SweptQuery_pairs)
@@ -179,31 +159,13 @@ void bind_pair_queries(nb::module_& m) {
           [](Swept& self) { return self.locked([](const SweptQuery& q) { return q.collision_free_step(); }); },
           doc::SweptQuery_collision_free_step);
   using Crossing = HeldPairQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
-  bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery,
-                                                                doc::ProximityQuery_run)
-      .def(
-          "__init__",
-          [](Crossing* self, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
-             nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
-            PairFilter filter = whole_filter(rings, rest_distance, same_component, keeps, masks_a, masks_b);
-            new (self) Crossing(SurfaceCrossingOptions{std::move(filter), budget_of(budget), {}}, std::move(keeps));
-          },
-          nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
-          nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),
-          nb::arg("budget") = nb::none(),
-          nb::sig(
-              "def __init__(self, *, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
-              "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
-              "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
-              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
-              "None) -> None"),
-          (std::string("Pairs of facets that really intersect, as far as a budget reaches.") + query_arguments).c_str())
-      .def(
-          "pairs",
-          [](Crossing& self) {
-            return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); });
-          },
-          doc::SurfaceCrossingQuery_pairs);
+  auto crossing = bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(
+      m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery, doc::ProximityQuery_run);
+  bind_init(crossing, "", "Pairs of facets that really intersect, as far as a budget reaches.");
+  crossing.def(
+      "pairs",
+      [](Crossing& self) { return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); }); },
+      doc::SurfaceCrossingQuery_pairs);
 }
 
 }  // namespace morula::python

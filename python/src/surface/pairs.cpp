@@ -17,13 +17,13 @@ namespace morula::python {
 
 namespace {
 
-/// Runs a query on one surface, or on two, and throws ValueError for what is refused.
+/// Asks a query once, and throws ValueError for what is refused.
 template <class Query>
 SurfaceQueryStatus ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
   const SurfaceQueryStatus status = without_gil([&] {
     CallWorkers call(workers);
     const SurfaceReading reading(&a, b);
-    return b && b != &a ? query.run(a.tree, b->tree, call) : query.run(a.tree, call);
+    return run_on(query, a, b, call);
   });
   require(status);
   return status;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <morula/parallel/workers.hpp>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/swept.hpp>
@@ -23,5 +24,11 @@ struct SweptPairs {
 
 /// keeps: None or a function of Python's, which the caller holds.
 PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps);
+
+/// Runs a query on two surfaces; on one with itself where the other is none, or the same.
+template <class Query>
+SurfaceQueryStatus run_on(Query& query, const HeldSurface& a, const HeldSurface* b, Workers& workers) {
+  return b && b != &a ? query.run(a.tree, b->tree, workers) : query.run(a.tree, workers);
+}
 
 }  // namespace morula::python

@@ -62,22 +62,6 @@ UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view a
   return options;
 }
 
-/// Updates `self` and keeps what it borrows. Throws ValueError for what is refused.
-template <class Update>
-UpdateStatus updated(PosedBody& self, std::vector<Positions>&& borrowed, Threads* workers, const Update& update) {
-  UpdateStatus status;
-  {
-    const nb::gil_scoped_release released;
-    CallWorkers call(workers);
-    const std::unique_lock lock(self.mutex);
-    status = update(*self.owned, static_cast<Workers&>(call));
-    // What was refused changes nothing: the positions of the frame before are still borrowed.
-    if (status) std::swap(self.last, borrowed);
-  }
-  require(status);
-  return status;
-}
-
 /// All frames in one call: spheres in mesh coordinates, frame after frame.
 template <class Frame>
 View<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to) {

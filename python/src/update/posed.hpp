@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <morula/morula.hpp>
+#include <mutex>
 #include <shared_mutex>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "docstrings.hpp"
@@ -30,6 +32,26 @@ struct SpheresView {
     return posed->pose();
   }
 };
+
+/// Throws ValueError with the words of a status that is not ok.
+inline void require(const RebuildStatus& status) {
+  require(status.update);
+}
+
+/// Updates a body, by update(body, workers), and keeps what it borrows. Throws ValueError for what is refused.
+template <class Holder, class Update>
+auto updated(Holder& self, std::vector<Positions>&& borrowed, Threads* workers, const Update& update) {
+  const auto status = without_gil([&] {
+    CallWorkers call(workers);
+    const std::unique_lock lock(self.mutex);
+    const auto done = update(*self.owned, static_cast<Workers&>(call));
+    // What was refused changes nothing: the positions of the frame before are still borrowed.
+    if (done) std::swap(self.last, borrowed);
+    return done;
+  });
+  require(status);
+  return status;
+}
 
 /// The same members of everything that has spheres of the moment.
 template <class Holder>

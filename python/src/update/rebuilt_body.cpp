@@ -5,7 +5,10 @@
 #include <morula/morula.hpp>
 #include <mutex>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "building.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "posed.hpp"
@@ -52,9 +55,9 @@ void bind_rebuilt_body(nb::module_& m) {
              int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
              std::string_view thread, std::size_t sample_count, Threads* workers) {
             RebuildOptions options;
-            options.method = choice<Method>(method, "method", method_from_name, all_methods());
-            options.quality = choice<Quality>(quality, "quality", quality_from_name, all_qualities());
-            options.still_quality = choice<Quality>(still_quality, "still_quality", quality_from_name, all_qualities());
+            options.method = method_of(method);
+            options.quality = quality_of(quality);
+            options.still_quality = quality_of(still_quality, "still_quality");
             options.seed = seed;
             options.looser_by = looser_by;
             options.check_every = check_every;
@@ -94,16 +97,9 @@ void bind_rebuilt_body(nb::module_& m) {
           [](PosedRebuilt& self, PositionsGiven given, Threads* workers) {
             std::vector<Positions> positions;
             positions.emplace_back(given.object, "positions");
-            RebuildStatus status;
-            {
-              const nb::gil_scoped_release released;
-              CallWorkers call(workers);
-              const std::unique_lock lock(self.mutex);
-              status = self.owned->update(positions[0].view(), call);
-              if (status) std::swap(self.last, positions);
-            }
-            require(status.update);
-            return status;
+            const PositionView view = positions[0].view();
+            return updated(self, std::move(positions), workers,
+                           [&](RebuiltBody& body, Workers& w) { return body.update(view, w); });
           },
           nb::arg("positions"), nb::arg("workers") = nb::none(), doc::RebuiltBody_update)
       .def_prop_ro(

@@ -50,21 +50,9 @@ void bind_rules(nb::module_& m) {
           doc::RuleTraits_Reads)
       .field("covers", &RuleTraits::covers, doc::RuleTraits_covers);
   m.def(
-      "all_rules",
-      [] {
-        std::vector<std::string> names;
-        for (const Rule rule : all_rules()) names.emplace_back(name(rule));
-        return names;
-      },
-      "Names of the update rules.");
+      "all_rules", [] { return names_of(all_rules()); }, "Names of the update rules.");
   m.def(
-      "position_rules",
-      [] {
-        std::vector<std::string> names;
-        for (const Rule rule : position_rules()) names.emplace_back(name(rule));
-        return names;
-      },
-      doc::position_rules);
+      "position_rules", [] { return names_of(position_rules()); }, doc::position_rules);
   m.def(
       "rule_table", [] { return std::vector<RuleTraits>(rule_table.begin(), rule_table.end()); },
       "What is known of each rule.");

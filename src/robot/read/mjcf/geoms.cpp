@@ -51,11 +51,12 @@ std::vector<double> MjcfGeoms::sizes(const MjcfElement& e, std::size_t count) co
   return values;
 }
 
-void MjcfGeoms::add(const XMLElement& at, Link& link, const RigidTransform& frame, const std::string& child_class) {
+void MjcfGeoms::add(const XMLElement& at, Link& link, const RigidTransform& frame, const std::string& child_class,
+                    const std::string& suffix) {
   const MjcfElement e = values_.element(at, child_class);
   const char* name = at.Attribute("name");
   const bool collides = values_.number(e, "contype", 1) != 0 || values_.number(e, "conaffinity", 1) != 0 ||
-                        (name != nullptr && paired_.count(name) != 0);
+                        (name != nullptr && (paired_.count(name) != 0 || paired_.count(name + suffix) != 0));
   const double group = values_.number(e, "group", 0);
   const bool seen = group >= 0 && group <= 2;
   const bool needed = options_.visual ? seen : collides;

@@ -24,8 +24,9 @@ class MjcfGeoms {
   void read_assets(const tinyxml2::XMLElement& of);
   /// A geom of this name collides, whatever its masks say.
   void set_paired(const std::string& name) { paired_.insert(name); }
-  /// Adds a geom to the shapes of a link, if it collides or is seen.
-  void add(const tinyxml2::XMLElement& at, Link& link, const RigidTransform& frame, const std::string& child_class);
+  /// Adds a geom to the shapes of a link, if it collides or is seen. suffix: what its name has behind it in this copy.
+  void add(const tinyxml2::XMLElement& at, Link& link, const RigidTransform& frame, const std::string& child_class,
+           const std::string& suffix);
 
  private:
   struct Mesh {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
-#include <set>
 
 #include "robot/read/assembly.hpp"
+#include "robot/read/mjcf/copies.hpp"
 #include "robot/read/mjcf/geoms.hpp"
 
 namespace morula::robot {
@@ -24,7 +24,8 @@ class MjcfReader {
   MjcfReader(const Xml& xml, const ReadOptions& options)
       : files_(xml, assembly_.robot.included),
         values_(files_),
-        geoms_(files_, values_, options, assembly_.robot.notes) {
+        geoms_(files_, values_, options, assembly_.robot.notes),
+        copies_(files_, values_) {
     robot().file = xml.file();
     robot().format = Robot::Format::mjcf;
     const char* name = xml.root().Attribute("model");
@@ -41,9 +42,9 @@ class MjcfReader {
     each("compiler", [&](const XMLElement& at) { values_.read_compiler(at); });
     each("default", [&](const XMLElement& at) { values_.read_default(at); });
     each("asset", [&](const XMLElement& at) { geoms_.read_assets(at); });
-    each("contact", [&](const XMLElement& at) { read_contacts(at); });
     each("deformable", [&](const XMLElement& at) { refuse_children(at); });
     each("worldbody", [&](const XMLElement& at) { reserve_names(at, 0); });
+    each("contact", [&](const XMLElement& at) { read_contacts(at); });
     Link world;
     world.name = "world";
     assembly_.reserve_link(world.name);
@@ -83,7 +84,11 @@ class MjcfReader {
     for (const XMLElement* at : files_.children(of)) {
       const std::string_view kind = at->Name();
       if (kind == "exclude") {
-        robot().ignored.push_back({files_.file_of(*at).text(*at, "body1"), files_.file_of(*at).text(*at, "body2")});
+        const Xml& file = files_.file_of(*at);
+        for (const auto& [one, other] :
+             copies_.pairs(*at, bodies_.of(file.text(*at, "body1")), bodies_.of(file.text(*at, "body2")))) {
+          robot().ignored.push_back({one, other});
+        }
       } else if (kind == "pair") {
         for (const char* side : {"geom1", "geom2"}) {
           if (const char* name = at->Attribute(side)) geoms_.set_paired(name);
@@ -96,19 +101,22 @@ class MjcfReader {
     if (depth > deepest_body) files_.fail(of, "bodies are nested more than 500 deep");
     for (const XMLElement* at : files_.children(of)) {
       const std::string_view kind = at->Name();
-      if (const char* name = at->Attribute("name"); name != nullptr && *name != '\0') {
-        std::set<std::string>* names = kind == "body"                           ? &body_names_
-                                       : kind == "joint" || kind == "freejoint" ? &joint_names_
-                                                                                : nullptr;
-        if (names != nullptr && !names->insert(name).second) {
+      copies_.count(*at);
+      if (const std::string name = copies_.name_of(*at); !name.empty()) {
+        MjcfNames* names = kind == "body" ? &bodies_ : kind == "joint" || kind == "freejoint" ? &joints_ : nullptr;
+        if (names != nullptr && !names->add(at->Attribute("name"), copies_.name(name))) {
           files_.fail(*at, fmt::format("there are two {} {}", kind == "body" ? "bodies" : "joints", name));
         }
-        if (kind == "body" && std::string_view(name) == "world")
-          files_.fail(*at, "a <body> is called world, as the world is");
+        if (kind == "body" && name == "world") files_.fail(*at, "a <body> is called world, as the world is");
         if (kind == "body") assembly_.reserve_link(name);
-        if (names == &joint_names_) assembly_.reserve_joint(name);
+        if (names == &joints_) assembly_.reserve_joint(name);
       }
-      if (kind == "body" || kind == "frame") reserve_names(*at, depth + 1);
+      if (kind == "body") reserve_names(*at, depth + 1);
+      if (!MjcfCopies::is_frame(kind)) continue;
+      copies_.each(*at, [&](const RigidTransform&) {
+        copies_.count(*at);
+        reserve_names(*at, depth + 1);
+      });
     }
   }
 
@@ -126,8 +134,8 @@ class MjcfReader {
     if (const char* own = at.Attribute("childclass")) child_class = own;
     values_.require_class(at, child_class);
     Link link;
-    const char* name = at.Attribute("name");
-    link.name = name != nullptr && *name != '\0' ? name : assembly_.fresh_link("body");
+    const std::string name = copies_.name_of(at);
+    link.name = name.empty() ? assembly_.fresh_link("body") : name;
     link.line = at.GetLineNum();
     Body body{robot().links.size(), composed(frame, values_.pose({at}))};
     robot().links.push_back(std::move(link));
@@ -159,13 +167,14 @@ class MjcfReader {
       if (kind == "joint" || kind == "freejoint") {
         add_joint(*at, body, frame, child_class);
       } else if (kind == "geom") {
-        geoms_.add(*at, robot().links[body.link], frame, child_class);
+        geoms_.add(*at, robot().links[body.link], frame, child_class, copies_.suffix());
       } else if (kind == "inertial") {
         robot().links[body.link].inertial = inertial(*at, frame);
-      } else if (kind == "frame") {
+      } else if (MjcfCopies::is_frame(kind)) {
         const std::string inner = at->Attribute("childclass") == nullptr ? child_class : at->Attribute("childclass");
         values_.require_class(*at, inner);
-        add_own(*at, body, composed(frame, values_.pose({*at})), inner, depth + 1);
+        copies_.each(*at,
+                     [&](const RigidTransform& pose) { add_own(*at, body, composed(frame, pose), inner, depth + 1); });
       } else if (kind != "body" && kind != "site" && kind != "camera" && kind != "light" && kind != "plugin") {
         files_.fail(*at, fmt::format("<{}> is not supported: write out the bodies and geoms that it stands for", kind));
       }
@@ -180,10 +189,11 @@ class MjcfReader {
       const std::string_view kind = at->Name();
       if (kind == "body") {
         add_body(*at, link, frame, child_class, depth + 1);
-      } else if (kind == "frame") {
+      } else if (MjcfCopies::is_frame(kind)) {
         const std::string inner = at->Attribute("childclass") == nullptr ? child_class : at->Attribute("childclass");
         values_.require_class(*at, inner);
-        add_children(*at, link, composed(frame, values_.pose({*at})), inner, depth + 1);
+        copies_.each(
+            *at, [&](const RigidTransform& pose) { add_children(*at, link, composed(frame, pose), inner, depth + 1); });
       } else if (link == 0) {
         if (kind == "geom") {
           ++scenery_;
@@ -213,9 +223,8 @@ class MjcfReader {
     if (type != "hinge" && type != "slide" && type != "ball") {
       files_.fail(at, fmt::format("a joint is {}: hinge, slide, ball and free are known", type));
     }
-    const char* own = at.Attribute("name");
-    const std::string name =
-        own != nullptr && *own != '\0' ? own : assembly_.fresh_joint(robot().links[body.link].name + "_joint");
+    const std::string own = copies_.name_of(at);
+    const std::string name = own.empty() ? assembly_.fresh_joint(robot().links[body.link].name + "_joint") : own;
     const Vec3 anchor = frame(values_.vector(e, "pos", {}));
     if (type == "ball") {
       for (Movement& m : ball_movements(name, anchor, at.GetLineNum())) {
@@ -284,24 +293,29 @@ class MjcfReader {
         ++loops_;
         continue;
       }
-      const std::size_t follower = robot().find_joint(at->Attribute("joint1")),
-                        leader = robot().find_joint(at->Attribute("joint2"));
       std::vector<double> c{0, 1, 0, 0, 0};
       if (e.find("polycoef") != nullptr) {
         const std::vector<double> given = values_.numbers(e, "polycoef", 1, 5);
         std::copy(given.begin(), given.end(), c.begin());
       }
-      const bool curved = c[2] != 0 || c[3] != 0 || c[4] != 0;
-      if (follower == none || leader == none || curved || robot().joints[follower].mimic) {
-        robot().notes.push_back(fmt::format("joint {} (line {}) follows {} {}: it moves by itself",
-                                            at->Attribute("joint1"), at->GetLineNum(), at->Attribute("joint2"),
-                                            curved ? "along a curve" : "in a way that is not kept"));
-        continue;
+      for (const auto& [joint, led_by] :
+           copies_.pairs(*at, joints_.of(at->Attribute("joint1")), joints_.of(at->Attribute("joint2")))) {
+        add_mimic(*at, joint, led_by, c);
       }
-      const double offset =
-          c[0] + joint_references_[at->Attribute("joint1")] - c[1] * joint_references_[at->Attribute("joint2")];
-      robot().joints[follower].mimic = Joint::Mimic{leader, c[1], offset};
     }
+  }
+  void add_mimic(const XMLElement& at, const std::string& joint, const std::string& led_by,
+                 const std::vector<double>& c) {
+    const std::size_t follower = robot().find_joint(joint), leader = robot().find_joint(led_by);
+    const bool curved = c[2] != 0 || c[3] != 0 || c[4] != 0;
+    if (follower == none || leader == none || curved || robot().joints[follower].mimic) {
+      robot().notes.push_back(fmt::format("joint {} (line {}) follows {} {}: it moves by itself", joint,
+                                          at.GetLineNum(), led_by,
+                                          curved ? "along a curve" : "in a way that is not kept"));
+      return;
+    }
+    const double offset = c[0] + joint_references_[joint] - c[1] * joint_references_[led_by];
+    robot().joints[follower].mimic = Joint::Mimic{leader, c[1], offset};
   }
 
   /// Of a file without bodies: a part or a prop, which others put somewhere.
@@ -346,7 +360,8 @@ class MjcfReader {
   MjcfFiles files_;
   MjcfValues values_;
   MjcfGeoms geoms_;
-  std::set<std::string> body_names_, joint_names_;
+  MjcfCopies copies_;
+  MjcfNames bodies_, joints_;
   std::map<std::string, double> joint_references_;
   std::size_t scenery_ = 0, loops_ = 0;
 };

@@ -147,6 +147,19 @@ MjcfElement MjcfValues::element(const XMLElement& at, const std::string& child_c
   return {at, kind == found->second.end() ? nullptr : &kind->second};
 }
 
+RigidTransform MjcfValues::turn_by_euler(const Vec3& angles) const {
+  RigidTransform result;
+  for (int i = 0; i < 3; ++i) {
+    const char letter = sequence_[static_cast<std::size_t>(i)];
+    Vec3 axis;
+    axis[std::tolower(static_cast<unsigned char>(letter)) - 'x'] = 1;
+    const RigidTransform step = RigidTransform::from_axis(axis, angle(angles[i]));
+    // Small letters turn about axes that have moved, large ones about those that stay.
+    result = letter >= 'x' ? composed(result, step) : composed(step, result);
+  }
+  return result;
+}
+
 RigidTransform MjcfValues::turn(const MjcfElement& e) const {
   const char* given = nullptr;
   for (const char* name : turns) {
@@ -186,17 +199,7 @@ RigidTransform MjcfValues::turn(const MjcfElement& e) const {
     y = normalized(y);
     return from_matrix_columns(x, y, cross(x, y));
   }
-  const Vec3 angles = vector(e, "euler", {});
-  RigidTransform result;
-  for (int i = 0; i < 3; ++i) {
-    const char letter = sequence_[static_cast<std::size_t>(i)];
-    Vec3 axis;
-    axis[std::tolower(static_cast<unsigned char>(letter)) - 'x'] = 1;
-    const RigidTransform step = RigidTransform::from_axis(axis, angle(angles[i]));
-    // Small letters turn about axes that have moved, large ones about those that stay.
-    result = letter >= 'x' ? composed(result, step) : composed(step, result);
-  }
-  return result;
+  return turn_by_euler(vector(e, "euler", {}));
 }
 
 RigidTransform MjcfValues::pose(const MjcfElement& e) const {

@@ -56,6 +56,8 @@ class MjcfValues {
   bool is_true(const MjcfElement& e, const char* attribute, bool fallback) const;
   /// In radians.
   double angle(double value) const;
+  /// By angles as they are written, about the axes of eulerseq.
+  RigidTransform turn_by_euler(const Vec3& angles) const;
   RigidTransform turn(const MjcfElement& e) const;
   RigidTransform pose(const MjcfElement& e) const;
 
