@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import html
 import os
 import pathlib
 from collections.abc import Sequence
@@ -29,6 +28,8 @@ class Page:
         pathlib.Path(path).write_text(self.html, encoding="utf-8")
 
     def _repr_html_(self) -> str:
+        import html
+
         return (
             f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:600px;border:0" sandbox="allow-scripts"></iframe>'
         )
@@ -88,6 +89,8 @@ def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
 
 def tree_html(built: _morula.CoveredTree) -> str:
     """Picture and table of a covered tree."""
+    import html
+
     tree = built.tree
     rows = "".join(
         f"<tr><td>{level}</td><td>{len(tree.level(level))}</td><td>{tree.level(level)[:, 3].max():.4g}</td></tr>"

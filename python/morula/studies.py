@@ -4,10 +4,7 @@
 
 from __future__ import annotations
 
-import concurrent.futures
-import csv
-import io
-import json
+# What only some calls need is imported there: morula is to be there at once.
 import os
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Union
 from . import _morula
 
 if TYPE_CHECKING:
+    import concurrent.futures
+
     from .typing import MeshLike
 
 __all__ = ["Study", "study"]
@@ -32,6 +31,8 @@ class Study:
     """
 
     def __init__(self, text: str, cells: str, faults: list[str]) -> None:
+        import json
+
         self.json: dict[str, Any] = json.loads(text)
         self.faults = faults
         self.claims: list[dict[str, Any]] = self.json["claims"]
@@ -47,6 +48,9 @@ class Study:
     @property
     def cells(self) -> dict[str, Any]:
         """Columns of all cells: one row per body, tree, motion, rule, sample and level."""
+        import csv
+        import io
+
         import numpy
 
         header, *rows = csv.reader(io.StringIO(self._cells))
