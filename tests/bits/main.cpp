@@ -3,7 +3,8 @@
 // morula_bits: computes one of everything and prints a hash of each, one claim a line; then again with every kind of
 // kernels that the processor has, and with other numbers of workers. 1 when these differ among themselves. What another
 // build or another machine prints is for scripts/bits to compare.
-// usage: morula_bits [--quick]   with --quick, for emulators: with several workers only what takes little time
+// usage: morula_bits [--quick | --motions]   with --quick, for emulators: with several workers only what takes little time;
+// with --motions only what moves, which is all that kinds of kernels compute
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
@@ -29,9 +30,11 @@ bool same(const char* how, const Claims& claims, const Claims& reference) {
   return equal == reference.size() && claims.size() == reference.size();
 }
 
-int run(bool quick) {
+enum class Parts { all, quick, motions };
+
+int run(Parts parts) {
   const std::size_t kinds = runnable_kinds();
-  const Claims still = shapes(serial_workers()), moving = motions(serial_workers());
+  const Claims still = parts == Parts::motions ? Claims() : shapes(serial_workers()), moving = motions(serial_workers());
   for (const Claims* claims : {&still, &moving})
     for (const Claim& claim : *claims) std::printf("%016" PRIx64 " %s\n", claim.hash, claim.name.c_str());
   std::fflush(stdout);
@@ -47,7 +50,7 @@ int run(bool quick) {
     Workers workers(count);
     if (workers.thread_count() != count) break;
     const std::string how = std::to_string(count) + " workers";
-    if (!quick) all_same &= same((how + ", shapes").c_str(), shapes(workers), still);
+    if (parts == Parts::all) all_same &= same((how + ", shapes").c_str(), shapes(workers), still);
     all_same &= same((how + ", motions").c_str(), motions(workers), moving);
   }
   return all_same ? 0 : 1;
@@ -57,7 +60,10 @@ int run(bool quick) {
 }  // namespace morula::bits
 
 int main(int argc, char** argv) {
-  const bool quick = argc == 2 && std::strcmp(argv[1], "--quick") == 0;
-  if (argc > 1 && !quick) return std::fprintf(stderr, "usage: morula_bits [--quick]\n"), 2;
-  return morula::bits::run(quick);
+  using morula::bits::Parts;
+  Parts parts = Parts::all;
+  if (argc == 2 && std::strcmp(argv[1], "--quick") == 0) parts = Parts::quick;
+  if (argc == 2 && std::strcmp(argv[1], "--motions") == 0) parts = Parts::motions;
+  if (argc > 1 && parts == Parts::all) return std::fprintf(stderr, "usage: morula_bits [--quick | --motions]\n"), 2;
+  return morula::bits::run(parts);
 }

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 const std::string small = "study --quick --mesh body.obj --frames 4 --resolution 32 --branching 4";
 
 /// One run of a small study that several tests look at.
-class StudyCommand : public testing::Test {
+class LongStudyCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     bench_ = std::make_unique<Workbench>();
@@ -46,10 +46,10 @@ class StudyCommand : public testing::Test {
   static std::unique_ptr<Workbench> bench_;
   static std::string text_;
 };
-std::unique_ptr<Workbench> StudyCommand::bench_;
-std::string StudyCommand::text_;
+std::unique_ptr<Workbench> LongStudyCommand::bench_;
+std::string LongStudyCommand::text_;
 
-TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
+TEST_F(LongStudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
   const Json data = study();
   std::set<std::string> figures;
   for (const Json& figure : data["figures"]) {
@@ -96,7 +96,7 @@ TEST_F(StudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
   }
 }
 
-TEST_F(StudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) {
+TEST_F(LongStudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) {
   if (text().find("- no index.html: this morula was built without its page") != std::string::npos) {
     EXPECT_FALSE(std::filesystem::exists(bench() / "study/index.html"));
     return;
@@ -112,7 +112,7 @@ TEST_F(StudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) {
   EXPECT_EQ(manifest["scenes"].size(), 6u) << "each by approach2 and by exact";
 }
 
-TEST_F(StudyCommand, has_the_same_figures_for_any_number_of_threads) {
+TEST_F(LongStudyCommand, has_the_same_figures_for_any_number_of_threads) {
   bench().require(small + " -o two --threads 2");
   EXPECT_TRUE(untimed(study()) == untimed(study("two")));
   for (const char* file : {"cells.csv", "fig2a.csv", "fig1.svg", "fig2c-twist.svg", "rules.csv", "trees.csv",
@@ -120,7 +120,7 @@ TEST_F(StudyCommand, has_the_same_figures_for_any_number_of_threads) {
     EXPECT_TRUE(bench().read(std::string("study/") + file) == bench().read(std::string("two/") + file)) << file;
 }
 
-TEST_F(StudyCommand, goes_on_from_the_cells_that_are_there) {
+TEST_F(LongStudyCommand, goes_on_from_the_cells_that_are_there) {
   std::filesystem::copy(bench() / "study", bench() / "again", std::filesystem::copy_options::recursive);
   std::vector<std::filesystem::path> cells;
   for (const auto& entry : std::filesystem::directory_iterator(bench() / "again/cells")) cells.push_back(entry.path());
@@ -140,7 +140,7 @@ TEST_F(StudyCommand, goes_on_from_the_cells_that_are_there) {
   EXPECT_TRUE(bench().read("again/contacts.csv") == bench().read("study/contacts.csv"));
 }
 
-TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
+TEST_F(LongStudyCommand, its_verdicts_follow_from_its_csv) {
   const Judge judge(rows_of(bench().read("study/cells.csv")));
   ASSERT_EQ(judge.methods, (std::set<std::string>{"grid", "hubbard", "medial", "spawn"}));
   ASSERT_EQ(judge.motions.size(), 3u);
@@ -176,7 +176,7 @@ TEST_F(StudyCommand, its_verdicts_follow_from_its_csv) {
   EXPECT_EQ(expected["returns-to-rest"], "holds");
 }
 
-TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
+TEST_F(LongStudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
   const Json data = study();
   const Json& settings = data["settings"]["press"];
   std::map<std::string, int> cells;
@@ -236,7 +236,7 @@ TEST_F(StudyCommand, presses_every_tree_and_exact_loses_no_crossing) {
 }
 
 /// On a bar that Approach 2 leaves bare where it is pressed.
-TEST_F(StudyCommand, a_press_is_what_collide_finds_there) {
+TEST_F(LongStudyCommand, a_press_is_what_collide_finds_there) {
   bench().require("sample bar -o bar.obj --resolution 16");
   bench().require(
       "study --quick -o pressed --mesh bar.obj --depth 3 --methods octree --rules approach2,exact --frames 3 "
@@ -269,7 +269,7 @@ TEST_F(StudyCommand, a_press_is_what_collide_finds_there) {
   EXPECT_GT(lost["approach2"], 0u);
 }
 
-TEST_F(StudyCommand, its_figures_come_again_from_files) {
+TEST_F(LongStudyCommand, its_figures_come_again_from_files) {
   bench().require("build body.obj -o grid.morula --method grid --depth 2 --branching 4");
   bench().require("deform body.obj -o motion --twist 180 --frames 7");
   bench().require("update body.obj grid.morula motion -o spheres --rule approach2");
@@ -284,7 +284,7 @@ TEST_F(StudyCommand, its_figures_come_again_from_files) {
   }
 }
 
-TEST_F(StudyCommand, runs_on_trees_from_elsewhere) {
+TEST_F(LongStudyCommand, runs_on_trees_from_elsewhere) {
   std::filesystem::create_directory(bench() / "trees");
   bench().require("build body.obj -o trees/body-octree.sph --method octree --depth 2");
   bench().require(
@@ -298,7 +298,7 @@ TEST_F(StudyCommand, runs_on_trees_from_elsewhere) {
   }
 }
 
-TEST_F(StudyCommand, ranks_mixes_that_cover_before_the_others) {
+TEST_F(LongStudyCommand, ranks_mixes_that_cover_before_the_others) {
   bench().require(
       "study --quick -o mixed --mesh body.obj --mixes --methods grid --rules exact --frames 3 "
       "--resolution 16");
@@ -323,7 +323,7 @@ TEST_F(StudyCommand, ranks_mixes_that_cover_before_the_others) {
   EXPECT_EQ(covering, 16u);
 }
 
-TEST_F(StudyCommand, names_what_is_wrong_and_writes_nothing) {
+TEST_F(LongStudyCommand, names_what_is_wrong_and_writes_nothing) {
   std::filesystem::create_directory(bench() / "none");
   bench().write("file", "");
   const auto before = bench().listing();
