@@ -3,8 +3,8 @@
 // morula_bits: computes one of everything and prints a hash of each, one claim a line; then again with every kind of
 // kernels that the processor has, and with other numbers of workers. 1 when these differ among themselves. What another
 // build or another machine prints is for scripts/bits to compare.
-// usage: morula_bits [--quick | --motions]   with --quick, for emulators: with several workers only what takes little time;
-// with --motions only what moves, which is all that kinds of kernels compute
+// usage: morula_bits [--quick | --motions]   with --quick, for emulators: with several workers only what takes little
+// time; with --motions only what moves, which is all that kinds of kernels compute
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
@@ -34,7 +34,8 @@ enum class Parts { all, quick, motions };
 
 int run(Parts parts) {
   const std::size_t kinds = runnable_kinds();
-  const Claims still = parts == Parts::motions ? Claims() : shapes(serial_workers()), moving = motions(serial_workers());
+  const Claims still = parts == Parts::motions ? Claims() : shapes(serial_workers()),
+               moving = motions(serial_workers());
   for (const Claims* claims : {&still, &moving})
     for (const Claim& claim : *claims) std::printf("%016" PRIx64 " %s\n", claim.hash, claim.name.c_str());
   std::fflush(stdout);
