@@ -76,10 +76,15 @@ endfunction()
 # morula_precompile(TARGET HEADERS...): these, and what nearly every source reads of the standard library, are read once for all
 # sources of the target where MORULA_PRECOMPILE says so. A source names what it uses all the same: builds without presets, the
 # preset dev and the tests of an installed library compile each source by itself, and stop where a header is missing.
+# morula_precompile(TARGET REUSE_FROM OTHER): those of another target, which is compiled with the same options.
 function(morula_precompile target)
   if(MORULA_PRECOMPILE)
-    target_precompile_headers(${target} PRIVATE <algorithm> <array> <bit> <charconv> <cmath> <cstdint> <functional> <limits>
-      <map> <memory> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <utility> <vector> ${ARGN})
+    if("${ARGV1}" STREQUAL "REUSE_FROM")
+      target_precompile_headers(${target} REUSE_FROM ${ARGV2})
+    else()
+      target_precompile_headers(${target} PRIVATE <algorithm> <array> <bit> <charconv> <cmath> <cstdint> <functional> <limits>
+        <map> <memory> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <utility> <vector> ${ARGN})
+    endif()
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
       # GCC 12 warns of copies inside std::string that are too long where it is precompiled, and nowhere else.
       target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
