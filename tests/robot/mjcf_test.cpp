@@ -173,6 +173,26 @@ TEST_F(Formats, mjcf_replicates_are_copies_whose_names_end_with_their_numbers) {
   EXPECT_EQ(in_degrees("0").links.size(), 1u);
 }
 
+TEST_F(Formats, mjcf_joints_of_the_readers_own_are_followed_by_none) {
+  // `palm_fixed` is what ties the palm to the world here; it is no joint of the file, and is dropped with the world.
+  const robot::Robot gripper = mjcf(
+      "<body name='palm'><geom size='.1'/><body name='finger'><joint name='slide' type='slide'/><geom "
+      "size='.1'/></body>"
+      "</body>",
+      "<equality><joint joint1='slide' joint2='palm_fixed'/></equality>");
+  ASSERT_EQ(gripper.joints.size(), 1u);
+  EXPECT_FALSE(gripper.joints[0].mimic);
+  ASSERT_FALSE(gripper.notes.empty());
+  EXPECT_NE(gripper.notes.back().find("joint slide (line"), std::string::npos) << gripper.notes.back();
+  // Nor does what moves freely lead anybody.
+  const robot::Robot free = mjcf(
+      "<body name='palm'><freejoint name='free'/><geom size='.1'/><body name='finger'><joint name='slide' "
+      "type='slide'/><geom size='.1'/></body></body>",
+      "<equality><joint joint1='slide' joint2='free'/></equality>");
+  ASSERT_EQ(free.joints.size(), 1u);
+  EXPECT_FALSE(free.joints[0].mimic);
+}
+
 /// The tetrahedron above as MuJoCo writes it: four counts, then vertices, normals, places in a texture, facets.
 std::string mujoco_mesh(std::int32_t facets = 4, float first = 0) {
   std::string bytes;

@@ -306,7 +306,15 @@ class MjcfReader {
   }
   void add_mimic(const XMLElement& at, const std::string& joint, const std::string& led_by,
                  const std::vector<double>& c) {
-    const std::size_t follower = robot().find_joint(joint), leader = robot().find_joint(led_by);
+    // Fixed joints are the reader's own, and what a free body hangs on may be dropped: in the file neither is a joint
+    // that others follow.
+    const auto find = [&](const std::string& name) {
+      const std::size_t found = robot().find_joint(name);
+      const bool moves = found != none && robot().joints[found].kind != Joint::Kind::fixed &&
+                         robot().joints[found].kind != Joint::Kind::floating;
+      return moves ? found : none;
+    };
+    const std::size_t follower = find(joint), leader = find(led_by);
     const bool curved = c[2] != 0 || c[3] != 0 || c[4] != 0;
     if (follower == none || leader == none || curved || robot().joints[follower].mimic) {
       robot().notes.push_back(fmt::format("joint {} (line {}) follows {} {}: it moves by itself", joint,
