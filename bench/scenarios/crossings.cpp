@@ -113,6 +113,12 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   Result trees{.scenario = "crossings", .item = "surface trees", .mesh = input.name};
   std::vector<double> trees_with_update;
   bool same_of_trees = true;
+  // The bodies' spheres every frame, and boxes where these are near each other.
+  SurfaceTree deep_a(a.mesh), deep_b(b.mesh);
+  SurfaceCrossingQuery of_deep;
+  Result deep{.scenario = "crossings", .item = "surface trees that follow bodies", .mesh = input.name};
+  std::vector<double> deep_with_update;
+  bool same_of_deep = true;
   // Brute force on as many frames as a few seconds allow.
   const double facets = static_cast<double>(input.mesh.facet_count());
   const std::size_t checks = facets < 2000 ? 25 : facets < 10000 ? 3 : 0;
@@ -144,6 +150,13 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
       own.seconds.push_back(processor_seconds_of([&] { found.run(a.collider, b.collider); }));
       own_with_update.push_back(moving + own.seconds.back());
       same = same && pairs_of(found) == expected[f];
+      const double following = processor_seconds_of([&] {
+        move(f);
+        same_of_deep = same_of_deep && deep_a.follow(a.collider) && deep_b.follow(b.collider);
+      });
+      deep.seconds.push_back(processor_seconds_of([&] { of_deep.run(deep_a, deep_b); }));
+      deep_with_update.push_back(following + deep.seconds.back());
+      same_of_deep = same_of_deep && pairs_of(of_deep) == expected[f];
       const double updating = processor_seconds_of([&] { tree_a.update(a.frames[f]), tree_b.update(b.frames[f]); });
       trees.seconds.push_back(processor_seconds_of([&] { of_trees.run(tree_a, tree_b); }));
       trees_with_update.push_back(updating + trees.seconds.back());
@@ -160,6 +173,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   });
   own.expect(same, "other pairs in a repeated frame");
   trees.expect(same_of_trees, "not the pairs of the sphere trees");
+  deep.expect(same_of_deep, "not the pairs of the sphere trees");
 
   const double frames = static_cast<double>(a.frames.size());
   own.figures = {{"pairs", pairs / frames},
@@ -169,20 +183,24 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
                  {"brute force on frames", static_cast<double>(std::min(checks, a.frames.size()))},
                  {"with update, us", 1e6 * median(own_with_update)}};
   trees.figures = {{"with update, us", 1e6 * median(trees_with_update)}};
+  deep.figures = {{"with update, us", 1e6 * median(deep_with_update)}};
   std::vector<Result> results;
   for (CrossingRival& rival : rivals) {
     if (!rival.peer) continue;
     own.expect(!rival.kind->our_test || rival.invented == 0,
                std::string("missed pairs that were found by way of ") + rival.kind->name);
-    rival.result.figures = {{"times ours", median(rival.result.seconds) / median(own.seconds)},
-                            {"pairs missed", static_cast<double>(rival.missed)},
-                            {"pairs invented", static_cast<double>(rival.invented)},
-                            {"with update, us", 1e6 * median(rival.with_update)},
-                            {"times surface trees", median(rival.result.seconds) / median(trees.seconds)},
-                            {"times surface trees with update", median(rival.with_update) / median(trees_with_update)}};
+    rival.result.figures = {
+        {"times ours", median(rival.result.seconds) / median(own.seconds)},
+        {"pairs missed", static_cast<double>(rival.missed)},
+        {"pairs invented", static_cast<double>(rival.invented)},
+        {"with update, us", 1e6 * median(rival.with_update)},
+        {"times surface trees", median(rival.result.seconds) / median(trees.seconds)},
+        {"times surface trees with update", median(rival.with_update) / median(trees_with_update)},
+        {"times those that follow with update", median(rival.with_update) / median(deep_with_update)}};
   }
   results.push_back(std::move(own));
   results.push_back(std::move(trees));
+  results.push_back(std::move(deep));
   for (CrossingRival& rival : rivals) results.push_back(std::move(rival.result));
   return results;
 }

@@ -47,6 +47,9 @@ std::string message(const Status& status) {
       return body + " was not given the positions of this frame: call Collider::set_positions after each update";
     case Code::placement_too_far:
       return body + " is placed 2^200 or more from the origin";
+    case Code::surface_not_current:
+      return std::string(status.body == 0 ? "the first surface" : "the second surface") +
+             " follows a body that was updated since: call SurfaceTree::follow after each update";
     case Code::bad_option:
       return "an option of the query is negative or not a number, or names a vertex that is none";
     case Code::bad_shape:

@@ -15,7 +15,8 @@ enum class Features : std::uint8_t { facets, all };
 class FeatureBoxes {
  public:
   /// Forgets what was made for another frame, surface or choice of features, not the memory.
-  void start(const SurfaceTreeState& state, Features features);
+  /// boxes: of the vertices of the blocks that will be wanted.
+  void start(const SurfaceTreeState& state, const SurfaceBoxes& boxes, Features features);
   /// Notes that a block will be read.
   void want(std::uint32_t block);
   /// Makes the boxes of all blocks wanted. They stay where they are until the next call.
@@ -53,6 +54,7 @@ class FeatureBoxes {
   void make(std::uint32_t block);
 
   const SurfaceTreeState* state_ = nullptr;
+  const SurfaceBoxes* boxes_ = nullptr;
   std::uint64_t frame_ = 0;
   Features features_ = Features::all;
   // By block: in which start its boxes were made, and where they are.

@@ -51,6 +51,7 @@ class FeatureQuery {
     double reach = 0;  ///< of boxes
     Features features = Features::all;
     bool sorted = true;
+    bool by_spheres = true;  ///< pairs whose features are farther apart than that are not asked for
   };
 
   /// narrow(a, b, pair): what is found of two features whose boxes are near, if anything; called by workers.
@@ -60,12 +61,17 @@ class FeatureQuery {
     const StandardFloats standard;
     if (b == &a) b = nullptr;
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) = filter_.start(options.filter, a, b);
+    static_cast<Status&>(status) = a.askable(0);
+    if (status && b != nullptr) static_cast<Status&>(status) = b->askable(1);
+    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b);
     if (!status) return status;
-    search_.start(a, b, ask.reach, ask.features);
+    search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
     ask_ = ask;
-    const auto coordinate = [](const SurfaceTreeState& s) { return max_norm(s.origin) + s.extent; };
-    largest_coordinate_ = std::max(coordinate(a), b != nullptr ? coordinate(*b) : 0.0);
+    const auto coordinate = [](const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
+      return s.followed && s.followed->covers() ? s.farthest_of_spheres() : max_norm(s.origin) + boxes.extent;
+    };
+    largest_coordinate_ =
+        std::max(coordinate(a, search_.boxes().a()), b != nullptr ? coordinate(*b, search_.boxes().b()) : 0.0);
     found_.clear();
     candidates_ = 0;
     return go_on(options, workers, narrow);

@@ -145,13 +145,9 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   s.component.assign(s.rest.size(), 0);
   for (std::size_t f = 0; f < s.facets.size(); ++f)
     for (const std::uint32_t v : s.facets[f]) s.component[v] = components.of_facet[f];
-  s.vertex_boxes.resize(s.vertex_of_slot.size());
+  s.boxes.vertices.resize(s.vertex_of_slot.size());
   s.next_vertex_boxes.resize(s.vertex_of_slot.size());
-  for (std::size_t boxes = s.block_count();; boxes = (boxes + 7) / 8) {
-    s.levels.emplace_back((boxes + 7) / 8);
-    for (BoxGroup& group : s.levels.back()) group.clear();
-    if (boxes <= 8) break;
-  }
+  s.boxes.make_levels(s.block_count());
   return s;
 }
 

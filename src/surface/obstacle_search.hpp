@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "surface/lazy_boxes.hpp"
 #include "surface/pair_search.hpp"
 #include "surface/tree_state.hpp"
 
@@ -20,15 +21,17 @@ namespace morula::detail {
 template <class Found>
 class ObstacleSearch {
  public:
-  void start(const SurfaceTreeState& surface) {
+  void start(const SurfaceTreeState& surface, Workers& workers) {
     surface_ = &surface;
+    boxes_.start(surface, nullptr, 0, false, workers);
     frame_ = surface.frame;
     candidates_ = 0;
     found_.clear();
-    open_.assign(1, {0, static_cast<std::int16_t>(surface.levels.size() - 1)});
+    open_.assign(1, {0, static_cast<std::int16_t>(surface.boxes.levels.size() - 1)});
   }
   bool is_started() const { return surface_ != nullptr; }
-  bool is_current() const { return surface_->frame == frame_; }
+  bool is_current() const { return surface_->frame == frame_ && surface_->askable(0); }
+  const SurfaceBoxes& boxes() const { return boxes_.a(); }
   const SurfaceTreeState& surface() const { return *surface_; }
 
   /// is_far(center, half): is the box away from the obstacle? narrow(corners, found): whether the vertex or facet with
@@ -122,9 +125,9 @@ class ObstacleSearch {
   /// Bit i: box i of the group is not far.
   template <class IsFar>
   std::uint32_t near_boxes(const Entry& entry, const IsFar& is_far) const {
-    const BoxGroup& group = surface_->levels[static_cast<std::size_t>(entry.level)][entry.number];
+    const BoxGroup& group = boxes_.a().levels[static_cast<std::size_t>(entry.level)][entry.number];
     // Bounds are floats about the origin, rounded outwards; added to it in double they are off by 2^-53 of the result.
-    const double pad = 0x1p-50 * (max_norm(surface_->origin) + surface_->extent);
+    const double pad = 0x1p-50 * (max_norm(surface_->origin) + boxes_.a().extent);
     std::uint32_t near = 0;
     for (std::uint32_t i = 0; i < 8; ++i) {
       if (!(group.bound[0][i] <= group.bound[3][i])) continue;
@@ -179,6 +182,7 @@ class ObstacleSearch {
 
   const SurfaceTreeState* surface_ = nullptr;
   std::uint64_t frame_ = 0;
+  QueryBoxes boxes_;
   std::vector<Entry> open_, entries_, next_, blocks_;
   std::vector<std::uint8_t> near_;
   std::vector<Chunk> chunks_;

@@ -118,9 +118,10 @@ const ObstacleOptions& ObstacleQuery::options() const {
 SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle& obstacle, Workers& workers) {
   const StandardFloats standard;
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
+  if (const Status status = surface.state().askable(0); !status) return {status};
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
-  state_->search.start(surface.state());
+  state_->search.start(surface.state(), workers);
   return state_->go_on(workers);
 }
 SurfaceQueryStatus ObstacleQuery::resume(Workers& workers) {
@@ -152,7 +153,7 @@ struct SweptObstacleQuery::State {
     const Vec3 shift = motion * -0.5, longer = detail::abs(shift);
     return with_shape(*obstacle, [&](const auto& shape) {
       using Shape = std::remove_cvref_t<decltype(shape)>;
-      const double reach = max_norm(s.origin) + s.extent + max_norm(motion) + size_of(shape);
+      const double reach = max_norm(s.origin) + search.boxes().extent + max_norm(motion) + size_of(shape);
       return search.run(
           options, workers,
           [&](const Vec3& center, const Vec3& half) {
@@ -194,11 +195,12 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
                                            Workers& workers) {
   const StandardFloats standard;
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
+  if (const Status status = surface.state().askable(0); !status) return {status};
   if (!is_finite(motion) || !(max_norm(motion) < greatest_usable_scale)) return {{.code = Status::Code::bad_option}};
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
   state_->motion = motion;
-  state_->search.start(surface.state());
+  state_->search.start(surface.state(), workers);
   return state_->go_on(workers);
 }
 SurfaceQueryStatus SweptObstacleQuery::resume(Workers& workers) {

@@ -30,13 +30,13 @@ BoxGroup together(const BoxGroup& of) {
 }
 
 /// Box i of a level, by itself; above the last level is the box of all.
-BoxGroup box(const SurfaceTreeState& s, int level, std::uint32_t i) {
-  if (static_cast<std::size_t>(level) == s.levels.size()) return together(s.levels.back()[0]);
-  return alone(s.levels[static_cast<std::size_t>(level)][i / 8], i % 8);
+BoxGroup box(const SurfaceBoxes& boxes, int level, std::uint32_t i) {
+  if (static_cast<std::size_t>(level) == boxes.levels.size()) return together(boxes.levels.back()[0]);
+  return alone(boxes.levels[static_cast<std::size_t>(level)][i / 8], i % 8);
 }
 
 std::uint32_t boxes_in(const SurfaceTreeState& s, int level, std::uint32_t group) {
-  const std::size_t boxes = level == 0 ? s.block_count() : s.levels[static_cast<std::size_t>(level - 1)].size();
+  const std::size_t boxes = level == 0 ? s.block_count() : s.boxes.levels[static_cast<std::size_t>(level - 1)].size();
   return static_cast<std::uint32_t>(std::min<std::size_t>(8, boxes - 8 * std::size_t{group}));
 }
 
@@ -74,13 +74,15 @@ std::size_t PairSearch::cost(const BlockPair& pair) const {
   return vertices + std::size_t{boxes_a_.edge_groups(pair.a)} * in_b.edge_groups(pair.b);
 }
 
-void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features) {
+void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features,
+                       bool by_spheres, Workers& workers) {
   a_ = &a;
   b_ = b == &a ? nullptr : b;
   frame_a_ = a.frame;
   frame_b_ = b_ != nullptr ? b_->frame : 0;
   features_ = features;
   meet_ = meet_groups();
+  boxes_.start(a, b_, reach, by_spheres, workers);
   reach_ = {};
   const Vec3 shift = b_ != nullptr ? b_->origin - a_->origin : Vec3{};
   if (reach > 0 || shift != Vec3{}) {
@@ -93,21 +95,21 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
     // nothing only as long as what is added is finite.
     constexpr double farthest_apart = 0x1p110;
     const double near = std::min(reach, farthest_apart);
-    const double largest = this->a().extent + this->b().extent + max_norm(shift) + near;
+    const double largest = boxes_.a().extent + boxes_.b().extent + max_norm(shift) + near;
     const double pad = near + 0x1p-22 * largest;
     for (int k = 0; k < 3; ++k) {
       reach_.up[k] = static_cast<float>(shift[k] + pad);
       reach_.down[k] = static_cast<float>(shift[k] - pad);
     }
   }
-  boxes_a_.start(a, features);
-  if (b_ != nullptr) boxes_b_.start(*b_, features);
-  const auto root = [](const SurfaceTreeState& s) { return static_cast<std::int16_t>(s.levels.size() - 1); };
+  boxes_a_.start(a, boxes_.a(), features);
+  if (b_ != nullptr) boxes_b_.start(*b_, boxes_.b(), features);
+  const auto root = [](const SurfaceTreeState& s) { return static_cast<std::int16_t>(s.boxes.levels.size() - 1); };
   open_.assign(1, {0, 0, root(this->a()), root(this->b())});
 }
 
 void PairSearch::expand(const Entry& e, std::vector<Entry>& below) const {
-  const SurfaceTreeState &a = this->a(), &b = this->b();
+  const SurfaceBoxes &a = boxes_.a(), &b = boxes_.b();
   const std::size_t first = below.size();
   const auto push = [&](std::uint32_t i, int level_a, std::uint32_t j, int level_b) {
     below.push_back({i, j, static_cast<std::int16_t>(level_a), static_cast<std::int16_t>(level_b)});
@@ -120,7 +122,7 @@ void PairSearch::expand(const Entry& e, std::vector<Entry>& below) const {
       // Each pair once; and every box with itself, however small it is.
       constexpr std::uint64_t above_diagonal = 0x0080c0e0f0f8fcfe;
       bits &= above_diagonal;
-      const std::uint32_t count = boxes_in(a, e.level_a, e.a);
+      const std::uint32_t count = boxes_in(this->a(), e.level_a, e.a);
       for (std::uint32_t i = 0; i < count; ++i) push(8 * e.a + i, e.level_a - 1, 8 * e.a + i, e.level_a - 1);
     }
     for (; bits != 0; bits &= bits - 1) {

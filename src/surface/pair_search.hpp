@@ -11,6 +11,7 @@
 
 #include "parallel/float_environment.hpp"
 #include "surface/feature_boxes.hpp"
+#include "surface/lazy_boxes.hpp"
 
 namespace morula::detail {
 
@@ -39,11 +40,19 @@ class SurfaceMeter {
 class PairSearch {
  public:
   /// b: nothing for a with itself. reach: pairs of boxes so far apart along each axis are still near, mesh units.
-  void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features);
+  /// by_spheres: of surfaces that follow bodies, pairs whose features are farther apart than that may be missing.
+  void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features, bool by_spheres,
+             Workers& workers);
   bool is_started() const { return a_ != nullptr; }
   /// Have the surfaces moved since?
-  bool is_current() const { return a_->frame == frame_a_ && (b_ == nullptr || b_->frame == frame_b_); }
+  bool is_current() const {
+    const auto is = [](const SurfaceTreeState& s, std::uint64_t frame) {
+      return s.frame == frame && !(s.followed && s.followed->has_moved());
+    };
+    return is(*a_, frame_a_) && (b_ == nullptr || is(*b_, frame_b_));
+  }
   bool is_with_itself() const { return b_ == nullptr; }
+  const QueryBoxes& boxes() const { return boxes_; }
   const SurfaceTreeState& a() const { return *a_; }
   const SurfaceTreeState& b() const { return b_ != nullptr ? *b_ : *a_; }
 
@@ -96,6 +105,7 @@ class PairSearch {
   Features features_ = Features::all;
   BoxReach reach_{};
   MeetGroups meet_ = nullptr;
+  QueryBoxes boxes_;
   FeatureBoxes boxes_a_, boxes_b_;
   std::vector<Entry> open_;
 

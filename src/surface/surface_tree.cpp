@@ -3,52 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
-#include <cstring>
 #include <morula/surface/surface_tree.hpp>
+#include <stdexcept>
 
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
+#include "surface/lazy_boxes.hpp"
 #include "surface/tree_state.hpp"
+#include "surface/vertex_reader.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-constexpr double farthest = 0x1p102;
 constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256;
 /// Vertices that are read before their boxes are made.
 constexpr std::size_t few = 128;
-
-inline bool is_near(const Vec3& p) {
-  return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
-}
-
-inline void put(BoxGroup& group, std::size_t place, const MinBox& box) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    group.bound[k][place] = box.bound[k];
-    group.bound[k + 3][place] = -box.bound[k + 4];
-  }
-}
-
-MinBox box_of(const SurfaceTreeState& s, std::size_t block) {
-  MinBox box;
-  for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot)
-    box.add(s.vertex_boxes[slot]);
-  for (std::uint32_t i = s.guests_begin[block]; i < s.guests_begin[block + 1]; ++i)
-    box.add(s.vertex_boxes[s.guests[i]]);
-  return box;
-}
-
-MinBox box_of(const BoxGroup& group) {
-  MinBox box;
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t place = 0; place < 8; ++place) {
-      box.bound[k] = std::min(box.bound[k], group.bound[k][place]);
-      box.bound[k + 4] = std::min(box.bound[k + 4], -group.bound[k + 3][place]);
-    }
-  return box;
-}
 
 /// The lowest vertex that cannot be taken; none.
 std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const PositionView& positions) {
@@ -57,39 +27,48 @@ std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const Positio
   return std::nullopt;
 }
 
-}  // namespace
-
-namespace {
-
-/// Reads vertices of a view of this kind.
-template <class Scalar>
-struct Reader {
-  const PositionView& view;
-  Vec3 operator()(std::uint32_t v) const {
-    Scalar xyz[3];
-    std::memcpy(xyz, view.address(v), sizeof xyz);
-    return {xyz[0], xyz[1], xyz[2]};
-  }
-};
-
-/// f(reader) with the reader of a view, or of positions at rest where there is none.
-template <class F>
-void with_reader(const std::optional<PositionView>& view, const std::vector<Vec3>& rest, const F& f) {
-  if (!view) {
-    f([&](std::uint32_t v) { return rest[v]; });
-  } else if (view->is_double()) {
-    f(Reader<double>{*view});
-  } else {
-    f(Reader<float>{*view});
+/// Which blocks go with which leaf of a body.
+void bind(SurfaceTreeState& s, const Collider& body) {
+  if (!std::equal(body.mesh_facets().begin(), body.mesh_facets().end(), s.facets.begin(), s.facets.end()))
+    throw std::invalid_argument("the body is of another mesh: its facets are not those of the surface");
+  std::vector<std::uint32_t> block_of_facet(s.facets.size());
+  for (std::uint32_t i = 0; i < s.order.size(); ++i) block_of_facet[s.order[i]] = i / 8;
+  BlocksOfLeaves& found = s.blocks_of_leaves;
+  const SphereTree& tree = body.tree();
+  found.ownership = body.pose().ownership;
+  found.begin.assign(1, 0);
+  found.blocks.clear();
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    const auto first = static_cast<std::ptrdiff_t>(found.blocks.size());
+    if (tree.is_leaf(node))
+      for (const std::uint32_t facet : body.facets(node)) found.blocks.push_back(block_of_facet[facet]);
+    std::sort(found.blocks.begin() + first, found.blocks.end());
+    found.blocks.erase(std::unique(found.blocks.begin() + first, found.blocks.end()), found.blocks.end());
+    found.begin.push_back(static_cast<std::uint32_t>(found.blocks.size()));
   }
 }
 
 }  // namespace
 
+double SurfaceTreeState::farthest_of_spheres() const {
+  const Collider& body = followed->spheres;
+  const Sphere root = body.pose().sphere(0);
+  const double coordinates = max_norm(body.pose().origin) + max_norm(body.placement().translation) + max_norm(origin);
+  // A placement is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
+  // them.
+  return (max_norm(body.placement()(root.center) - origin) + max_norm(origin) + root.radius) * (1 + 0x1p-20) +
+         0x1p-40 * coordinates;
+}
+
+Status SurfaceTreeState::askable(std::uint8_t body) const {
+  if (followed && followed->has_moved()) return {Status::Code::surface_not_current, body};
+  return {};
+}
+
 Status SurfaceTreeState::move(Workers& workers) {
   std::atomic<bool> is_bad = false;
   const MakeVertexBoxes make_boxes = make_vertex_boxes();
-  const auto boxes = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
+  const auto make = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
     // One more of each: the kernel reads one number beyond the last.
     std::array<Vec3, few + 1> lower, upper;
     bool good = true;
@@ -114,33 +93,23 @@ Status SurfaceTreeState::move(Workers& workers) {
   parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
     with_reader(from, rest, [&](const auto& read_from) {
       if (!to) {
-        boxes(begin, end, read_from, read_from, false);
+        make(begin, end, read_from, read_from, false);
       } else {
-        with_reader(to, rest, [&](const auto& read_to) { boxes(begin, end, read_from, read_to, true); });
+        with_reader(to, rest, [&](const auto& read_to) { make(begin, end, read_from, read_to, true); });
       }
     });
   });
   if (is_bad) return {Status::Code::non_finite_position};
-  std::swap(vertex_boxes, next_vertex_boxes);
+  std::swap(boxes.vertices, next_vertex_boxes);
   const std::size_t blocks = block_count();
-  parallel_for(workers, levels[0].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g)
-      for (std::size_t block = 8 * g; block < std::min(blocks, 8 * g + 8); ++block)
-        put(levels[0][g], block - 8 * g, box_of(*this, block));
+  parallel_for(workers, boxes.levels[0].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = 8 * begin; block < std::min(blocks, 8 * end); ++block) boxes.join_block(*this, block);
   });
-  for (std::size_t level = 1; level < levels.size(); ++level) {
-    const std::vector<BoxGroup>& below = levels[level - 1];
-    std::vector<BoxGroup>& groups = levels[level];
-    parallel_for(workers, groups.size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t g = begin; g < end; ++g)
-        for (std::size_t i = 8 * g; i < std::min(below.size(), 8 * g + 8); ++i)
-          put(groups[g], i - 8 * g, box_of(below[i]));
+  for (std::size_t level = 1; level < boxes.levels.size(); ++level)
+    parallel_for(workers, boxes.levels[level].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t g = begin; g < end; ++g) boxes.join_group(level, g);
     });
-  }
-  const MinBox all = box_of(levels.back()[0]);
-  extent = 0;
-  for (const float bound : all.bound)
-    if (std::isfinite(bound)) extent = std::max(extent, std::abs(static_cast<double>(bound)));
+  boxes.measure();
   ++frame;
   return {};
 }
@@ -164,6 +133,8 @@ Status SurfaceTree::update(const PositionView& from, const PositionView& to, Wor
   for (const PositionView* view : {&from, &to})
     if (view->size() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
   const auto before_from = s.from, before_to = s.to;
+  const auto before_followed = s.followed;
+  s.followed.reset();
   s.from = from;
   if (&from == &to) {
     s.to.reset();
@@ -172,12 +143,39 @@ Status SurfaceTree::update(const PositionView& from, const PositionView& to, Wor
   }
   Status status = s.move(workers);
   if (status) return status;
-  s.from = before_from, s.to = before_to;
+  s.from = before_from, s.to = before_to, s.followed = before_followed;
   const std::optional<std::uint32_t> bad_from = lowest_bad(s, from), bad_to = lowest_bad(s, to);
   status.index = std::min(bad_from.value_or(SurfaceTreeState::no_slot), bad_to.value_or(SurfaceTreeState::no_slot));
   return status;
 }
 
+Status SurfaceTree::follow(const Collider& body) {
+  const StandardFloats standard;
+  if (const Status status = morula::askable(body); !status) return status;
+  SurfaceTreeState& s = *state_;
+  if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
+  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership) bind(s, body);
+  const auto before_followed = s.followed;
+  const auto before_from = s.from, before_to = s.to;
+  s.followed = FollowedBody{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
+  s.followed->spheres.place(body.placement());
+  s.from = body.positions();
+  s.to.reset();
+  if (!s.followed->covers() || !(s.farthest_of_spheres() < farthest_vertex)) {
+    for (std::uint32_t v = 0; v < s.rest.size(); ++v) {
+      if (s.slot_of_vertex[v] == SurfaceTreeState::no_slot || is_near(s.from_of(v) - s.origin)) continue;
+      s.followed = before_followed;
+      s.from = before_from, s.to = before_to;
+      return {.code = Status::Code::non_finite_position, .index = v};
+    }
+  }
+  ++s.frame;
+  return {};
+}
+
+bool SurfaceTree::is_following() const {
+  return state_->followed.has_value();
+}
 bool SurfaceTree::is_step() const {
   return state_->to.has_value();
 }
@@ -201,8 +199,11 @@ Vec3 SurfaceTree::rest(std::uint32_t vertex) const {
 }
 
 std::uint64_t SurfaceTree::hash() const {
+  const StandardFloats standard;
   Hasher hasher;
-  for (const std::vector<BoxGroup>& level : state_->levels)
+  QueryBoxes boxes;
+  boxes.start(*state_, nullptr, 0, false, serial_workers());
+  for (const std::vector<BoxGroup>& level : boxes.a().levels)
     for (const BoxGroup& group : level)
       for (const auto& column : group.bound)
         for (const float bound : column) hasher.add(bound);

@@ -39,8 +39,10 @@ struct SweptQuery::State {
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
     const SurfaceQueryStatus status =
         options.candidates_only
-            ? candidates.run(a, b, {.reach = options.distance, .sorted = false}, options, workers, candidate)
-            : query.run(a, b, {.reach = options.distance}, options, workers, Impact{options.distance});
+            ? candidates.run(a, b, {.reach = options.distance, .sorted = false, .by_spheres = false}, options, workers,
+                             candidate)
+            : query.run(a, b, {.reach = options.distance, .by_spheres = false}, options, workers,
+                        Impact{options.distance});
     if (status) has_candidates = options.candidates_only;
     return status;
   }

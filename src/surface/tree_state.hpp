@@ -14,8 +14,8 @@
 #include <optional>
 #include <vector>
 
-#include "surface/box_groups.hpp"
-#include "surface/vertex_boxes.hpp"
+#include "surface/followed_body.hpp"
+#include "surface/surface_boxes.hpp"
 
 namespace morula::detail {
 
@@ -41,17 +41,27 @@ struct SurfaceTreeState {
   Vec3 origin;                                  // what boxes are about
 
   // The present pose or step.
-  std::vector<MinBox> vertex_boxes, next_vertex_boxes;  // by slot
-  std::vector<std::vector<BoxGroup>> levels;
-  double extent = 0;                     // no box reaches farther from the origin along an axis
+  SurfaceBoxes boxes;  // of an older one while a body is followed
+  std::vector<MinBox> next_vertex_boxes;
   std::optional<PositionView> from, to;  // none: at rest
+  std::optional<FollowedBody> followed;  // where it is placed, `from` is, too
+  BlocksOfLeaves blocks_of_leaves;       // of the body followed last
   std::uint64_t frame = 0;
 
   std::uint32_t block_count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
-  Vec3 from_of(std::uint32_t vertex) const { return from ? (*from)[vertex] : rest[vertex]; }
+  Vec3 from_of(std::uint32_t vertex) const {
+    const Vec3 p = from ? (*from)[vertex] : rest[vertex];
+    return followed && followed->is_placed ? followed->spheres.placement()(p) : p;
+  }
   Vec3 to_of(std::uint32_t vertex) const { return to ? (*to)[vertex] : from_of(vertex); }
 
-  /// Boxes of vertices, of blocks and of all above.
+  /// Of a body followed whose pose covers: no vertex that a facet uses has a larger coordinate, in the world and about
+  /// the surface's origin.
+  double farthest_of_spheres() const;
+  /// May it be asked: is a body that it follows where it was?
+  Status askable(std::uint8_t body) const;
+
+  /// Makes the boxes of all that is there.
   Status move(Workers& workers);
 };
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
+#include <morula/surface/proximity.hpp>
+#include <morula/surface/surface_crossings.hpp>
 #include <set>
 
 namespace morula::properties {
@@ -179,6 +181,48 @@ void PairJudge::judge_facets(Record& record) const {
   CrossingQuery found;
   found.run(a_, b_);
   judge_list(found.pairs(), record, "missed-crossing");
+  judge_surfaces(record);
+}
+
+// Surface trees that follow the bodies: what is crossed is judged, what is near is compared with trees that were
+// updated.
+void PairJudge::judge_surfaces(Record& record) const {
+  std::array<std::vector<Vec3>, 2> world;
+  std::vector<SurfaceTree> following, updated;
+  for (const Collider* c : {&a_, &b_}) {
+    const MeshView now = c->surface();
+    std::vector<Vec3>& vertices = world[following.size()];
+    for (std::uint32_t v = 0; v < c->vertex_count(); ++v) vertices.push_back(c->vertex(v));
+    // What is too small, large or far to make a tree of is no question here.
+    try {
+      following.emplace_back(now);
+      updated.emplace_back(now);
+    } catch (const std::invalid_argument&) {
+      return;
+    }
+    if (!following.back().follow(*c) || !updated.back().update(vertices)) return;
+  }
+  ++record.counts.followed_pairs;
+  SurfaceCrossingQuery crossings;
+  const SurfaceQueryStatus status = crossings.run(following[0], following[1]);
+  record.expect(status && status.finished, "refused-surfaces", message(status));
+  std::vector<Crossing> listed;
+  for (const FeaturePair& pair : crossings.pairs())
+    listed.push_back({.facet_a = pair.a, .facet_b = pair.b, .segment = {}});
+  judge_list(listed, record, "missed-surface-crossing");
+
+  Real distance = std::numeric_limits<Real>::infinity();
+  for (const NearPair& n : near_) distance = std::min(distance, n.distance);
+  ProximityQuery near({.distance = static_cast<double>(distance)}),
+      expected({.distance = static_cast<double>(distance)});
+  near.run(following[0], following[1]);
+  expected.run(updated[0], updated[1]);
+  record.expect(std::equal(near.pairs().begin(), near.pairs().end(), expected.pairs().begin(), expected.pairs().end(),
+                           [](const FeaturePair& p, const FeaturePair& q) { return p == q; }),
+                "missed-surface-pair",
+                std::to_string(near.pairs().size()) + " pairs of features within " +
+                    std::to_string(static_cast<double>(distance)) + ", " + std::to_string(expected.pairs().size()) +
+                    " of updated surfaces");
 }
 
 void PairJudge::judge_list(std::span<const Crossing> found, Record& record, const std::string& kind) const {

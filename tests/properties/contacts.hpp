@@ -44,6 +44,7 @@ class PairJudge {
     oracle::Real distance;
   };
   void judge_list(std::span<const Crossing> found, Record& record, const std::string& kind) const;
+  void judge_surfaces(Record& record) const;
 
   const Collider &a_, &b_;
   std::vector<oracle::Triangle> facets_a_, facets_b_;

@@ -20,10 +20,11 @@ struct Counts {
   std::size_t corners = 0;  ///< of regions, held against their node's sphere
   std::size_t modal_frames = 0, swaps = 0, round_trips = 0;
   std::size_t poses_of_pairs = 0;
-  std::size_t crossings = 0;      ///< pairs of facets that brute force found to meet
-  std::size_t exact_poses = 0;    ///< with all pairs known exactly
-  std::size_t near_pairs = 0;     ///< pairs of points nearer than a margin
-  std::size_t interruptions = 0;  ///< ends of a query's work, the last one included, at which it was complete
+  std::size_t crossings = 0;       ///< pairs of facets that brute force found to meet
+  std::size_t exact_poses = 0;     ///< with all pairs known exactly
+  std::size_t followed_pairs = 0;  ///< poses in which surfaces that follow the bodies were asked
+  std::size_t near_pairs = 0;      ///< pairs of points nearer than a margin
+  std::size_t interruptions = 0;   ///< ends of a query's work, the last one included, at which it was complete
 };
 
 /// The case that is running: its name goes to whoever has to repeat it.

@@ -26,7 +26,7 @@ void expect_boxes_hold(const SurfaceTree& tree) {
     for (const std::uint32_t v : s.facets[s.order[i]])
       for (const Vec3& p : {tree.from(v), tree.to(v)}) {
         std::size_t box = i / 8;
-        for (const auto& level : s.levels) {
+        for (const auto& level : s.boxes.levels) {
           const detail::BoxGroup& group = level[box / 8];
           for (int k = 0; k < 3; ++k) {
             const double x = p[k] - s.origin[k];

@@ -34,6 +34,7 @@ struct Status {
     no_surface,             ///< facets are asked for, and the collider has spheres alone
     positions_not_current,  ///< the spheres have moved, and nobody gave the positions: Collider::set_positions
     placement_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
+    surface_not_current,    ///< the body that a surface follows has moved: SurfaceTree::follow
     // Questions
     bad_option,  ///< not a number, negative where it must not be, or a vertex that is none
     bad_shape,   ///< a plane, sphere, capsule, ray or point that is not finite, of negative radius, without direction,

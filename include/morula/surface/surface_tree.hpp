@@ -15,6 +15,8 @@
 
 namespace morula {
 
+class Collider;
+
 namespace detail {
 struct SurfaceTreeState;
 }
@@ -45,6 +47,19 @@ class SurfaceTree {
   Status update(const PositionView& positions, Workers& workers = serial_workers());
   /// Moves it to a step: vertex i goes from from[i] to to[i] on a straight line, in time 0 to 1. Boxes hold both ends.
   Status update(const PositionView& from, const PositionView& to, Workers& workers = serial_workers());
+
+  /// Puts the surface where a body is: its positions, placed. Nothing is computed here. A query that then asks this
+  /// surface makes the boxes it needs, for itself: of two surfaces that follow bodies which cover, those of blocks
+  /// where spheres of one body are near spheres of the other; in all other cases those of all blocks. It finds the
+  /// pairs that it finds after an update. So a body that touches nothing costs its update of spheres alone.
+  ///
+  /// The collider must have been made from this surface's mesh; only its pose, placement and positions are borrowed,
+  /// until the next update or follow. Once the body has moved, queries refuse with surface_not_current. Refused, with
+  /// nothing changed: what askable() refuses; wrong_vertex_count; non_finite_position as in update. Throws
+  /// std::invalid_argument for a body of other facets. Cost: none; linear for the first collider and for one of another
+  /// ownership. No allocation but then.
+  Status follow(const Collider& body);
+  bool is_following() const;
 
   bool is_step() const;
   std::size_t vertex_count() const;

@@ -87,6 +87,9 @@ struct Posed {
   /// Counts changes of the tree itself, whose colliders are then out of date.
   virtual std::uint64_t epoch() const { return 0; }
 
+  /// The positions that the body borrows: none or one.
+  virtual std::span<const Positions> borrowed() const { return {}; }
+
   std::uint64_t frame() const { return pose().frame + (epoch() << 40); }
 
   mutable std::shared_mutex mutex;
@@ -98,6 +101,7 @@ struct PosedBody : Posed {
   std::vector<Positions> last;  // what the body borrows until the next update: none or one
 
   const PosedTree& pose() const override { return owned->pose(); }
+  std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return owned.get(); }
 };
 
@@ -107,6 +111,7 @@ struct PosedRebuilt : Posed {
   std::vector<Positions> last;
 
   const PosedTree& pose() const override { return owned->body().pose(); }
+  std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return const_cast<Body*>(&owned->body()); }
   std::uint64_t epoch() const override { return owned->epoch(); }
 };

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/surface_tree.hpp>
+#include <optional>
 #include <shared_mutex>
 #include <span>
 #include <type_traits>
@@ -14,30 +16,40 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "holders.hpp"
 #include "records.hpp"
 
 namespace morula::python {
 
-/// A surface tree and the positions that it borrows.
+/// A surface tree, the positions that it borrows, and the body that it follows.
 struct HeldSurface {
   SurfaceTree tree;
   std::vector<Positions> positions;
+  std::shared_ptr<Side> followed;  // or none
   mutable std::shared_mutex mutex;
 
   explicit HeldSurface(SurfaceTree&& made) : tree(std::move(made)) {}
 };
 
-/// Locks one or two surfaces, or none, that a query reads. Without the interpreter's lock.
+/// Locks one or two surfaces, or none, that a query reads, then the bodies that they follow. Without the interpreter's
+/// lock. Throws RuntimeError when such a body has another tree now.
 class SurfaceReading {
  public:
   explicit SurfaceReading(const HeldSurface* a, const HeldSurface* b = nullptr) {
     // One order for everybody, and each surface once.
-    for (const HeldSurface* surface : {std::min(a, b), std::max(a, b)})
-      if (surface && (locks_.empty() || locks_.back().mutex() != &surface->mutex)) locks_.emplace_back(surface->mutex);
+    std::vector<const Side*> sides;
+    for (const HeldSurface* surface : {std::min(a, b), std::max(a, b)}) {
+      if (!surface || (!locks_.empty() && locks_.back().mutex() == &surface->mutex)) continue;
+      locks_.emplace_back(surface->mutex);
+      if (surface->followed) sides.push_back(surface->followed.get());
+    }
+    bodies_.emplace(sides);
+    for (const Side* side : sides) side->current();
   }
 
  private:
   std::vector<std::shared_lock<std::shared_mutex>> locks_;
+  std::optional<Reading> bodies_;
 };
 
 struct FeaturePairs {

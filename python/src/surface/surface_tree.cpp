@@ -37,6 +37,7 @@ void bind_surface_tree(nb::module_& m) {
             std::vector<Positions> positions;
             positions.emplace_back(from.object, "positions");
             if (!to.is_none()) positions.emplace_back(to, "to");
+            std::shared_ptr<Side> before;
             Status status;
             {
               const nb::gil_scoped_release released;
@@ -44,7 +45,10 @@ void bind_surface_tree(nb::module_& m) {
               const std::unique_lock lock(self.mutex);
               status = positions.size() == 1 ? self.tree.update(positions[0].view(), call)
                                              : self.tree.update(positions[0].view(), positions[1].view(), call);
-              if (status) std::swap(self.positions, positions);
+              if (status) {
+                std::swap(self.positions, positions);
+                std::swap(self.followed, before);
+              }
             }
             require(status);
           },
@@ -53,6 +57,29 @@ void bind_surface_tree(nb::module_& m) {
                   "workers: Workers | None = None) -> None"),
           (std::string(doc::SurfaceTree_update) + "\n\nto: where vertices go in a step. " + doc::SurfaceTree_update_2)
               .c_str())
+      .def(
+          "follow",
+          [](HeldSurface& self, ColliderGiven given) {
+            std::shared_ptr<Side> side = side_of(given, "body");
+            std::vector<Positions> positions;
+            Status status;
+            {
+              const nb::gil_scoped_release released;
+              const std::unique_lock lock(self.mutex);
+              const std::shared_lock of_body(side->posed->mutex);
+              status = self.tree.follow(side->current());
+              if (status) {
+                for (const Positions& kept : side->given) positions.emplace_back(kept, 0);
+                for (const Positions& kept : side->posed->borrowed()) positions.emplace_back(kept, 0);
+                std::swap(self.positions, positions);
+                self.followed.swap(side);
+              }
+            }
+            require(status);
+          },
+          nb::arg("body"), nb::sig("def follow(self, body: morula.typing.ColliderLike) -> None"),
+          doc::SurfaceTree_follow)
+      .def_prop_ro("is_following", [](const HeldSurface& self) { return self.tree.is_following(); })
       .def_prop_ro("is_step", [](const HeldSurface& self) { return self.tree.is_step(); })
       .def_prop_ro("vertex_count", [](const HeldSurface& self) { return self.tree.vertex_count(); })
       .def_prop_ro(
@@ -66,7 +93,15 @@ void bind_surface_tree(nb::module_& m) {
           },
           doc::SurfaceTree_edges)
       .def(
-          "hash", [](const HeldSurface& self) { return self.tree.hash(); }, doc::SurfaceTree_hash)
+          "hash",
+          [](const HeldSurface& self) {
+            return without_gil([&] {
+              const SurfaceReading reading(&self);
+              require(self.tree.state().askable(0));
+              return self.tree.hash();
+            });
+          },
+          doc::SurfaceTree_hash)
       .def("__repr__", [](const HeldSurface& self) {
         return "<morula.SurfaceTree: " + std::to_string(self.tree.facets().size()) + " facets, " +
                std::to_string(self.tree.edges().size()) + " edges>";
