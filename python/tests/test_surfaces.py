@@ -106,6 +106,42 @@ def test_one_surface_with_itself():
     assert numpy.array_equal(near.safe_distances(), morula.safe_distances(surface, distance=0.01))
 
 
+def test_surfaces_that_follow_bodies(limb, built):
+    rng = numpy.random.default_rng(3)
+    bodies = [morula.Body(limb, built), morula.Body(limb, built)]
+    colliders = [morula.Collider(body) for body in bodies]
+    following = [morula.SurfaceTree(limb) for _ in bodies]
+    updated = [morula.SurfaceTree(limb) for _ in bodies]
+    colliders[1].place((0.02, 0.01, 0.8 * numpy.ptp(limb.positions[:, 2])))
+    for frame in range(3):
+        for body, collider, surface, other in zip(bodies, colliders, following, updated):
+            body.update(limb.positions + rng.uniform(-0.005, 0.005, limb.positions.shape))
+            surface.follow(collider)
+            assert surface.is_following and not surface.is_step
+            other.update(collider.vertices())
+        found = morula.surface_crossings(*following)
+        assert found == morula.surface_crossings(*updated) and len(found) > 0
+        assert morula.proximity(*following, distance=0.01) == morula.proximity(*updated, distance=0.01)
+        assert [surface.hash() for surface in following] == [surface.hash() for surface in updated]
+    # Positions are kept for as long as the surface reads them.
+    query = morula.SurfaceCrossingQuery(budget=64)
+    query.run(*following)
+    bodies[1].update(numpy.array(limb.positions))
+    with pytest.raises(ValueError, match="second surface follows a body that was updated"):
+        morula.surface_crossings(*following)
+    with pytest.raises(ValueError, match="follow"):
+        following[1].hash()
+    with pytest.raises(ValueError, match="updated"):
+        query.resume()
+    following[1].follow(bodies[1])
+    assert len(morula.surface_crossings(*following)) > 0
+    following[1].update(limb.positions)
+    assert not following[1].is_following
+    other = morula.sample_body("limb", 10)
+    with pytest.raises(ValueError, match="vertex count"):
+        following[0].follow(morula.Body(other, morula.build(other, method="octree")))
+
+
 def test_masks_say_who_meets_whom(surfaces):
     a, b = surfaces
     whole = morula.surface_crossings(a, b)

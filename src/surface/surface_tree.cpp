@@ -200,6 +200,7 @@ Vec3 SurfaceTree::rest(std::uint32_t vertex) const {
 
 std::uint64_t SurfaceTree::hash() const {
   const StandardFloats standard;
+  if (const Status status = state_->askable(0); !status) throw std::invalid_argument(message(status));
   Hasher hasher;
   QueryBoxes boxes;
   boxes.start(*state_, nullptr, 0, false, serial_workers());

@@ -237,6 +237,7 @@ TEST(Following, refuses_a_body_that_has_moved_and_stays_as_it_was_after_refusals
   EXPECT_EQ(query.resume().code, Code::other_frame);
   EXPECT_EQ(query.run(a.surface, b.surface), (SurfaceQueryStatus{{Code::surface_not_current, 1}}));
   EXPECT_EQ(query.run(b.surface).code, Code::surface_not_current);
+  EXPECT_THROW(static_cast<void>(b.surface.hash()), std::invalid_argument);
   EXPECT_EQ(ObstacleQuery().run(b.surface, Obstacle(HalfSpace{{0, 0, 1}, 0})).code, Code::surface_not_current);
   ASSERT_TRUE(b.surface.follow(b.collider));
   EXPECT_TRUE(query.run(a.surface, b.surface));

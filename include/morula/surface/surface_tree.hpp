@@ -71,7 +71,7 @@ class SurfaceTree {
   Vec3 to(std::uint32_t vertex) const;
   Vec3 rest(std::uint32_t vertex) const;
 
-  /// 64-bit FNV-1a over the boxes of all nodes.
+  /// 64-bit FNV-1a over the boxes of all nodes. Throws std::invalid_argument where a body that it follows has moved.
   std::uint64_t hash() const;
   const detail::SurfaceTreeState& state() const { return *state_; }
 

@@ -97,7 +97,6 @@ void bind_surface_tree(nb::module_& m) {
           [](const HeldSurface& self) {
             return without_gil([&] {
               const SurfaceReading reading(&self);
-              require(self.tree.state().askable(0));
               return self.tree.hash();
             });
           },
