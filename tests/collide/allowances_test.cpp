@@ -297,6 +297,52 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
   EXPECT_GT(changed, 100u);
 }
 
+// What has come back from far away has travelled so far that a short way is nothing beside it; and yet contacts change
+// on short ways. Either body may be the one that was away.
+TEST(FrontAllowance, counts_short_ways_after_long_ones) {
+  const BuildOptions options{.method = Method::octree, .depth = 1};
+  test::Specimen a("blob", 5, options), b("limb", 5, options);
+  Random random(9);
+  const auto moved_by = [](const std::vector<Vec3>& positions, double far) {
+    std::vector<Vec3> moved = positions;
+    for (Vec3& p : moved) p += Vec3{far, 0, 0};
+    return moved;
+  };
+  std::size_t changed = 0;
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    test::Specimen& traveller = round % 2 == 0 ? a : b;
+    RigidTransform place = test::random_placement(random, 0);
+    const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (a.body->spheres().size() - 1));
+    const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (b.body->spheres().size() - 1));
+    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const Vec3 direction = normalized(random_vector(random));
+    const double radii = a.body->sphere(node_a).radius + b.body->sphere(node_b).radius;
+    const auto place_at = [&](double way) {
+      place.translation = start + direction * way;
+      b.place(place);
+    };
+    const auto pose = [](test::Specimen& s, const std::vector<Vec3>& positions) {
+      ASSERT_TRUE(s.body->update(positions));
+      s.collider->set_positions(positions);
+    };
+    place_at(1.2 * radii);
+    CarriedAndFresh contacts(a, b);
+    const std::vector<Vec3> far = moved_by(traveller.positions, traveller.size * std::exp2(random.uniform(20, 50)));
+    pose(traveller, far);
+    contacts.expect_the_same();
+    pose(traveller, traveller.positions);
+    contacts.expect_the_same();
+    for (double way = 1.2; way > 0.8; way -= 0.02) {
+      place_at(way * radii);
+      contacts.expect_the_same();
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    changed += contacts.have_changed();
+  }
+  EXPECT_GT(changed, 100u);
+}
+
 TEST(FrontAllowance, a_clearance_is_no_longer_than_the_way_to_the_next_contact) {
   expect_the_contacts_of_a_fresh_front(1e-3, 600, 7);
 }

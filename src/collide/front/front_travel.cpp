@@ -3,7 +3,9 @@
 #include "collide/front/front_travel.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace morula::detail {
 namespace {
@@ -43,6 +45,15 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
                                         max_norm(bodies.translation));
 }
 
+// No less than the sum itself: a short way after a long one would not be seen in a sum rounded to nearest, and the next
+// verdict would count as that of a frame in which nothing moved. The error of a sum of two is itself a double, and is
+// what is computed here.
+double sum_rounded_up(double a, double b) {
+  const double sum = a + b, b_of_sum = sum - a;
+  const double error = (a - (sum - b_of_sum)) + (b - b_of_sum);
+  return error > 0 ? std::nextafter(sum, std::numeric_limits<double>::infinity()) : sum;
+}
+
 // moved(i): by how much the centre of node i has moved. least: added to every node's way.
 template <class Moved>
 void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& way, const Moved& moved) {
@@ -57,7 +68,7 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
   for (std::uint32_t i = 0; i < spheres.size(); ++i) {
     double farthest = way[i];
     for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
-    side.travelled[i] += farthest;
+    side.travelled[i] = sum_rounded_up(side.travelled[i], farthest);
   }
 }
 

@@ -85,16 +85,18 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
          (!trees.opens_b(pair.b, pair.depth) || options.reach(*colliders.b, pair.b));
 }
 
-double FrontWalk::travelled(const Front::Waiting& pair) const {
-  const Front::Pair& bodies = front.pairs[pair.pair];
-  return keeps_ ? bodies.a.travelled[pair.a] + bodies.b.travelled[pair.b] : 0;
+// Of each side by itself: a short way of one is not lost beside a long one of the other. What rounding takes from a
+// difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
+double FrontWalk::travelled_since(const Front::Opened& before) const {
+  const Front::Pair& bodies = front.pairs[before.pair];
+  return (bodies.a.travelled[before.a] - before.travelled_a) + (bodies.b.travelled[before.b] - before.travelled_b);
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
   if (pair.before == none || options.reach) return false;
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
-  const double since = travelled(pair) - before.travelled;
+  const double since = travelled_since(before);
   return since == 0 || since + front.pairs[pair.pair].rounding < before.clearance;
 }
 
@@ -130,11 +132,17 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   const auto opened = static_cast<std::uint32_t>(front.opened.size());
   const auto first_mask = static_cast<std::uint32_t>(front.masks.size());
   front.masks.insert(front.masks.end(), masks, masks + slot.below_b.count);
-  front.opened.push_back(
-      {pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, travelled(pair)});
-  if (slot.knows_verdicts) front.opened.back().travelled = opened_before_[pair.before].travelled;
+  Front::Opened& entry = front.opened.emplace_back(
+      Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
+  if (slot.knows_verdicts) {
+    const Front::Opened& before = opened_before_[pair.before];
+    entry.travelled_a = before.travelled_a, entry.travelled_b = before.travelled_b;
+  } else if (keeps_) {
+    const Front::Pair& bodies = front.pairs[pair.pair];
+    entry.travelled_a = bodies.a.travelled[pair.a], entry.travelled_b = bodies.b.travelled[pair.b];
+  }
   std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
-  front.opened.back().next_beside = std::exchange(head, opened);
+  entry.next_beside = std::exchange(head, opened);
 
   // Where the pairs below were opened in the previous frame.
   const auto place_of = [&](std::uint32_t a, std::uint32_t b) {
@@ -146,12 +154,12 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       f(i, before_of_child_[place_of(opened_before_[i].a, opened_before_[i].b)]);
   };
   before_of_child_.resize(std::size_t{max_branching} * max_branching, none);
-  each_before([](std::uint32_t i, std::uint32_t& entry) { entry = i; });
+  each_before([](std::uint32_t i, std::uint32_t& place) { place = i; });
   any_overlapping(slot.below_a, slot.below_b, masks, [&](std::uint32_t a, std::uint32_t b) {
     admit({0, 0, pair.pair, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
     return false;
   });
-  each_before([](std::uint32_t, std::uint32_t& entry) { entry = none; });
+  each_before([](std::uint32_t, std::uint32_t& place) { place = none; });
 }
 
 void FrontWalk::test_roots(Run& run) {

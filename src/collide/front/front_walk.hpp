@@ -55,7 +55,8 @@ class FrontWalk {
   void finish(const CollideOptions& options, Meter& meter, Contacts& result);
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
-  double travelled(const Front::Waiting& pair) const;
+  /// How far both nodes have come since a pair was opened in an earlier frame.
+  double travelled_since(const Front::Opened& before) const;
   void test_roots(Run& run);
   void fill_round(Run& run);
   void test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const;
