@@ -38,8 +38,8 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 }  // namespace
 
 RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-                       std::size_t lengths)
-    : snapshot_(home), build_(build), estimator_(home, sample_count), levels_(levels), lengths_(lengths) {
+                       std::shared_ptr<const StrainGauge> gauge)
+    : snapshot_(home), build_(build), estimator_(home, sample_count), levels_(levels), gauge_(std::move(gauge)) {
   earlier_.fill(home.positions);
   last_pose_ = home.positions;
 }
@@ -86,13 +86,15 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
   CoveredTree built = build(snapshot_, build_, one);
   if (build_.stop.stop_requested()) throw BuildStopped();
-  StrainGauge gauge(snapshot_, built, lengths_);
-  auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, std::move(built), {}, one), std::move(gauge),
-                                             std::vector<double>(levels_), std::vector<double>(levels_)});
+  auto epoch = std::make_unique<Epoch>(Epoch{Body(snapshot_, std::move(built), {}, one), std::vector<double>(levels_),
+                                             std::vector<float>(gauge_->length_count()), std::vector<double>(levels_)});
+  gauge_->measure(snapshot_.positions, epoch->lengths);
   estimator_.pose(snapshot_.positions);
   estimator_.estimate(epoch->body, epoch->looseness_at_build);
   // The frame that takes it over lies between the pose it was asked for at and the one it was made for.
-  epoch->strain_elsewhere = epoch->gauge.strain(last_pose_);
+  std::vector<float> lengths(gauge_->length_count());
+  gauge_->measure(last_pose_, lengths);
+  epoch->strain_elsewhere = StrainGauge::strain(lengths, epoch->lengths);
   if (epoch->strain_elsewhere > 0 && epoch->body.update(last_pose_, one)) {
     estimator_.pose(last_pose_);
     estimator_.estimate(epoch->body, epoch->looseness_elsewhere);

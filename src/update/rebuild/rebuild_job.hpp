@@ -18,13 +18,13 @@
 
 namespace morula::detail {
 
-/// A body, and what is known of it at the pose it was made for: how loose it was, per level set, and the gauge that
-/// tells how far another pose is from that one. And how loose it was at another pose, at a strain from that one, where
+/// A body, and what is known of it at the pose it was made for: how loose it was, per level set, and the lengths that
+/// tell how far another pose is from that one. And how loose it was at another pose, at a strain from that one, where
 /// it was ever measured; else that strain is 0.
 struct Epoch {
   Body body;
-  StrainGauge gauge;
   std::vector<double> looseness_at_build;
+  std::vector<float> lengths;
   std::vector<double> looseness_elsewhere;
   double strain_elsewhere = 0;
 };
@@ -34,9 +34,8 @@ struct Epoch {
 class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
-  /// lengths: of the gauges of what is rebuilt, at most.
   RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-             std::size_t lengths);
+             std::shared_ptr<const StrainGauge> gauge);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -72,7 +71,8 @@ class RebuildJob {
   int steps_ = 0;
   BuildOptions build_;
   LoosenessEstimator estimator_;
-  std::size_t levels_, lengths_;
+  std::size_t levels_;
+  std::shared_ptr<const StrainGauge> gauge_;
   std::stop_source stop_;
   std::unique_ptr<Epoch> retired_{};
   Result result_{};

@@ -67,8 +67,6 @@ constexpr double least_gain = 0.02;
 // Per level that counts: by how much a unit of strain raises an ownership's score, before anything was measured, and at
 // least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
 constexpr double usual_cost = 10, least_cost = 2;
-// Lengths that are measured in every frame, of all ownerships together; of one at most, and at least.
-constexpr std::size_t all_lengths = 2048, most_lengths = 768, least_lengths = 96;
 // Below this the strain since an ownership was built says nothing about what strain costs.
 constexpr double least_strain = 0.05;
 // Frames over which one estimate is spread at most.
@@ -82,7 +80,7 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
-  Epoch epoch_of(const Mesh& posed, const CoveredTree& built, Body body, std::size_t lengths);
+  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
   void calibrate(const CoveredTree& built, Workers& workers);
 
   double cost_of(double per_level) const noexcept {
@@ -91,8 +89,8 @@ struct RebuiltBody::State {
   bool at_rest(const PositionView& positions) const noexcept;
   Epoch* choose(const PositionView& positions) noexcept;
   double cost_of_strain(const Epoch& ownership) const noexcept;
-  double expected_score(const Epoch& ownership, const PositionView& positions) const noexcept;
-  bool takes_over(const Epoch& candidate, const PositionView& positions) const noexcept;
+  double expected_score(const Epoch& ownership) const noexcept;
+  bool takes_over(const Epoch& candidate) const noexcept;
   void stay_at_rest() noexcept;
   void check(const PositionView& positions, Workers& workers);
   void decide(const PositionView& positions, Workers& workers);
@@ -107,19 +105,21 @@ struct RebuiltBody::State {
   void take_pose(const PositionView& positions, Workers& workers);
   int steps_ahead() const noexcept;
   void start(int steps, const PositionView& positions, Workers& workers);
-  void collect(bool taken, const PositionView& positions);
+  void collect(bool taken);
   void change_to(Epoch& next) noexcept;
-  bool still_fits(const Epoch& candidate, const PositionView& positions) const noexcept;
+  bool still_fits(const Epoch& candidate) const noexcept;
   void raise_threshold() noexcept;
 
   RebuildOptions options;
   std::vector<Vec3> rest;
   std::vector<std::uint32_t> used;
   Epoch home;
+  std::shared_ptr<const StrainGauge> gauge;
   LoosenessEstimator estimator;
   std::vector<Epoch> known;     // for known poses
   std::unique_ptr<Epoch> away;  // rebuilt; kept as long as no other comes
   Epoch* present;
+  std::vector<float> lengths;     // at this frame's positions
   double strain_cost = 0;         // expected: by how much a unit of strain raises the score of an ownership
   double strain_at_estimate = 0;  // of the present ownership
   double score_at_estimate = 0;
@@ -144,11 +144,6 @@ CoveredTree without_poses(const CoveredTree& built) {
   return {built.tree, built.cover, built.report};
 }
 
-// Home, and one that is rebuilt, and the known ones.
-std::size_t lengths_of_each(const CoveredTree& built) {
-  return std::clamp(all_lengths / (built.poses.size() + 2), least_lengths, most_lengths);
-}
-
 void require_poses(const Mesh& mesh, const CoveredTree& built) {
   for (const KnownPose& pose : built.poses)
     if (!pose.built || pose.positions.size() != mesh.vertex_count())
@@ -163,17 +158,19 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       used(used_vertices(mesh)),
       // Whether they belong together is what Body asks, so it comes first.
       home{Body(mesh, without_poses(built), {}, workers), {}, {}, {}},
+      gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
       present(&home),
+      lengths(gauge->length_count()),
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), lengths_of_each(built))) {
-  home = epoch_of(mesh, built, std::move(home.body), lengths_of_each(built));
+                                       built.tree.level_count(), gauge)) {
+  home = epoch_of(mesh, std::move(home.body), threshold.size());
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
-    known.push_back(epoch_of(posed, *pose.built, Body(posed, pose.built, {}, workers), lengths_of_each(built)));
+    known.push_back(epoch_of(posed, Body(posed, pose.built, {}, workers), threshold.size()));
   }
   calibrate(built, workers);
   report.looseness = home.looseness_at_build;
@@ -188,12 +185,13 @@ RebuiltBody::State::~State() {
 }
 
 // The body is at the pose that it was made for.
-Epoch RebuiltBody::State::epoch_of(const Mesh& posed, const CoveredTree& built, Body body, std::size_t lengths) {
-  Epoch made{std::move(body), StrainGauge(posed, built, lengths), std::vector<double>(threshold.size()),
-             std::vector<double>(threshold.size())};
+Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
+  Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
+             std::vector<double>(levels)};
   estimator.reserve(made.body.rest_tree().node_count());
   estimator.pose(posed.positions);
   estimator.estimate(made.body, made.looseness_at_build);
+  gauge->measure(posed.positions, made.lengths);
   return made;
 }
 
@@ -206,7 +204,7 @@ void RebuiltBody::State::calibrate(const CoveredTree& built, Workers& workers) {
   const double at_home = relative_looseness(home.looseness_at_build, home.looseness_at_build);
   for (std::size_t k = 0; k < known.size(); ++k) {
     const PositionView positions(built.poses[k].positions);
-    const double strain = home.gauge.strain(positions);
+    const double strain = StrainGauge::strain(known[k].lengths, home.lengths);
     if (!(strain > least_strain) || !probe.update(positions, workers)) continue;
     estimator.pose(positions);
     estimator.estimate(probe, estimated);
@@ -227,7 +225,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     chosen = &home;
   } else if (whole) {
     chosen = choose(positions);
-    if (arrived && job->finished() != nullptr && takes_over(*job->finished(), positions)) chosen = job->finished();
+    if (arrived && job->finished() != nullptr && takes_over(*job->finished())) chosen = job->finished();
   }
   RebuildStatus status{.update = chosen->body.update(positions, workers)};
   if (!status && chosen != present) status.update = (chosen = present)->body.update(positions, workers);
@@ -242,7 +240,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
       report.recalled += std::any_of(known.begin(), known.end(), [&](const Epoch& k) { return chosen == &k; });
       change_to(*chosen);
     }
-    if (arrived) collect(chosen == job->finished(), positions);
+    if (arrived) collect(chosen == job->finished());
     if (resting)
       stay_at_rest();
     else
@@ -269,8 +267,8 @@ double RebuiltBody::State::cost_of_strain(const Epoch& ownership) const noexcept
 }
 
 // Of the present one: what was measured last, and what strain has been added since.
-double RebuiltBody::State::expected_score(const Epoch& ownership, const PositionView& positions) const noexcept {
-  const double strain = ownership.gauge.strain(positions), cost = cost_of_strain(ownership);
+double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
+  const double strain = StrainGauge::strain(lengths, ownership.lengths), cost = cost_of_strain(ownership);
   if (&ownership == present) return score_at_estimate + cost * (strain - strain_at_estimate);
   return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + cost * strain;
 }
@@ -278,11 +276,12 @@ double RebuiltBody::State::expected_score(const Epoch& ownership, const Position
 // The ownership that is expected to be the tightest. Where positions are not finite, nor are lengths, and the present
 // one stays.
 Epoch* RebuiltBody::State::choose(const PositionView& positions) noexcept {
+  gauge->measure(positions, lengths);
   Epoch* best = present;
-  double least = (1 - std::max(least_gain, options.gain)) * expected_score(*present, positions);
+  double least = (1 - std::max(least_gain, options.gain)) * expected_score(*present);
   const auto consider = [&](Epoch& ownership) {
     if (&ownership == present) return;
-    if (const double score = expected_score(ownership, positions); score < least) least = score, best = &ownership;
+    if (const double score = expected_score(ownership); score < least) least = score, best = &ownership;
   };
   consider(home);
   for (Epoch& ownership : known) consider(ownership);
@@ -290,10 +289,10 @@ Epoch* RebuiltBody::State::choose(const PositionView& positions) noexcept {
   return best;
 }
 
-bool RebuiltBody::State::takes_over(const Epoch& candidate, const PositionView& positions) const noexcept {
-  double least = expected_score(*present, positions);
-  for (const Epoch& ownership : known) least = std::min(least, expected_score(ownership, positions));
-  return expected_score(candidate, positions) < (1 - options.gain) * std::min(least, expected_score(home, positions));
+bool RebuiltBody::State::takes_over(const Epoch& candidate) const noexcept {
+  double least = expected_score(*present);
+  for (const Epoch& ownership : known) least = std::min(least, expected_score(ownership));
+  return expected_score(candidate) < (1 - options.gain) * std::min(least, expected_score(home));
 }
 
 bool RebuiltBody::State::has_grown() const noexcept {
@@ -327,7 +326,7 @@ void RebuiltBody::State::check(const PositionView& positions, Workers& workers) 
   if (due) {
     ++report.checks;
     estimator.begin(positions, present->body, estimate_steps());
-    strain_now = present->gauge.strain(positions);
+    strain_now = StrainGauge::strain(lengths, present->lengths);
   }
   const bool is_known = estimator.step(estimated);
   if (is_known) finish_estimate();
@@ -405,9 +404,9 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
     case RebuildThread::caller: {
       job->run();
       Epoch* const made = job->finished();
-      const bool taken = made != nullptr && takes_over(*made, positions) && made->body.update(positions, workers);
+      const bool taken = made != nullptr && takes_over(*made) && made->body.update(positions, workers);
       if (taken) change_to(*made);
-      collect(taken, positions);
+      collect(taken);
       break;
     }
     case RebuildThread::none:
@@ -422,7 +421,7 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
 }
 
 // taken: it serves already, and was updated.
-void RebuiltBody::State::collect(bool taken, const PositionView& positions) {
+void RebuiltBody::State::collect(bool taken) {
   RebuildJob::Result result = job->take();
   const std::chrono::duration<double> pause(
       std::min(longest_pause, result.seconds * (1 / options.processor_share - 1)));
@@ -441,14 +440,14 @@ void RebuiltBody::State::collect(bool taken, const PositionView& positions) {
     estimator.reserve(away->body.rest_tree().node_count());
   } else {
     ++report.refused;
-    if (still_fits(*result.epoch, positions)) raise_threshold();
+    if (still_fits(*result.epoch)) raise_threshold();
   }
   job->retire(std::move(result.epoch));
 }
 
-bool RebuiltBody::State::still_fits(const Epoch& candidate, const PositionView& positions) const noexcept {
+bool RebuiltBody::State::still_fits(const Epoch& candidate) const noexcept {
   const double at_build = relative_looseness(candidate.looseness_at_build, home.looseness_at_build);
-  return expected_score(candidate, positions) <= options.looser_by * at_build;
+  return expected_score(candidate) <= options.looser_by * at_build;
 }
 
 // What was built for this very pose is no better, so the pose is what is loose: it has to change before another try.
