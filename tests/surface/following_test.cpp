@@ -124,10 +124,11 @@ TEST(Following, finds_what_brute_force_and_updated_surfaces_find) {
   Random random(5);
   const std::vector<test::NamedMesh>& bodies = test::aligned_bodies();
   Asked asked;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  // Every other one: scripts/properties asks many more such pairs.
+  for (std::size_t i = 0; i < bodies.size(); i += 2) {
     const Mesh &mesh_a = bodies[i].mesh, &mesh_b = bodies[(i * 7 + 3) % bodies.size()].mesh;
     SCOPED_TRACE(bodies[i].name + " and " + bodies[(i * 7 + 3) % bodies.size()].name);
-    const Method method = i % 8 == 2 ? Method::morula : i % 2 == 0 ? Method::octree : Method::grid;
+    const Method method = i % 16 == 4 ? Method::morula : i % 4 == 0 ? Method::octree : Method::grid;
     const BuildOptions options{.method = method, .branching = 4, .depth = 2};
     Follower a(mesh_a, options), b(mesh_b, options);
     for (int frame = 0; frame < 4; ++frame) {
