@@ -37,6 +37,10 @@ bool has_usable_scale(const Sphere& sphere) {
 }
 
 double scaled_length(const Vec3& v) {
+  // In this range nothing that counts vanishes or overflows, and the bits are those of the scaled sum: a square below
+  // the least normal number is too small beside the others to change how their sum is rounded.
+  const double squared = squared_length(v);
+  if (squared > 0x1p-800 && squared < 0x1p800) return std::sqrt(squared);
   const double largest = max_norm(v);
   if (!(largest > 0) || !is_finite(v)) return length(v);
   // By a power of two, which changes no digit.

@@ -9,6 +9,7 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sampling.hpp>
+#include <morula/geometry/random.hpp>
 #include <morula/geometry/scale.hpp>
 
 #include "bodies_at_scale.hpp"
@@ -29,6 +30,15 @@ TEST(NumbersAtScale, lengths_are_right_to_a_few_ulps) {
             std::numeric_limits<double>::denorm_min());
   EXPECT_EQ(scaled_length({std::numeric_limits<double>::max(), std::numeric_limits<double>::max(), 0}),
             std::numeric_limits<double>::infinity());
+  // The same bits whether squares need scaling or not, also beside components that are nearly nothing.
+  Random random(4);
+  for (int trial = 0; trial < 20000; ++trial) {
+    Vec3 v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const int exponent = static_cast<int>(random.next() % 780) - 390, lower = static_cast<int>(random.next() % 700);
+    v[static_cast<int>(random.next() % 3)] *= std::exp2(-lower);
+    const double expected = std::ldexp(length(v), exponent);
+    ASSERT_EQ(scaled_length(v * std::exp2(exponent)), expected) << trial;
+  }
 }
 
 TEST(NumbersAtScale, smallest_spheres_contain_and_are_small) {

@@ -95,12 +95,20 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
 }
 
 /// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
-/// surface and bulges with it, next to 1 where its centre is in the surface.
+/// surface and bulges with it, next to 1 where its centre is in the surface. mean: mean_normal of the node.
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
+  // A leaf is in many contacts.
+  std::optional<double>* known = nullptr;
+  if (collider.tree().is_leaf(node)) {
+    known = &scratch.of(collider).read(node).standing_off;
+    if (*known) return **known;
+  }
   const Vec3 direction = normalized(mean);
   const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
   const double radius = collider.pose().sphere(node).radius;
-  return radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
+  const double share = radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
+  if (known != nullptr) *known = share;
+  return share;
 }
 
 }  // namespace

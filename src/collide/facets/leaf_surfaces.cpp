@@ -99,7 +99,7 @@ FacetColumns LeafSurfaces::columns(const Leaf& leaf) const {
   return list;
 }
 
-const LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
+LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   Leaf& leaf = leaf_[node];
   if (stamp_[node] == now_) return leaf;
   stamp_[node] = now_;

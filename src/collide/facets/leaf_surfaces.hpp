@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <morula/collide/collider.hpp>
+#include <optional>
 #include <vector>
 
 #include "collide/facets/facet_columns.hpp"
@@ -26,9 +27,10 @@ class LeafSurfaces {
     Vec3 center;                        ///< what the columns are about
     Vec3 area_vector;                   ///< of what the leaf owns: area times mean normal
     double area = 0;
+    std::optional<double> standing_off{};  ///< of contact_surface.cpp, once it was asked for
   };
   /// A leaf, read if it has not been. The reference is good until the next batch.
-  const Leaf& read(std::uint32_t leaf);
+  Leaf& read(std::uint32_t leaf);
   FacetColumns columns(const Leaf& leaf) const;
   std::uint32_t facet(const Leaf& leaf, std::size_t i) const { return facet_[leaf.begin + i]; }
   /// So thin or small that closest_point may take a point outside for one of its own: no bound holds.
