@@ -50,7 +50,8 @@ TEST(FormatsCommand, prints_the_table_of_the_page) {
 TEST(FormatsCommand, what_it_calls_written_meshes_is_written_and_read_back) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
-  for (const nlohmann::json& row : bench.require("formats --json").json()["formats"]) {
+  const nlohmann::json printed = bench.require("formats --json").json();
+  for (const nlohmann::json& row : printed["formats"]) {
     if (row["for"] != "meshes") continue;
     const std::string name = "out" + row["extension"].get<std::string>();
     if (row["written"].get<bool>()) {
