@@ -7,9 +7,9 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/random.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sampling.hpp>
-#include <morula/geometry/random.hpp>
 #include <morula/geometry/scale.hpp>
 
 #include "bodies_at_scale.hpp"
