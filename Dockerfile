@@ -3,7 +3,7 @@
 # The command in a container of Debian 12. Its steps are those that scripts/bare_debian tries; as a Dockerfile it is untried.
 #
 #   docker build -t morula .
-#   docker run --rm -v "$PWD:/work" morula build liver.obj -o liver.morula
+#   docker run --rm -v "$PWD:/meshes" morula build liver.obj -o liver.morula
 
 FROM debian:12 AS build
 COPY . /src
@@ -15,9 +15,9 @@ RUN apt-get update \
  && cd build/release && cpack -G DEB -B /packages
 
 FROM debian:12-slim
-COPY --from=build /packages/morula_*.deb /tmp/
+COPY --from=build /packages/morula_*.deb /packages/
 RUN apt-get update \
- && apt-get install -y --no-install-recommends /tmp/morula_*.deb \
- && rm -rf /var/lib/apt/lists/* /tmp/morula_*.deb
-WORKDIR /work
+ && apt-get install -y --no-install-recommends /packages/morula_*.deb \
+ && rm -rf /var/lib/apt/lists/* /packages
+WORKDIR /meshes
 ENTRYPOINT ["morula"]
