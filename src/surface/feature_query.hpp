@@ -68,7 +68,7 @@ class FeatureQuery {
     search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
     ask_ = ask;
     const auto coordinate = [](const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
-      return s.followed && s.followed->covers() ? s.farthest_of_spheres() : max_norm(s.origin) + boxes.extent;
+      return max_norm(s.origin) + boxes.extent;
     };
     largest_coordinate_ =
         std::max(coordinate(a, search_.boxes().a()), b != nullptr ? coordinate(*b, search_.boxes().b()) : 0.0);

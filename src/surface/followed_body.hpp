@@ -15,7 +15,11 @@ struct FollowedBody {
   std::uint64_t frame = 0;  // of the pose
   bool is_placed = false;   // other than where its coordinates are
 
-  bool has_moved() const { return spheres.pose().frame != frame; }
+  /// Where it was, and with all of its spheres there.
+  bool is_current() const {
+    const PosedTree& pose = spheres.pose();
+    return pose.frame == frame && pose.current && pose.complete;
+  }
   bool covers() const { return spheres.pose().covers; }
 };
 

@@ -10,13 +10,6 @@
 #include "surface/vertex_reader.hpp"
 
 namespace morula::detail {
-namespace {
-
-constexpr std::size_t slots_at_once = 8192, groups_at_once = 256;
-/// Vertices that are read before their boxes are made.
-constexpr std::size_t few = 128;
-
-}  // namespace
 
 void LazyBoxes::start(const SurfaceTreeState& s) {
   state_ = &s;
@@ -43,7 +36,7 @@ void LazyBoxes::want(std::uint32_t leaf) {
   for (const std::uint32_t block : state_->blocks_of_leaves[leaf]) wants_block_[block] = 1;
 }
 
-const SurfaceBoxes& LazyBoxes::make(Workers& workers) {
+const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> extent) {
   const SurfaceTreeState& s = *state_;
   slots_.clear();
   has_slot_.assign(s.vertex_of_slot.size(), 0);
@@ -61,13 +54,13 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers) {
   }
   const MakeVertexBoxes make_boxes = make_vertex_boxes();
   with_reader(s.from, s.rest, [&](const auto& read) {
-    parallel_for(workers, slots_.size(), slots_at_once, [&](std::size_t begin, std::size_t end) {
+    parallel_for(workers, slots_.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
       const StandardFloats standard;
       // One more: the kernel reads one number beyond the last.
-      std::array<Vec3, few + 1> points;
-      std::array<MinBox, few> made;
-      for (; begin < end; begin += few) {
-        const std::size_t count = std::min(few, end - begin);
+      std::array<Vec3, vertices_together + 1> points;
+      std::array<MinBox, vertices_together> made;
+      for (; begin < end; begin += vertices_together) {
+        const std::size_t count = std::min(vertices_together, end - begin);
         for (std::size_t i = 0; i < count; ++i) {
           const Vec3 p = read(s.vertex_of_slot[slots_[begin + i]]);
           points[i] = (s.followed->is_placed ? s.followed->spheres.placement()(p) : p) - s.origin;
@@ -90,34 +83,37 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers) {
     for (const std::uint32_t g : groups_[level]) boxes_.join_group(level, g);
   }
   boxes_.measure();
+  if (extent) boxes_.extent = *extent;
   return boxes_;
 }
 
 void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, bool by_spheres,
                        Workers& workers) {
   if (b == &a) b = nullptr;
-  const auto start_one = [](LazyBoxes& boxes, const SurfaceTreeState& s) {
-    if (s.followed) boxes.start(s);
-  };
-  const auto make_one = [&](LazyBoxes& boxes, const SurfaceTreeState& s) {
-    return s.followed ? &boxes.make(workers) : &s.boxes;
-  };
-  start_one(lazy_a_, a);
-  if (b != nullptr) start_one(lazy_b_, *b);
-  if (by_spheres && b != nullptr && a.followed && b->followed && a.followed->covers() && b->followed->covers()) {
+  for (const auto& [boxes, surface] : {std::pair(&lazy_a_, &a), std::pair(&lazy_b_, b)})
+    if (surface != nullptr && surface->followed) boxes->start(*surface);
+  const bool asks_spheres =
+      by_spheres && b != nullptr && a.followed && b->followed && a.followed->covers() && b->followed->covers();
+  if (asks_spheres) {
+    const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b->farthest_of_spheres(*b->followed);
     // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
-    const double rounding = 0x1p-46 * (a.farthest_of_spheres() + b->farthest_of_spheres());
+    const double rounding = 0x1p-46 * (farthest_a + farthest_b);
     const TreePair trees(a.followed->spheres, b->followed->spheres, reach + rounding, leaf_level);
     each_overlapping(trees, [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
       lazy_a_.want(leaf_a);
       lazy_b_.want(leaf_b);
     });
-  } else {
-    if (a.followed) lazy_a_.want_all();
-    if (b != nullptr && b->followed) lazy_b_.want_all();
+    a_ = &lazy_a_.make(workers, farthest_a);
+    b_ = &lazy_b_.make(workers, farthest_b);
+    return;
   }
-  a_ = make_one(lazy_a_, a);
-  b_ = b != nullptr ? make_one(lazy_b_, *b) : a_;
+  const auto all = [&](LazyBoxes& boxes, const SurfaceTreeState& surface) {
+    if (!surface.followed) return &surface.boxes;
+    boxes.want_all();
+    return &boxes.make(workers);
+  };
+  a_ = all(lazy_a_, a);
+  b_ = b != nullptr ? all(lazy_b_, *b) : a_;
 }
 
 }  // namespace morula::detail

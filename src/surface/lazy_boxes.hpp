@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <morula/parallel/workers.hpp>
+#include <optional>
 #include <vector>
 
 #include "surface/tree_state.hpp"
@@ -27,8 +28,9 @@ class LazyBoxes {
   void want_all();
   /// The blocks of a leaf.
   void want(std::uint32_t leaf);
-  /// Makes the boxes of what is wanted; all others are empty.
-  const SurfaceBoxes& make(Workers& workers);
+  /// Makes the boxes of what is wanted; all others are empty. extent: what no box of the whole surface reaches beyond,
+  /// where not all are wanted.
+  const SurfaceBoxes& make(Workers& workers, std::optional<double> extent = {});
 
  private:
   const SurfaceTreeState* state_ = nullptr;

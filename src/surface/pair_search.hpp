@@ -46,10 +46,7 @@ class PairSearch {
   bool is_started() const { return a_ != nullptr; }
   /// Have the surfaces moved since?
   bool is_current() const {
-    const auto is = [](const SurfaceTreeState& s, std::uint64_t frame) {
-      return s.frame == frame && !(s.followed && s.followed->has_moved());
-    };
-    return is(*a_, frame_a_) && (b_ == nullptr || is(*b_, frame_b_));
+    return a_->frame == frame_a_ && a_->askable(0) && (b_ == nullptr || (b_->frame == frame_b_ && b_->askable(1)));
   }
   bool is_with_itself() const { return b_ == nullptr; }
   const QueryBoxes& boxes() const { return boxes_; }

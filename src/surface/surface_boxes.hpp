@@ -37,6 +37,9 @@ inline void put(BoxGroup& group, std::size_t place, const MinBox& box) {
   }
 }
 
+/// What workers take at once, and vertices that are read before their boxes are made.
+inline constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256, vertices_together = 128;
+
 /// Boxes are made only of vertices that are near the origin of their surface.
 inline constexpr double farthest_vertex = 0x1p102;
 inline bool is_near(const Vec3& p) {

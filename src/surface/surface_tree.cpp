@@ -16,10 +16,6 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256;
-/// Vertices that are read before their boxes are made.
-constexpr std::size_t few = 128;
-
 /// The lowest vertex that cannot be taken; none.
 std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const PositionView& positions) {
   for (std::uint32_t v = 0; v < positions.size(); ++v)
@@ -27,17 +23,15 @@ std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const Positio
   return std::nullopt;
 }
 
-/// Which blocks go with which leaf of a body.
-void bind(SurfaceTreeState& s, const Collider& body) {
+BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body) {
   if (!std::equal(body.mesh_facets().begin(), body.mesh_facets().end(), s.facets.begin(), s.facets.end()))
     throw std::invalid_argument("the body is of another mesh: its facets are not those of the surface");
   std::vector<std::uint32_t> block_of_facet(s.facets.size());
   for (std::uint32_t i = 0; i < s.order.size(); ++i) block_of_facet[s.order[i]] = i / 8;
-  BlocksOfLeaves& found = s.blocks_of_leaves;
+  BlocksOfLeaves found;
   const SphereTree& tree = body.tree();
   found.ownership = body.pose().ownership;
-  found.begin.assign(1, 0);
-  found.blocks.clear();
+  found.begin.push_back(0);
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const auto first = static_cast<std::ptrdiff_t>(found.blocks.size());
     if (tree.is_leaf(node))
@@ -46,12 +40,13 @@ void bind(SurfaceTreeState& s, const Collider& body) {
     found.blocks.erase(std::unique(found.blocks.begin() + first, found.blocks.end()), found.blocks.end());
     found.begin.push_back(static_cast<std::uint32_t>(found.blocks.size()));
   }
+  return found;
 }
 
 }  // namespace
 
-double SurfaceTreeState::farthest_of_spheres() const {
-  const Collider& body = followed->spheres;
+double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
+  const Collider& body = of.spheres;
   const Sphere root = body.pose().sphere(0);
   const double coordinates = max_norm(body.pose().origin) + max_norm(body.placement().translation) + max_norm(origin);
   // A placement is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
@@ -61,7 +56,7 @@ double SurfaceTreeState::farthest_of_spheres() const {
 }
 
 Status SurfaceTreeState::askable(std::uint8_t body) const {
-  if (followed && followed->has_moved()) return {Status::Code::surface_not_current, body};
+  if (followed && !followed->is_current()) return {Status::Code::surface_not_current, body};
   return {};
 }
 
@@ -70,10 +65,10 @@ Status SurfaceTreeState::move(Workers& workers) {
   const MakeVertexBoxes make_boxes = make_vertex_boxes();
   const auto make = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
     // One more of each: the kernel reads one number beyond the last.
-    std::array<Vec3, few + 1> lower, upper;
+    std::array<Vec3, vertices_together + 1> lower, upper;
     bool good = true;
-    for (; begin < end; begin += few) {
-      const std::size_t count = std::min(few, end - begin);
+    for (; begin < end; begin += vertices_together) {
+      const std::size_t count = std::min(vertices_together, end - begin);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t v = vertex_of_slot[begin + i];
         const Vec3 p = read_from(v) - origin;
@@ -154,21 +149,18 @@ Status SurfaceTree::follow(const Collider& body) {
   if (const Status status = morula::askable(body); !status) return status;
   SurfaceTreeState& s = *state_;
   if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
-  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership) bind(s, body);
-  const auto before_followed = s.followed;
-  const auto before_from = s.from, before_to = s.to;
-  s.followed = FollowedBody{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
-  s.followed->spheres.place(body.placement());
+  FollowedBody followed{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
+  followed.spheres.place(body.placement());
+  // Spheres that cover say that all vertices are near; else each is looked at.
+  if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
+    for (std::uint32_t v = 0; v < s.rest.size(); ++v)
+      if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
+        return {.code = Status::Code::non_finite_position, .index = v};
+  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership)
+    s.blocks_of_leaves = blocks_of_leaves(s, body);
+  s.followed = std::move(followed);
   s.from = body.positions();
   s.to.reset();
-  if (!s.followed->covers() || !(s.farthest_of_spheres() < farthest_vertex)) {
-    for (std::uint32_t v = 0; v < s.rest.size(); ++v) {
-      if (s.slot_of_vertex[v] == SurfaceTreeState::no_slot || is_near(s.from_of(v) - s.origin)) continue;
-      s.followed = before_followed;
-      s.from = before_from, s.to = before_to;
-      return {.code = Status::Code::non_finite_position, .index = v};
-    }
-  }
   ++s.frame;
   return {};
 }

@@ -55,9 +55,9 @@ struct SurfaceTreeState {
   }
   Vec3 to_of(std::uint32_t vertex) const { return to ? (*to)[vertex] : from_of(vertex); }
 
-  /// Of a body followed whose pose covers: no vertex that a facet uses has a larger coordinate, in the world and about
-  /// the surface's origin.
-  double farthest_of_spheres() const;
+  /// Of a body whose pose covers: no vertex that a facet uses has a larger coordinate, in the world and about the
+  /// surface's origin.
+  double farthest_of_spheres(const FollowedBody& of) const;
   /// May it be asked: is a body that it follows where it was?
   Status askable(std::uint8_t body) const;
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <morula/collide/crossings.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -224,6 +225,11 @@ TEST(Following, is_the_same_for_any_number_of_workers_and_after_every_interrupti
   EXPECT_FALSE(status.finished);
   for (int calls = 0; status && !status.finished && calls < 100000; ++calls) status = pieces.resume();
   EXPECT_TRUE(are_same(whole.pairs(), pieces.pairs()));
+  // Several queries may ask the same surfaces at the same time.
+  std::vector<ProximityQuery> together;
+  for (int i = 0; i < 6; ++i) together.emplace_back(ProximityOptions{.distance = 0.05});
+  three.run(together.size(), [&](std::size_t i) { together[i].run(a.surface, b.surface); });
+  for (const ProximityQuery& query : together) EXPECT_TRUE(are_same(whole.pairs(), query.pairs()));
 }
 
 TEST(Following, refuses_a_body_that_has_moved_and_stays_as_it_was_after_refusals) {
@@ -257,6 +263,22 @@ TEST(Following, refuses_a_body_that_has_moved_and_stays_as_it_was_after_refusals
   EXPECT_EQ(a.surface.follow(b.collider).code, Code::non_finite_position);
   EXPECT_EQ(a.surface.hash(), before);
 
+  // A refusal leaves which blocks go with which leaf as it was, too: the other body's tree is another one.
+  Follower coarse(limb, {.method = Method::octree, .depth = 1});
+  coarse.move(limb.positions, {}, false);
+  coarse.collider.place({.translation = {0x1p150, 0, 0}});
+  EXPECT_EQ(a.surface.follow(coarse.collider).code, Code::non_finite_position);
+  b.collider.place({.translation = Vec3{0.01, 0.02, 0.8 * bounding_box(limb).extent().z}});
+  for (std::uint32_t v = 0; v < b.world.size(); ++v) b.world[v] = b.collider.vertex(v);
+  ASSERT_TRUE(b.surface.follow(b.collider) && b.updated.update(b.world));
+  Asked asked;
+  expect_the_same(a, b, 0.01, asked);
+  EXPECT_GT(asked.crossings, 0u);
+
+  // Positions that the body refuses are no longer those of its spheres.
+  a.at[0].x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(a.body.update(PositionView(a.at)));
+  EXPECT_EQ(query.run(a.surface, b.surface).code, Code::surface_not_current);
   ASSERT_TRUE(a.surface.update(a.world));
   EXPECT_FALSE(a.surface.is_following());
   EXPECT_EQ(a.surface.hash(), a.updated.hash());

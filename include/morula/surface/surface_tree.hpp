@@ -56,8 +56,8 @@ class SurfaceTree {
   /// The collider must have been made from this surface's mesh; only its pose, placement and positions are borrowed,
   /// until the next update or follow. Once the body has moved, queries refuse with surface_not_current. Refused, with
   /// nothing changed: what askable() refuses; wrong_vertex_count; non_finite_position as in update. Throws
-  /// std::invalid_argument for a body of other facets. Cost: none; linear for the first collider and for one of another
-  /// ownership. No allocation but then.
+  /// std::invalid_argument for a body of other facets. Cost: none; linear for the first collider, for one of another
+  /// ownership, and in every frame for a body that does not cover. No allocation but for the first two.
   Status follow(const Collider& body);
   bool is_following() const;
 

@@ -98,17 +98,15 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
 /// surface and bulges with it, next to 1 where its centre is in the surface. mean: mean_normal of the node.
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
   // A leaf is in many contacts.
-  std::optional<double>* known = nullptr;
-  if (collider.tree().is_leaf(node)) {
-    known = &scratch.of(collider).read(node).standing_off;
-    if (*known) return **known;
-  }
+  std::optional<double> of_no_leaf;
+  std::optional<double>& known =
+      collider.tree().is_leaf(node) ? scratch.of(collider).read(node).standing_off : of_no_leaf;
+  if (known) return *known;
   const Vec3 direction = normalized(mean);
   const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
   const double radius = collider.pose().sphere(node).radius;
-  const double share = radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
-  if (known != nullptr) *known = share;
-  return share;
+  known = radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
+  return *known;
 }
 
 }  // namespace
