@@ -25,7 +25,7 @@ foreach(component IN LISTS morula_components)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/licenses" DESTINATION "${documents}" COMPONENT ${component})
 endforeach()
 
-set(morula_installed_targets morula_core morula)
+set(morula_installed_targets morula_core morula morula_precompiled)
 if(MORULA_IO)
   list(APPEND morula_installed_targets morula_io)
 endif()

@@ -133,10 +133,10 @@ TEST(Pages, mark_every_block_of_commands) {
     }
 }
 
-void expect_consoles_do_what_they_show(bool hasty) {
+TEST(LongCliPages, their_commands_do_what_they_show) {
   std::size_t commands = 0;
   for (const std::string& page : command_pages) {
-    const Reader reader(hasty);
+    const Reader reader(false);
     for (const Block& block : blocks_of(page)) {
       if (block.language == "sh") reader.paste(block);
       if (block.language != "console") continue;
@@ -159,14 +159,6 @@ void expect_consoles_do_what_they_show(bool hasty) {
     }
   }
   EXPECT_GE(commands, 20u);
-}
-
-TEST(CliPages, their_commands_do_what_they_show_with_hasty_builds) {
-  expect_consoles_do_what_they_show(true);
-}
-
-TEST(LongCliPages, their_commands_do_what_they_show) {
-  expect_consoles_do_what_they_show(false);
 }
 
 TEST(CliPages, mention_every_option_of_every_command) {

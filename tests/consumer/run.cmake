@@ -31,7 +31,7 @@ int main() {
 
   list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
     -D "README_EXAMPLE=${FOLDER}/readme_example.cpp")
-  set(programs body_core body_files readme_example)
+  set(programs body_core body_files body_precompiled readme_example)
   if(STUDY)
     list(APPEND configuration -D "STUDY_EXAMPLE=${SOURCE}/examples/study/main.cpp")
     list(APPEND programs study_example)

@@ -33,7 +33,10 @@ class FacetSearch {
       : dice_(dice), tally_(tally), effort_(effort) {
     for (const Ball& ball : balls) {
       const Real reach = ball.radius + allowance(largest, ball.radius);
-      all_.push_back({ball.center, ball.radius, ball.radius >= 0 ? reach * reach : -1});
+      const Real squared = ball.radius >= 0 ? reach * reach : -1;
+      all_.push_back({ball.center, ball.radius, squared, rough(ball.center),
+                      static_cast<double>(squared * (1 - 0x1p-46L) - 0x1p-46L * largest * largest - 1e-300L),
+                      static_cast<double>(squared * (1 + 0x1p-46L) + 0x1p-46L * largest * largest + 1e-300L)});
     }
   }
 
@@ -53,10 +56,28 @@ class FacetSearch {
   }
 
  private:
+  // A squared distance of doubles is off by less than 50 · 2^-53 of the square of the largest coordinate, which exceeds
+  // a quarter of any difference: below `surely_in` or above `surely_out`, which allow for 128 of them, it decides.
+  struct Rough {
+    double x, y, z;
+  };
+  static Rough rough(const Point& p) {
+    return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+  }
   struct Reach {
     Point center;
     Real radius, squared;
+    Rough about;
+    double surely_in, surely_out;
   };
+  static bool holds(const Reach& ball, const Point& p, const Rough& about) {
+    const double x = about.x - ball.about.x, y = about.y - ball.about.y, z = about.z - ball.about.z;
+    const double roughly = x * x + y * y + z * z;
+    if (roughly < ball.surely_in) return true;
+    if (roughly > ball.surely_out) return false;
+    const Point d = p - ball.center;
+    return dot(d, d) <= ball.squared;
+  }
 
   void choose(const Triangle& facet) {
     const Bounds box = bounds_of(facet);
@@ -74,9 +95,9 @@ class FacetSearch {
     const std::size_t first = masks_.size();
     masks_.resize(first + words_);
     bool held = false;
+    const Rough about = rough(p);
     for (std::size_t i = 0; i < near_.size(); ++i) {
-      const Point d = p - near_[i].center;
-      if (dot(d, d) <= near_[i].squared) {
+      if (holds(near_[i], p, about)) {
         masks_[first + i / word_bits] |= Word(1) << (i % word_bits);
         held = true;
       }

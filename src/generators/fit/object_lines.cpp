@@ -106,7 +106,8 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
   const std::array<std::size_t, 3> step{
       1, static_cast<std::size_t>(block_count_[0]),
       static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
-  weights_.assign(step[2] * static_cast<std::size_t>(block_count_[2]), {0, 0, 0});
+  const std::size_t blocks = step[2] * static_cast<std::size_t>(block_count_[2]);
+  std::vector<float> sums(3 * blocks, 0.0F), spread(3 * blocks);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
     for (int v = 0; v < count_[va]; ++v)
@@ -117,32 +118,29 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
           const double square = dot(n, n);
           if (!(square > 0)) continue;
           const int w = std::clamp(static_cast<int>(c.at), 0, count_[axis] - 1);
-          std::array<float, 3>& sum = weights_[static_cast<std::size_t>(u / block_) * step[ua] +
-                                               static_cast<std::size_t>(v / block_) * step[va] +
-                                               static_cast<std::size_t>(w / block_) * step[axis]];
-          for (int k = 0; k < 3; ++k) sum[static_cast<std::size_t>(k)] += static_cast<float>(n[k] * n[k] / square);
+          float* const sum = &sums[3 * (static_cast<std::size_t>(u / block_) * step[ua] +
+                                        static_cast<std::size_t>(v / block_) * step[va] +
+                                        static_cast<std::size_t>(w / block_) * step[axis])];
+          for (int k = 0; k < 3; ++k) sum[k] += static_cast<float>(n[k] * n[k] / square);
         }
   }
-  std::vector<std::array<float, 3>> spread(weights_.size());
+  // Each block and its two neighbours along an axis: numbers `apart` before and after in a row of the block's own.
   for (int pass = 0; pass < 2; ++pass)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t along = step[axis];
-      std::array<int, 3> at{};
-      std::size_t i = 0;
-      for (at[2] = 0; at[2] < block_count_[2]; ++at[2])
-        for (at[1] = 0; at[1] < block_count_[1]; ++at[1])
-          for (at[0] = 0; at[0] < block_count_[0]; ++at[0], ++i) {
-            spread[i] = weights_[i];
-            if (at[axis] > 0)
-              for (std::size_t k = 0; k < 3; ++k) spread[i][k] += weights_[i - along][k];
-            if (at[axis] + 1 < block_count_[axis])
-              for (std::size_t k = 0; k < 3; ++k) spread[i][k] += weights_[i + along][k];
-          }
-      weights_.swap(spread);
+      const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count_[axis]);
+      for (std::size_t begin = 0; begin < sums.size(); begin += row) {
+        const float* const from = sums.data() + begin;
+        float* const to = spread.data() + begin;
+        std::copy_n(from, apart, to);
+        for (std::size_t i = apart; i < row; ++i) to[i] = from[i] + from[i - apart];
+        for (std::size_t i = 0; i + apart < row; ++i) to[i] += from[i + apart];
+      }
+      sums.swap(spread);
     }
-  for (std::array<float, 3>& w : weights_) {
-    const float sum = w[0] + w[1] + w[2];
-    for (float& part : w) part = sum > 0 ? part / sum : 1.0F / 3;
+  weights_.resize(blocks);
+  for (std::size_t i = 0; i < blocks; ++i) {
+    const float *const w = &sums[3 * i], sum = w[0] + w[1] + w[2];
+    for (std::size_t k = 0; k < 3; ++k) weights_[i][k] = sum > 0 ? w[k] / sum : 1.0F / 3;
   }
 }
 

@@ -36,6 +36,7 @@ UnionLines::UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres
     line_count += static_cast<std::size_t>(axes_[a].nu) * static_cast<std::size_t>(axes_[a].nv);
   }
   seen_.assign(line_count, 0);
+  outside_on_.assign(line_count, -1);
 
   // Chords by line: counted, then dealt.
   std::vector<std::uint32_t> next(line_count + 1, 0);
@@ -161,6 +162,19 @@ double UnionLines::outside() const {
   return sum * volume_per_length_;
 }
 
+void UnionLines::count(std::size_t sphere, bool whether) {
+  if (counts(sphere) == whether) return;
+  counts_[sphere] = whether ? 1 : 0;
+  for (std::uint32_t k = sphere_lines_begin_[sphere]; k < sphere_lines_begin_[sphere + 1]; ++k)
+    outside_on_[sphere_lines_[k]] = -1;
+}
+
+// Many changes are asked about before one is made.
+double UnionLines::outside_on(std::size_t i) {
+  if (outside_on_[i] < 0) outside_on_[i] = merged(line(i), [&](std::uint32_t s) { return counts_[s] != 0; });
+  return outside_on_[i];
+}
+
 double UnionLines::change(std::span<const std::uint32_t> added, std::span<const std::uint32_t> removed) {
   ++stamp_;
   otherwise_ = counts_;
@@ -173,8 +187,7 @@ double UnionLines::change(std::span<const std::uint32_t> added, std::span<const 
         const std::uint32_t i = sphere_lines_[k];
         if (seen_[i] == stamp_) continue;
         seen_[i] = stamp_;
-        sum += merged(line(i), [&](std::uint32_t c) { return otherwise_[c] != 0; }) -
-               merged(line(i), [&](std::uint32_t c) { return counts_[c] != 0; });
+        sum += merged(line(i), [&](std::uint32_t c) { return otherwise_[c] != 0; }) - outside_on(i);
       }
   return sum * volume_per_length_;
 }

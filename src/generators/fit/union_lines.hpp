@@ -22,7 +22,7 @@ class UnionLines {
   /// lines: borrowed. spacing: wanted between lines, mesh units; at least a lattice cell. Without chosen spheres.
   UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres, double spacing);
 
-  void count(std::size_t sphere, bool whether) { counts_[sphere] = whether ? 1 : 0; }
+  void count(std::size_t sphere, bool whether);
   /// Lines that have a chord of it.
   std::size_t line_count(std::size_t sphere) const {
     return sphere_lines_begin_[sphere + 1] - sphere_lines_begin_[sphere];
@@ -55,6 +55,7 @@ class UnionLines {
   }
   template <class Counts>
   static double merged(std::span<const Chord> chords, const Counts& counts);
+  double outside_on(std::size_t i);
 
   const ObjectLines& lines_;
   int stride_;
@@ -67,6 +68,7 @@ class UnionLines {
   std::vector<std::uint8_t> otherwise_;  // scratch of change()
   std::vector<std::uint32_t> seen_;      // per line
   std::uint32_t stamp_ = 0;
+  std::vector<double> outside_on_;  // per line, of those that count; negative: not known
 };
 
 }  // namespace morula::detail
