@@ -39,10 +39,13 @@ set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
 set(wings_study svg run claims output)
 set(wings_robot read fit write)
+set(wings_surface boxes pairs obstacles)
+set(wings_geometry enclosing triangles)
 set(wings_io array paraview gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_study json numbers words)
 set(common_collide require)
+set(common_geometry exact_predicates)
 set(common_io byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
 
 if(NOT DEFINED ROOT)

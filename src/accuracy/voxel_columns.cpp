@@ -9,7 +9,7 @@
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
 
-#include "geometry/scan_triangle.hpp"
+#include "geometry/triangles/scan_triangle.hpp"
 
 namespace morula::detail {
 namespace {

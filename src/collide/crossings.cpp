@@ -10,7 +10,7 @@
 #include "collide/pairs/descent.hpp"
 #include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
-#include "geometry/triangles_meet.hpp"
+#include "geometry/triangles/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {

@@ -9,7 +9,7 @@
 #include <morula/geometry/scale.hpp>
 
 #include "geometry/exact_predicates.hpp"
-#include "geometry/triangles_meet.hpp"
+#include "geometry/triangles/triangles_meet.hpp"
 
 namespace morula::detail {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "geometry/nearest_pair.hpp"
-#include "geometry/triangles_meet.hpp"
+#include "geometry/triangles/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"
-#include "surface/feature_distance.hpp"
+#include "surface/pairs/feature_distance.hpp"
 
 namespace morula {
 using namespace detail;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <morula/surface/proximity.hpp>
 
-#include "surface/feature_distance.hpp"
-#include "surface/feature_query.hpp"
+#include "surface/pairs/feature_distance.hpp"
+#include "surface/pairs/feature_query.hpp"
 
 namespace morula {
 using namespace detail;

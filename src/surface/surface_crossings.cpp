@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/surface/surface_crossings.hpp>
 
-#include "geometry/triangles_meet.hpp"
-#include "surface/feature_query.hpp"
+#include "geometry/triangles/triangles_meet.hpp"
+#include "surface/pairs/feature_query.hpp"
 
 namespace morula {
 using namespace detail;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <morula/surface/swept.hpp>
 
-#include "surface/feature_query.hpp"
+#include "surface/pairs/feature_query.hpp"
 
 namespace morula {
 using namespace detail;

@@ -14,7 +14,7 @@
 #include <morula/tree/cover.hpp>
 #include <numeric>
 
-#include "geometry/farthest_along.hpp"
+#include "geometry/enclosing/farthest_along.hpp"
 
 namespace morula {
 using namespace detail;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Groups of boxes: every kind of processor against plain loops, and plain loops against intervals.
-#include "surface/box_groups.hpp"
+#include "surface/boxes/box_groups.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <morula/geometry/random.hpp>
 
 #include "simd/processors.hpp"
-#include "surface/vertex_boxes.hpp"
+#include "surface/boxes/vertex_boxes.hpp"
 
 namespace morula::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include <support/numbers.hpp>
 #include <vector>
 
-#include "surface/tree_state.hpp"
+#include "surface/boxes/tree_state.hpp"
 #include "surfaces.hpp"
 
 namespace morula {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Pages that the command makes: of bodies that meet, and of a robot.
-#include <commands/collide_page.hpp>
+#include <commands/collide/page.hpp>
 #include <cstddef>
 #include <memory>
 #include <morula/morula.hpp>

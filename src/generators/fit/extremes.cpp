@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <morula/geometry/sampling.hpp>
 
-#include "geometry/farthest_along.hpp"
+#include "geometry/enclosing/farthest_along.hpp"
 
 namespace morula::detail {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/scan_triangle.hpp"
+#include "geometry/triangles/scan_triangle.hpp"
 
 namespace morula::detail {
 namespace {

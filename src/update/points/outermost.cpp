@@ -8,7 +8,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <vector>
 
-#include "geometry/farthest_along.hpp"
+#include "geometry/enclosing/farthest_along.hpp"
 
 namespace morula::detail {
 

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/collide/bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <morula/generators/build.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <numbers>
+
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/options.hpp"
+
+namespace morula::cli {
+
+RigidTransform parse_placement(const SideFiles& files) {
+  Vec3 place, axis{1, 0, 0};
+  double degrees = 0;
+  if (!files.place.empty()) place = parse_vector(fmt::format("--place-{}", files.letter), files.place);
+  if (!files.turn.empty()) {
+    const std::string option = fmt::format("--turn-{}", files.letter);
+    const std::size_t comma = files.turn.rfind(',');
+    if (comma == std::string::npos) {
+      throw UsageError(fmt::format("{} '{}' is not an axis and degrees such as 0,0,1,90", option, files.turn));
+    }
+    axis = parse_vector(option, files.turn.substr(0, comma));
+    degrees = parse_vector(option, "0,0," + files.turn.substr(comma + 1)).z;
+    if (axis == Vec3{}) throw UsageError(fmt::format("{} '{}': the axis has no direction", option, files.turn));
+  }
+  // Squares of very long and very short axes would leave the range of double.
+  axis = axis / max_norm(axis);
+  degrees = std::fmod(degrees, 360);
+  return RigidTransform::from_axis(axis, degrees * std::numbers::pi / 180, place);
+}
+
+Side::Side(const SideFiles& files, const std::string& sph_origin, Workers& workers)
+    : files_(files), placement_(parse_placement(files)), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
+  if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
+  const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
+  if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh_, reading, workers);
+}
+
+void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
+  CoveredTree built = built_ ? *std::move(built_) : build(mesh_, {.quality = Quality::fast}, workers);
+  double largest = 0;
+  for (const LevelGrowth& level : built.report.growth) largest = std::max(largest, level.largest_growth);
+  if (largest > 0)
+    note("spheres of {} grew by up to {}, so that they cover {}", files_.tree, figure(largest), files_.mesh);
+  if (rules.size() > built.tree.level_count()) {
+    throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
+                                 files_.mesh, built.tree.level_count() - 1));
+  }
+  body_.emplace(mesh_, std::move(built), UpdateOptions{.rules = rules, .details = {}}, workers);
+  collider_.emplace(mesh_, *body_);
+  collider_->place(placement_);
+}
+
+std::string Side::frame_name(std::size_t frame) const {
+  return motion_ ? motion_->frame_name(std::min(frame, motion_->frame_count() - 1))
+                 : std::filesystem::path(files_.mesh).filename().string();
+}
+
+void Side::move_to(std::size_t frame, Workers& workers) {
+  if (!motion_) return;
+  frame = std::min(frame, motion_->frame_count() - 1);
+  if (frame_ == frame) return;
+  positions_ = motion_->frame(frame);
+  if (const UpdateStatus status = body_->update(positions_, workers); !status) {
+    throw UsageError(fmt::format("{}: vertex {} is not finite, or too far away for single precision; mend it",
+                                 motion_->frame_name(frame), status.index));
+  }
+  collider_->set_positions(positions_);
+  frame_ = frame;
+}
+
+}  // namespace morula::cli

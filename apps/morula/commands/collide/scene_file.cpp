@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/collide/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+#include "shared/command.hpp"
+#include "shared/options.hpp"
+#include "shared/report.hpp"
+
+namespace morula::cli {
+namespace {
+
+const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "place", "turn",
+                                          "path", "static", "groups", "meets",  "weight"};
+
+/// A value in the file, and how messages call it.
+class Place {
+ public:
+  Place(const Json& json, std::string name) : json_(&json), name_(std::move(name)) {}
+  [[noreturn]] void refuse(const std::string& why) const { throw UsageError(fmt::format("{}: {}", name_, why)); }
+
+  bool has(const char* key) const { return json_->contains(key); }
+  Place at(const char* key) const { return {(*json_)[key], fmt::format("{}.{}", name_, key)}; }
+  Place at(std::size_t i) const { return {(*json_)[i], fmt::format("{}[{}]", name_, i)}; }
+  std::size_t size() const { return json_->size(); }
+  const Json& json() const { return *json_; }
+
+  std::string text() const {
+    if (!json_->is_string() || json_->get<std::string>().empty()) refuse("give a text in quotes that is not empty");
+    return json_->get<std::string>();
+  }
+  bool flag() const {
+    if (!json_->is_boolean()) refuse("give true or false");
+    return json_->get<bool>();
+  }
+  double number() const {
+    if (!json_->is_number() || !std::isfinite(json_->get<double>())) refuse("give a number");
+    return json_->get<double>();
+  }
+  std::vector<double> numbers(std::size_t count, const char* such_as) const {
+    if (!json_->is_array() || json_->size() != count)
+      refuse(fmt::format("give {} numbers, such as {}", count, such_as));
+    std::vector<double> all;
+    for (std::size_t i = 0; i < count; ++i) all.push_back(at(i).number());
+    return all;
+  }
+  Vec3 vector() const {
+    const std::vector<double> v = numbers(3, "[0, 0.5, 0]");
+    return {v[0], v[1], v[2]};
+  }
+  std::uint32_t mask() const {
+    if (!json_->is_array()) refuse("give a list of groups, such as [0, 2]");
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const Json& group = (*json_)[i];
+      if (!group.is_number_integer() || group.get<std::int64_t>() < 0 || group.get<std::int64_t>() > 31)
+        at(i).refuse("groups are the whole numbers from 0 to 31");
+      mask |= std::uint32_t{1} << group.get<std::uint32_t>();
+    }
+    return mask;
+  }
+
+ private:
+  const Json* json_;
+  std::string name_;
+};
+
+Json parse(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw UsageError(fmt::format("{}: there is no such file, or it cannot be read", file.string()));
+  try {
+    return Json::parse(stream);
+  } catch (const Json::exception& error) {
+    throw UsageError(fmt::format("{}: this cannot be read as JSON: {}", file.string(), error.what()));
+  }
+}
+
+RigidTransform placement_of(const Place& body) {
+  const Vec3 place = body.has("place") ? body.at("place").vector() : Vec3{};
+  if (!body.has("turn")) return {.translation = place};
+  const std::vector<double> turn = body.at("turn").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
+  Vec3 axis{turn[0], turn[1], turn[2]};
+  if (axis == Vec3{}) body.at("turn").refuse("the axis has no direction: give one such as 0, 0, 1");
+  axis = axis / max_norm(axis);
+  return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, place);
+}
+
+SceneFileBody body_of(const Place& place, std::size_t i, const std::filesystem::path& folder) {
+  if (!place.json().is_object()) place.refuse("give an object, such as {\"mesh\": \"box.obj\"}");
+  for (const auto& [key, value] : place.json().items())
+    if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
+      const std::string nearest = nearest_name(key, known_keys);
+      place.refuse(fmt::format(
+          "there is no key '{}'{}", key,
+          nearest.empty() ? std::string("; docs/scene.md lists them") : fmt::format("; did you mean '{}'?", nearest)));
+    }
+  if (!place.has("mesh")) place.refuse("there is no mesh: give \"mesh\": \"FILE\"");
+  SceneFileBody body;
+  body.name = place.has("name") ? place.at("name").text() : fmt::format("body {}", i);
+  body.mesh = folder / place.at("mesh").text();
+  if (place.has("tree")) body.tree = folder / place.at("tree").text();
+  if (place.has("motion")) body.motion = folder / place.at("motion").text();
+  body.placement = placement_of(place);
+  if (place.has("path")) {
+    const Place path = place.at("path");
+    if (!path.json().is_array() || path.size() == 0) path.refuse("give a list of points, one per frame");
+    for (std::size_t k = 0; k < path.size(); ++k) body.path.push_back(path.at(k).vector());
+  }
+  if (place.has("static")) body.is_static = place.at("static").flag();
+  if (body.is_static && (!body.motion.empty() || !body.path.empty()))
+    place.at("static").refuse("a static body has neither motion nor path: leave them out, or say false");
+  if (place.has("groups")) body.of = place.at("groups").mask();
+  if (body.of == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
+  if (place.has("meets")) body.with = place.at("meets").mask();
+  if (place.has("weight")) body.weight = place.at("weight").number();
+  if (body.weight < 0) place.at("weight").refuse("weights are 0 or more");
+  return body;
+}
+
+}  // namespace
+
+std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file) {
+  const Json json = parse(file);
+  const Place scene(json, file.string());
+  if (!json.is_object() || !scene.has("bodies")) scene.refuse("give an object with the key \"bodies\"");
+  for (const auto& [key, value] : json.items())
+    if (key != "bodies") scene.refuse(fmt::format("there is no key '{}': a scene has \"bodies\"", key));
+  const Place bodies(json["bodies"], fmt::format("{}: bodies", file.string()));
+  if (!bodies.json().is_array() || bodies.size() == 0) bodies.refuse("give a list of bodies");
+  std::vector<SceneFileBody> all;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    all.push_back(body_of(bodies.at(i), i, file.parent_path()));
+    if (!names.insert(all.back().name).second)
+      bodies.at(i).refuse(fmt::format("there are two bodies of the name '{}': give them others", all.back().name));
+  }
+  return all;
+}
+
+}  // namespace morula::cli

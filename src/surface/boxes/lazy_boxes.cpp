@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/boxes/lazy_boxes.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "collide/pairs/descent.hpp"
+#include "parallel/float_environment.hpp"
+#include "surface/boxes/vertex_reader.hpp"
+
+namespace morula::detail {
+
+void LazyBoxes::start(const SurfaceTreeState& s) {
+  state_ = &s;
+  if (boxes_.levels.empty() || boxes_.levels[0].size() != s.boxes.levels[0].size()) {
+    boxes_.make_levels(s.block_count());
+    groups_.assign(boxes_.levels.size(), {});
+  }
+  if (boxes_.vertices.size() < s.vertex_of_slot.size()) boxes_.vertices.resize(s.vertex_of_slot.size());
+  for (std::size_t level = 0; level < groups_.size(); ++level) {
+    for (const std::uint32_t g : groups_[level]) boxes_.levels[level][g].clear();
+    groups_[level].clear();
+  }
+  wants_block_.assign(s.block_count(), 0);
+  wants_leaf_.assign(s.blocks_of_leaves.begin.size(), 0);
+}
+
+void LazyBoxes::want_all() {
+  std::fill(wants_block_.begin(), wants_block_.end(), std::uint8_t{1});
+}
+
+void LazyBoxes::want(std::uint32_t leaf) {
+  if (wants_leaf_[leaf] != 0) return;
+  wants_leaf_[leaf] = 1;
+  for (const std::uint32_t block : state_->blocks_of_leaves[leaf]) wants_block_[block] = 1;
+}
+
+const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> extent) {
+  const SurfaceTreeState& s = *state_;
+  slots_.clear();
+  has_slot_.assign(s.vertex_of_slot.size(), 0);
+  const auto take = [&](std::uint32_t slot) {
+    if (has_slot_[slot] != 0) return;
+    has_slot_[slot] = 1;
+    slots_.push_back(slot);
+  };
+  for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+    if (wants_block_[block] == 0) continue;
+    for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot) take(slot);
+    for (std::uint32_t i = s.guests_begin[block]; i < s.guests_begin[block + 1]; ++i) take(s.guests[i]);
+    const std::uint32_t group = block / 8;
+    if (groups_[0].empty() || groups_[0].back() != group) groups_[0].push_back(group);
+  }
+  const MakeVertexBoxes make_boxes = make_vertex_boxes();
+  with_reader(s.from, s.rest, [&](const auto& read) {
+    parallel_for(workers, slots_.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
+      const StandardFloats standard;
+      // One more: the kernel reads one number beyond the last.
+      std::array<Vec3, vertices_together + 1> points;
+      std::array<MinBox, vertices_together> made;
+      for (; begin < end; begin += vertices_together) {
+        const std::size_t count = std::min(vertices_together, end - begin);
+        for (std::size_t i = 0; i < count; ++i) {
+          const Vec3 p = read(s.vertex_of_slot[slots_[begin + i]]);
+          points[i] = (s.followed->is_placed ? s.followed->spheres.placement()(p) : p) - s.origin;
+        }
+        make_boxes(points.data(), points.data(), count, made.data());
+        for (std::size_t i = 0; i < count; ++i) boxes_.vertices[slots_[begin + i]] = made[i];
+      }
+    });
+  });
+  parallel_for(workers, groups_[0].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t first = 8 * std::size_t{groups_[0][i]};
+      for (std::size_t block = first; block < std::min<std::size_t>(s.block_count(), first + 8); ++block)
+        if (wants_block_[block] != 0) boxes_.join_block(s, block);
+    }
+  });
+  for (std::size_t level = 1; level < groups_.size(); ++level) {
+    for (const std::uint32_t g : groups_[level - 1])
+      if (groups_[level].empty() || groups_[level].back() != g / 8) groups_[level].push_back(g / 8);
+    for (const std::uint32_t g : groups_[level]) boxes_.join_group(level, g);
+  }
+  boxes_.measure();
+  if (extent) boxes_.extent = *extent;
+  return boxes_;
+}
+
+void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, bool by_spheres,
+                       Workers& workers) {
+  if (b == &a) b = nullptr;
+  for (const auto& [boxes, surface] : {std::pair(&lazy_a_, &a), std::pair(&lazy_b_, b)})
+    if (surface != nullptr && surface->followed) boxes->start(*surface);
+  const bool asks_spheres =
+      by_spheres && b != nullptr && a.followed && b->followed && a.followed->covers() && b->followed->covers();
+  if (asks_spheres) {
+    const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b->farthest_of_spheres(*b->followed);
+    // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
+    const double rounding = 0x1p-46 * (farthest_a + farthest_b);
+    const TreePair trees(a.followed->spheres, b->followed->spheres, reach + rounding, leaf_level);
+    each_overlapping(trees, [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
+      lazy_a_.want(leaf_a);
+      lazy_b_.want(leaf_b);
+    });
+    a_ = &lazy_a_.make(workers, farthest_a);
+    b_ = &lazy_b_.make(workers, farthest_b);
+    return;
+  }
+  const auto all = [&](LazyBoxes& boxes, const SurfaceTreeState& surface) {
+    if (!surface.followed) return &surface.boxes;
+    boxes.want_all();
+    return &boxes.make(workers);
+  };
+  a_ = all(lazy_a_, a);
+  b_ = b != nullptr ? all(lazy_b_, *b) : a_;
+}
+
+}  // namespace morula::detail

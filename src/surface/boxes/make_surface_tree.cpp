@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <morula/geometry/box.hpp>
+#include <morula/geometry/connectivity.hpp>
+#include <morula/geometry/scale.hpp>
+
+#include "surface/boxes/tree_state.hpp"
+
+namespace morula::detail {
+namespace {
+
+/// Sorts facets so that aligned runs of 8, 64, 512 … are compact.
+class Sorter {
+ public:
+  Sorter(const MeshView& mesh, std::vector<std::uint32_t>& order) : order_(order), middle_(mesh.facet_count()) {
+    for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+      const auto corners = mesh.corners(f);
+      middle_[f] = (corners[0] * (1.0 / 3) + corners[1] * (1.0 / 3)) + corners[2] * (1.0 / 3);
+    }
+    order_.resize(mesh.facet_count());
+    for (std::uint32_t f = 0; f < order_.size(); ++f) order_[f] = f;
+    std::size_t run = 8;
+    while (run < order_.size()) run *= 8;
+    divide(0, order_.size(), run);
+  }
+
+ private:
+  /// Into runs of so many facets, the last of them perhaps shorter, by halves along the longest axis; then each of
+  /// those.
+  void divide(std::size_t begin, std::size_t end, std::size_t run) {
+    const std::size_t runs = (end - begin + run - 1) / run;
+    if (runs > 1) {
+      const std::size_t cut = begin + (runs + 1) / 2 * run;
+      Box box;
+      for (std::size_t i = begin; i < end; ++i) box.add(middle_[order_[i]]);
+      const int axis = box.longest_axis();
+      const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+      std::nth_element(at(begin), at(cut), at(end), [&](std::uint32_t f, std::uint32_t g) {
+        const double x = middle_[f][axis], y = middle_[g][axis];
+        return x != y ? x < y : f < g;
+      });
+      divide(begin, cut, run);
+      divide(cut, end, run);
+    } else if (run > 8) {
+      divide(begin, end, run / 8);
+    } else {
+      std::sort(order_.begin() + static_cast<std::ptrdiff_t>(begin), order_.begin() + static_cast<std::ptrdiff_t>(end));
+    }
+  }
+
+  std::vector<std::uint32_t>& order_;
+  std::vector<Vec3> middle_;
+};
+
+/// Edge by edge: each pair of different vertices of a facet.
+std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facets) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(3 * facets.size());
+  for (const Facet& f : facets)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = f[k], w = f[(k + 1) % 3];
+      if (v != w) edges.push_back({std::min(v, w), std::max(v, w)});
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+void give_vertices(SurfaceTreeState& s) {
+  s.slot_of_vertex.assign(s.rest.size(), SurfaceTreeState::no_slot);
+  s.own_vertices = {0};
+  s.guests_begin = {0};
+  for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+    const std::uint32_t first_slot = s.own_vertices.back();
+    std::vector<std::uint32_t> corners;
+    for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
+      corners.insert(corners.end(), s.facets[s.order[i]].begin(), s.facets[s.order[i]].end());
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (const std::uint32_t v : corners) {
+      std::uint32_t& slot = s.slot_of_vertex[v];
+      if (slot == SurfaceTreeState::no_slot) {
+        slot = static_cast<std::uint32_t>(s.vertex_of_slot.size());
+        s.vertex_of_slot.push_back(v);
+      } else if (slot < first_slot) {
+        s.guests.push_back(slot);
+      }
+    }
+    s.own_vertices.push_back(static_cast<std::uint32_t>(s.vertex_of_slot.size()));
+    s.guests_begin.push_back(static_cast<std::uint32_t>(s.guests.size()));
+  }
+}
+
+void give_edges(SurfaceTreeState& s) {
+  std::vector<std::uint8_t> is_given(s.edges.size());
+  s.own_edges_begin = {0};
+  for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+    for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i) {
+      const Facet& f = s.facets[s.order[i]];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = f[k], w = f[(k + 1) % 3];
+        if (v == w) continue;
+        const std::array<std::uint32_t, 2> ends{std::min(v, w), std::max(v, w)};
+        const auto edge =
+            static_cast<std::uint32_t>(std::lower_bound(s.edges.begin(), s.edges.end(), ends) - s.edges.begin());
+        if (!is_given[edge]) s.own_edges.push_back(edge);
+        is_given[edge] = 1;
+      }
+    }
+    s.own_edges_begin.push_back(static_cast<std::uint32_t>(s.own_edges.size()));
+  }
+}
+
+void find_rings(SurfaceTreeState& s) {
+  s.ring_begin.assign(s.rest.size() + 1, 0);
+  for (const auto& edge : s.edges) ++s.ring_begin[edge[0] + 1], ++s.ring_begin[edge[1] + 1];
+  for (std::size_t v = 0; v < s.rest.size(); ++v) s.ring_begin[v + 1] += s.ring_begin[v];
+  s.ring.resize(2 * s.edges.size());
+  std::vector<std::uint32_t> next(s.ring_begin.begin(), s.ring_begin.end() - 1);
+  // Ascending, since edges are: first of all edges whose higher vertex it is, then of those whose lower one.
+  for (const auto& edge : s.edges) s.ring[next[edge[1]]++] = edge[0];
+  for (const auto& edge : s.edges) s.ring[next[edge[0]]++] = edge[1];
+}
+
+}  // namespace
+
+SurfaceTreeState make_surface_tree(const MeshView& mesh) {
+  require_usable(mesh);
+  require_usable_scale(mesh);
+  SurfaceTreeState s;
+  s.facets.assign(mesh.facets.begin(), mesh.facets.end());
+  s.rest.resize(mesh.vertex_count());
+  for (std::size_t v = 0; v < s.rest.size(); ++v) s.rest[v] = mesh.positions[v];
+  const Box box = bounding_box(mesh);
+  s.origin = box.lower * 0.5 + box.upper * 0.5;
+  s.edges = all_edges(s.facets);
+  Sorter(mesh, s.order);
+  give_vertices(s);
+  give_edges(s);
+  for (const std::uint32_t f : s.order) s.facets_in_order.push_back(s.facets[f]);
+  for (const std::uint32_t e : s.own_edges) s.ends_of_own_edges.push_back(s.edges[e]);
+  find_rings(s);
+  const Components components = components_by_vertices(mesh);
+  s.component.assign(s.rest.size(), 0);
+  for (std::size_t f = 0; f < s.facets.size(); ++f)
+    for (const std::uint32_t v : s.facets[f]) s.component[v] = components.of_facet[f];
+  s.boxes.vertices.resize(s.vertex_of_slot.size());
+  s.next_vertex_boxes.resize(s.vertex_of_slot.size());
+  s.boxes.make_levels(s.block_count());
+  return s;
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <morula/surface/surface_tree.hpp>
+#include <stdexcept>
+
+#include "geometry/hash.hpp"
+#include "parallel/float_environment.hpp"
+#include "surface/boxes/lazy_boxes.hpp"
+#include "surface/boxes/tree_state.hpp"
+#include "surface/boxes/vertex_reader.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+/// The lowest vertex that cannot be taken; none.
+std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const PositionView& positions) {
+  for (std::uint32_t v = 0; v < positions.size(); ++v)
+    if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(positions[v] - s.origin)) return v;
+  return std::nullopt;
+}
+
+BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body) {
+  if (!std::equal(body.mesh_facets().begin(), body.mesh_facets().end(), s.facets.begin(), s.facets.end()))
+    throw std::invalid_argument("the body is of another mesh: its facets are not those of the surface");
+  std::vector<std::uint32_t> block_of_facet(s.facets.size());
+  for (std::uint32_t i = 0; i < s.order.size(); ++i) block_of_facet[s.order[i]] = i / 8;
+  BlocksOfLeaves found;
+  const SphereTree& tree = body.tree();
+  found.ownership = body.pose().ownership;
+  found.begin.push_back(0);
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    const auto first = static_cast<std::ptrdiff_t>(found.blocks.size());
+    if (tree.is_leaf(node))
+      for (const std::uint32_t facet : body.facets(node)) found.blocks.push_back(block_of_facet[facet]);
+    std::sort(found.blocks.begin() + first, found.blocks.end());
+    found.blocks.erase(std::unique(found.blocks.begin() + first, found.blocks.end()), found.blocks.end());
+    found.begin.push_back(static_cast<std::uint32_t>(found.blocks.size()));
+  }
+  return found;
+}
+
+}  // namespace
+
+double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
+  const Collider& body = of.spheres;
+  const Sphere root = body.pose().sphere(0);
+  const double coordinates = max_norm(body.pose().origin) + max_norm(body.placement().translation) + max_norm(origin);
+  // A placement is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
+  // them.
+  return (max_norm(body.placement()(root.center) - origin) + max_norm(origin) + root.radius) * (1 + 0x1p-20) +
+         0x1p-40 * coordinates;
+}
+
+Status SurfaceTreeState::askable(std::uint8_t body) const {
+  if (followed && !followed->is_current()) return {Status::Code::surface_not_current, body};
+  return {};
+}
+
+Status SurfaceTreeState::move(Workers& workers) {
+  std::atomic<bool> is_bad = false;
+  const MakeVertexBoxes make_boxes = make_vertex_boxes();
+  const auto make = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
+    // One more of each: the kernel reads one number beyond the last.
+    std::array<Vec3, vertices_together + 1> lower, upper;
+    bool good = true;
+    for (; begin < end; begin += vertices_together) {
+      const std::size_t count = std::min(vertices_together, end - begin);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t v = vertex_of_slot[begin + i];
+        const Vec3 p = read_from(v) - origin;
+        good = good && is_near(p);
+        lower[i] = p;
+        if (!is_step) continue;
+        const Vec3 q = read_to(v) - origin;
+        good = good && is_near(q);
+        lower[i] = min(p, q), upper[i] = max(p, q);
+      }
+      // Nothing is cast that float does not hold.
+      if (!good) break;
+      make_boxes(lower.data(), is_step ? upper.data() : lower.data(), count, &next_vertex_boxes[begin]);
+    }
+    if (!good) is_bad = true;
+  };
+  parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
+    with_reader(from, rest, [&](const auto& read_from) {
+      if (!to) {
+        make(begin, end, read_from, read_from, false);
+      } else {
+        with_reader(to, rest, [&](const auto& read_to) { make(begin, end, read_from, read_to, true); });
+      }
+    });
+  });
+  if (is_bad) return {Status::Code::non_finite_position};
+  std::swap(boxes.vertices, next_vertex_boxes);
+  const std::size_t blocks = block_count();
+  parallel_for(workers, boxes.levels[0].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = 8 * begin; block < std::min(blocks, 8 * end); ++block) boxes.join_block(*this, block);
+  });
+  for (std::size_t level = 1; level < boxes.levels.size(); ++level)
+    parallel_for(workers, boxes.levels[level].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t g = begin; g < end; ++g) boxes.join_group(level, g);
+    });
+  boxes.measure();
+  ++frame;
+  return {};
+}
+
+SurfaceTree::SurfaceTree(const MeshView& rest) {
+  const StandardFloats standard;
+  state_ = std::make_unique<SurfaceTreeState>(make_surface_tree(rest));
+  state_->move(serial_workers());
+}
+SurfaceTree::~SurfaceTree() = default;
+SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
+SurfaceTree& SurfaceTree::operator=(SurfaceTree&&) noexcept = default;
+
+Status SurfaceTree::update(const PositionView& positions, Workers& workers) {
+  return update(positions, positions, workers);
+}
+
+Status SurfaceTree::update(const PositionView& from, const PositionView& to, Workers& workers) {
+  const StandardFloats standard;
+  SurfaceTreeState& s = *state_;
+  for (const PositionView* view : {&from, &to})
+    if (view->size() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
+  const auto before_from = s.from, before_to = s.to;
+  const auto before_followed = s.followed;
+  s.followed.reset();
+  s.from = from;
+  if (&from == &to) {
+    s.to.reset();
+  } else {
+    s.to = to;
+  }
+  Status status = s.move(workers);
+  if (status) return status;
+  s.from = before_from, s.to = before_to, s.followed = before_followed;
+  const std::optional<std::uint32_t> bad_from = lowest_bad(s, from), bad_to = lowest_bad(s, to);
+  status.index = std::min(bad_from.value_or(SurfaceTreeState::no_slot), bad_to.value_or(SurfaceTreeState::no_slot));
+  return status;
+}
+
+Status SurfaceTree::follow(const Collider& body) {
+  const StandardFloats standard;
+  if (const Status status = morula::askable(body); !status) return status;
+  SurfaceTreeState& s = *state_;
+  if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
+  FollowedBody followed{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
+  followed.spheres.place(body.placement());
+  // Spheres that cover say that all vertices are near; else each is looked at.
+  if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
+    for (std::uint32_t v = 0; v < s.rest.size(); ++v)
+      if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
+        return {.code = Status::Code::non_finite_position, .index = v};
+  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership)
+    s.blocks_of_leaves = blocks_of_leaves(s, body);
+  s.followed = std::move(followed);
+  s.from = body.positions();
+  s.to.reset();
+  ++s.frame;
+  return {};
+}
+
+bool SurfaceTree::is_following() const {
+  return state_->followed.has_value();
+}
+bool SurfaceTree::is_step() const {
+  return state_->to.has_value();
+}
+std::size_t SurfaceTree::vertex_count() const {
+  return state_->rest.size();
+}
+std::span<const Facet> SurfaceTree::facets() const {
+  return state_->facets;
+}
+std::span<const std::array<std::uint32_t, 2>> SurfaceTree::edges() const {
+  return state_->edges;
+}
+Vec3 SurfaceTree::from(std::uint32_t vertex) const {
+  return state_->from_of(vertex);
+}
+Vec3 SurfaceTree::to(std::uint32_t vertex) const {
+  return state_->to_of(vertex);
+}
+Vec3 SurfaceTree::rest(std::uint32_t vertex) const {
+  return state_->rest[vertex];
+}
+
+std::uint64_t SurfaceTree::hash() const {
+  const StandardFloats standard;
+  if (const Status status = state_->askable(0); !status) throw std::invalid_argument(message(status));
+  Hasher hasher;
+  QueryBoxes boxes;
+  boxes.start(*state_, nullptr, 0, false, serial_workers());
+  for (const std::vector<BoxGroup>& level : boxes.a().levels)
+    for (const BoxGroup& group : level)
+      for (const auto& column : group.bound)
+        for (const float bound : column) hasher.add(bound);
+  return hasher.value();
+}
+
+}  // namespace morula

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Obstacle search: down a surface tree to the vertices or facets of blocks whose boxes an obstacle comes near.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <morula/surface/obstacles.hpp>
+#include <optional>
+#include <vector>
+
+#include "parallel/float_environment.hpp"
+#include "surface/boxes/lazy_boxes.hpp"
+#include "surface/boxes/tree_state.hpp"
+#include "surface/pairs/pair_search.hpp"
+
+namespace morula::detail {
+
+/// Keeps its memory. What is not yet looked at is a list of entries: groups of boxes, or blocks.
+template <class Found>
+class ObstacleSearch {
+ public:
+  void start(const SurfaceTreeState& surface, Workers& workers) {
+    surface_ = &surface;
+    boxes_.start(surface, nullptr, 0, false, workers);
+    frame_ = surface.frame;
+    candidates_ = 0;
+    found_.clear();
+    open_.assign(1, {0, static_cast<std::int16_t>(surface.boxes.levels.size() - 1)});
+  }
+  bool is_started() const { return surface_ != nullptr; }
+  bool is_current() const { return surface_->frame == frame_ && surface_->askable(0); }
+  const SurfaceBoxes& boxes() const { return boxes_.a(); }
+  const SurfaceTreeState& surface() const { return *surface_; }
+
+  /// is_far(center, half): is the box away from the obstacle? narrow(corners, found): whether the vertex or facet with
+  /// these vertices is near enough to be a candidate, and, in `found`, what is found of it, but for its number. Both
+  /// are called by workers.
+  template <class IsFar, class Narrow>
+  SurfaceQueryStatus run(const ObstacleOptions& options, Workers& workers, const IsFar& is_far, const Narrow& narrow) {
+    SurfaceMeter meter(options.budget, options.clock, tests);
+    if (!meter.is_unlimited()) {
+      // One after the other, so that what a budget in tests reaches is always the same.
+      if (chunks_.empty()) chunks_.resize(1);
+      chunks_[0].clear();
+      while (!open_.empty() && meter.takes(1)) {
+        const Entry entry = open_.back();
+        open_.pop_back();
+        if (entry.level == block_level) {
+          look(entry.number, options, narrow, chunks_[0]);
+        } else {
+          const std::uint32_t near = near_boxes(entry, is_far);
+          for (std::uint32_t bits = near; bits != 0;) {
+            const auto i = static_cast<std::uint32_t>(std::bit_width(bits)) - 1;
+            bits ^= 1u << i;
+            open_.push_back(below(entry, i));
+          }
+        }
+      }
+      gather(1);
+    } else {
+      // Level by level; each entry by itself.
+      entries_.clear();
+      blocks_.clear();
+      for (const Entry& entry : open_) (entry.level == block_level ? blocks_ : entries_).push_back(entry);
+      open_.clear();
+      while (!entries_.empty()) {
+        near_.resize(entries_.size());
+        parallel_for(workers, entries_.size(), 64, [&](std::size_t begin, std::size_t end) {
+          const StandardFloats standard;
+          for (std::size_t e = begin; e < end; ++e)
+            near_[e] = static_cast<std::uint8_t>(near_boxes(entries_[e], is_far));
+        });
+        meter.groups_tested += entries_.size();
+        next_.clear();
+        for (std::size_t e = 0; e < entries_.size(); ++e)
+          for (std::uint32_t bits = near_[e]; bits != 0; bits &= bits - 1) {
+            const Entry entry = below(entries_[e], static_cast<std::uint32_t>(std::countr_zero(bits)));
+            (entry.level == block_level ? blocks_ : next_).push_back(entry);
+          }
+        entries_.swap(next_);
+      }
+      meter.groups_tested += blocks_.size();
+      constexpr std::size_t blocks_at_once = 32;
+      const std::size_t count = (blocks_.size() + blocks_at_once - 1) / blocks_at_once;
+      if (chunks_.size() < count) chunks_.resize(count);
+      parallel_for(workers, blocks_.size(), blocks_at_once, [&](std::size_t begin, std::size_t end) {
+        const StandardFloats standard;
+        Chunk& chunk = chunks_[begin / blocks_at_once];
+        chunk.clear();
+        for (std::size_t b = begin; b < end; ++b) look(blocks_[b].number, options, narrow, chunk);
+      });
+      gather(count);
+    }
+    std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) { return p.feature < q.feature; });
+    list_open();
+    SurfaceQueryStatus status;
+    status.finished = open_.empty();
+    status.box_tests = tests * meter.groups_tested;
+    status.candidates = candidates_;
+    return status;
+  }
+
+  const std::vector<Found>& found() const { return found_; }
+  const std::vector<std::span<const std::uint32_t>>& open() const { return open_facets_; }
+
+ private:
+  static constexpr std::int16_t block_level = -1;
+  static constexpr std::size_t tests = 8;
+  struct Entry {
+    std::uint32_t number;
+    std::int16_t level;  // of the box group; block_level: the number is that of a block
+  };
+  struct alignas(64) Chunk {
+    std::vector<Found> found;
+    std::size_t candidates = 0;
+    void clear() { found.clear(), candidates = 0; }
+  };
+
+  static Entry below(const Entry& entry, std::uint32_t i) {
+    return {8 * entry.number + i, static_cast<std::int16_t>(entry.level - 1)};
+  }
+
+  /// Bit i: box i of the group is not far.
+  template <class IsFar>
+  std::uint32_t near_boxes(const Entry& entry, const IsFar& is_far) const {
+    const BoxGroup& group = boxes_.a().levels[static_cast<std::size_t>(entry.level)][entry.number];
+    // Bounds are floats about the origin, rounded outwards; added to it in double they are off by 2^-53 of the result.
+    const double pad = 0x1p-50 * (max_norm(surface_->origin) + boxes_.a().extent);
+    std::uint32_t near = 0;
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      if (!(group.bound[0][i] <= group.bound[3][i])) continue;
+      Vec3 center, half;
+      for (int k = 0; k < 3; ++k) {
+        const double lower = group.bound[k][i], upper = group.bound[k + 3][i];
+        center[k] = surface_->origin[k] + 0.5 * (lower + upper);
+        half[k] = 0.5 * (upper - lower) + pad;
+      }
+      if (!is_far(center, half)) near |= 1u << i;
+    }
+    return near;
+  }
+
+  template <class Narrow>
+  void look(std::uint32_t block, const ObstacleOptions& options, const Narrow& narrow, Chunk& chunk) const {
+    const auto take = [&](std::uint32_t feature, std::span<const std::uint32_t> corners) {
+      if (options.keeps && !options.keeps(feature)) return;
+      std::optional<Found> found;
+      if (!narrow(corners, found)) return;
+      ++chunk.candidates;
+      if (!found) return;
+      found->feature = feature;
+      chunk.found.push_back(*found);
+    };
+    const SurfaceTreeState& s = *surface_;
+    if (options.features == ObstacleFeatures::vertices) {
+      for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot)
+        take(s.vertex_of_slot[slot], std::span(&s.vertex_of_slot[slot], 1));
+    } else {
+      for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
+        take(s.order[i], s.facets_in_order[i]);
+    }
+  }
+
+  void gather(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
+      candidates_ += chunks_[i].candidates;
+    }
+  }
+
+  void list_open() {
+    open_facets_.clear();
+    for (const Entry& entry : open_) {
+      const std::size_t size = std::size_t{1} << (3 * (entry.level + 2));
+      const std::size_t begin = std::min(surface_->order.size(), entry.number * size);
+      const std::size_t end = std::min(surface_->order.size(), begin + size);
+      open_facets_.push_back(std::span<const std::uint32_t>(surface_->order).subspan(begin, end - begin));
+    }
+  }
+
+  const SurfaceTreeState* surface_ = nullptr;
+  std::uint64_t frame_ = 0;
+  QueryBoxes boxes_;
+  std::vector<Entry> open_, entries_, next_, blocks_;
+  std::vector<std::uint8_t> near_;
+  std::vector<Chunk> chunks_;
+  std::vector<Found> found_;
+  std::size_t candidates_ = 0;
+  std::vector<std::span<const std::uint32_t>> open_facets_;
+};
+
+}  // namespace morula::detail

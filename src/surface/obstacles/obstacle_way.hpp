@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The way of a vertex or a facet past an obstacle: how long it is proven to stay apart.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <limits>
+
+#include "collide/facets/world_facets.hpp"
+#include "surface/obstacles/distance_field.hpp"
+
+namespace morula::detail {
+
+template <class Shape>
+inline constexpr bool is_field = std::same_as<Shape, PlacedField>;
+
+/// Where a vertex or a facet is nearest to a shape. `lower` is below all of its signed distances.
+template <class Shape>
+FoundOnShape nearest_on(const Shape& shape, std::span<const Vec3> points, double margin) {
+  if (points.size() == 1) {
+    FoundOnShape found;
+    found.barycentric = {1, 0, 0};
+    found.point = points[0];
+    found.distance = shape.distance_at(points[0]);
+    found.lower = is_field<Shape> ? found.distance : shape.bound(Sphere{points[0], 0});
+    return found;
+  }
+  const Triangle t{points[0], points[1], points[2]};
+  if constexpr (is_field<Shape>) {
+    return shape.look_at(t, margin);
+  } else {
+    return shape.look_at(t);
+  }
+}
+
+template <class Shape>
+Vec3 normal_of(const Shape& shape, std::span<const Vec3> points, const Vec3& at) {
+  return shape.normal_at(at, {points[0], points[points.size() == 3 ? 1 : 0], points[points.size() == 3 ? 2 : 0]});
+}
+
+/// Vertices that go from `from` to `to` on straight lines, in time 0 to 1, while the shape stands still.
+template <class Shape>
+class ObstacleWay {
+ public:
+  using Points = std::array<Vec3, 3>;
+
+  ObstacleWay(const Shape& shape, const Points& from, const Points& to, std::size_t size, double margin, double reach)
+      : shape_(shape), from_(from), to_(to), size_(size), margin_(margin), reach_(reach) {
+    for (std::size_t i = 0; i < size_; ++i) speed_ = std::max(speed_, scaled_length(to_[i] - from_[i]));
+  }
+
+  /// The first time that is not proven to be free of impacts; more than 1 when all are.
+  double advance() const {
+    double time = 0, ahead = 1;
+    for (int steps = 0; steps < most_steps; ++steps) {
+      const Points here = at(time);
+      const FoundOnShape nearest = nearest_on(shape_, first(here), margin_);
+      if (!(nearest.distance > margin_)) return time;
+      double reached = safe_time(nearest.lower, time);
+      if constexpr (!is_field<Shape>) {
+        const Vec3 direction = normal_of(shape_, first(here), nearest.point);
+        reached = std::max(reached, last_apart(direction, time));
+        const double end = std::min(1.0, time + ahead);
+        if (reached <= 1 && is_apart(direction, here, time, end)) {
+          reached = std::max(reached, end);
+          ahead *= 2;
+        } else {
+          ahead /= 8;
+        }
+      } else {
+        ahead = 0;
+      }
+      if (reached >= 1) return never;
+      if (!(reached - time >= least_gain) && ahead < least_gain) return std::max(time, reached);
+      time = std::max(time, reached);
+    }
+    return time;
+  }
+
+ private:
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr int most_steps = 1000;
+  /// A step that gains less time than this gains none.
+  static constexpr double least_gain = 0x1p-24;
+
+  std::span<const Vec3> first(const Points& points) const { return std::span(points).first(size_); }
+  Points at(double time) const {
+    Points p;
+    for (std::size_t i = 0; i < size_; ++i) p[i] = from_[i] + (to_[i] - from_[i]) * time;
+    return p;
+  }
+
+  /// No point of the feature goes farther than its fastest vertex, and signed distances change no faster than their
+  /// points move, or a field by its constant times that. Positions at a time are off by some 2^-51 of the reach.
+  double safe_time(double lower, double time) const {
+    double constant = 1;
+    if constexpr (is_field<Shape>) constant = shape_.lipschitz();
+    const double gap = (lower - margin_) - constant * 0x1p-46 * reach_;
+    if (!(gap > 0)) return time;
+    return time + gap / (constant * speed_) * (1 - 0x1p-40);
+  }
+
+  /// What a gap along a direction has to exceed: the margin, and what rounding may have done. Heights are sums of three
+  /// products, positions off by 2^-51: all of it below 2^-48 |direction|_1 reach, and |direction|_1 is at most 2.
+  double allowance(const Vec3& direction) const {
+    return margin_ * length(direction) * (1 + 0x1p-50) + 0x1p-46 * reach_ + 0x1p-1000;
+  }
+
+  /// The last time, from `time` on, up to which all of the feature is above the shape along the direction.
+  ///
+  /// The height of a vertex above the shape's farthest point is linear in time: positive at two times, it is so between
+  /// them. A feature is the hull of its vertices.
+  double last_apart(const Vec3& direction, double time) const requires(!is_field<Shape>) {
+    const double top = shape_.support(direction) + allowance(direction);
+    double last = never;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const double start = dot(direction, from_[i]) - top, there = dot(direction, to_[i]) - top;
+      const double here = start + (there - start) * time;
+      if (!(here > 0)) return time;
+      if (there > 0) continue;
+      // The quotient is off by 2^-51, in which time no gap shrinks by more than the allowance has room for.
+      last = std::min(last, time + (1 - time) * (here / (here - there)));
+    }
+    return last;
+  }
+
+  /// Are the two apart from `begin` to `end`, by a direction that turns from m, the given one, to n, that at the end?
+  ///
+  /// At the share u of the interval the direction is d = (1 − u) m + u n and a vertex is at x = (1 − u) x0 + u x1. No
+  /// point of a shape is higher along d than the support h(d), and h, the greatest of linear functions, is not more
+  /// than (1 − u) h(m) + u h(n). So the gap d · x − h(d) is not less than a quadratic function of u with the Bernstein
+  /// coefficients m·x0 − h(m), (m·x1 + n·x0 − h(m) − h(n)) / 2 and n·x1 − h(n), which is not less than the least of
+  /// them. |d| is not more than the larger of |m| and |n|. A half space has one direction: m = n.
+  bool is_apart(const Vec3& m, const Points& here, double begin, double end) const requires(!is_field<Shape>) {
+    if (!(end > begin)) return false;
+    const Points there = at(end);
+    const FoundOnShape nearest = nearest_on(shape_, first(there), margin_);
+    if (!(nearest.distance > margin_)) return false;
+    const Vec3 n = normal_of(shape_, first(there), nearest.point);
+    const double allowed = std::max(allowance(m), allowance(n));
+    const double top_m = shape_.support(m), top_n = shape_.support(n);
+    for (std::size_t i = 0; i < size_; ++i)
+      if (!(dot(m, here[i]) - top_m > allowed) || !(dot(n, there[i]) - top_n > allowed) ||
+          !(0.5 * ((dot(m, there[i]) - top_m) + (dot(n, here[i]) - top_n)) > allowed))
+        return false;
+    return true;
+  }
+
+  const Shape& shape_;
+  Points from_, to_;
+  std::size_t size_;
+  double margin_, reach_, speed_ = 0;
+};
+
+}  // namespace morula::detail

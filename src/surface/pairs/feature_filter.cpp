@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/pairs/feature_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "surface/pairs/feature_distance.hpp"
+
+namespace morula::detail {
+namespace {
+
+bool fits(const FacetMasks& masks, const SurfaceTreeState& s) {
+  const auto fits_one = [&](const std::vector<std::uint32_t>& mask) {
+    return mask.empty() || mask.size() == s.facets.size();
+  };
+  return fits_one(masks.of) && fits_one(masks.with);
+}
+
+void gather(std::span<const std::uint32_t> facet_bits, const SurfaceTreeState& s, std::vector<std::uint32_t>& vertices,
+            std::vector<std::uint32_t>& edges) {
+  vertices.assign(s.rest.size(), 0);
+  edges.assign(s.edges.size(), 0);
+  for (std::size_t f = 0; f < s.facets.size(); ++f) {
+    const Facet& facet = s.facets[f];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = facet[k], w = facet[(k + 1) % 3];
+      vertices[v] |= facet_bits[f];
+      if (v == w) continue;
+      const std::array<std::uint32_t, 2> ends{std::min(v, w), std::max(v, w)};
+      edges[static_cast<std::size_t>(std::lower_bound(s.edges.begin(), s.edges.end(), ends) - s.edges.begin())] |=
+          facet_bits[f];
+    }
+  }
+}
+
+}  // namespace
+
+void FeatureFilter::require_usable(const PairFilter& filter) {
+  if (!(filter.rest_distance >= 0) || !std::isfinite(filter.rest_distance))
+    throw std::invalid_argument("PairFilter::rest_distance " + std::to_string(filter.rest_distance) +
+                                " is not a length of 0 or more");
+}
+
+void FeatureFilter::Masks::start(const FacetMasks& masks, const SurfaceTreeState& s) {
+  facet_of = masks.of, facet_with = masks.with;
+  if (!facet_of.empty()) gather(facet_of, s, vertex_of, edge_of);
+  if (!facet_with.empty()) gather(facet_with, s, vertex_with, edge_with);
+}
+
+std::uint32_t FeatureFilter::Masks::of(Feature feature, std::uint32_t number) const {
+  if (facet_of.empty()) return 0xffffffffu;
+  return feature == Feature::vertex ? vertex_of[number] : feature == Feature::edge ? edge_of[number] : facet_of[number];
+}
+
+std::uint32_t FeatureFilter::Masks::with(Feature feature, std::uint32_t number) const {
+  if (facet_with.empty()) return 0xffffffffu;
+  return feature == Feature::vertex ? vertex_with[number]
+         : feature == Feature::edge ? edge_with[number]
+                                    : facet_with[number];
+}
+
+Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b) {
+  if (!fits(filter.masks_a, a)) return {.code = Status::Code::bad_option};
+  if (b != nullptr && !fits(filter.masks_b, *b)) return {.code = Status::Code::bad_option, .body = 1};
+  filter_ = &filter;
+  a_ = &a, b_ = b;
+  masks_a_.start(filter.masks_a, a);
+  if (b != nullptr) {
+    masks_b_.start(filter.masks_b, *b);
+  } else {
+    masks_b_ = masks_a_;
+  }
+  const bool within = b == nullptr && (filter.same_component || filter.rings > 0 || filter.rest_distance > 0);
+  keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;
+  return {};
+}
+
+bool FeatureFilter::are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t rings) const {
+  if (v == w) return true;
+  if (rings == 0) return false;
+  const auto begin = a_->ring.begin() + a_->ring_begin[v], end = a_->ring.begin() + a_->ring_begin[v + 1];
+  if (rings == 1) return std::binary_search(begin, end, w);
+  return std::any_of(begin, end, [&](std::uint32_t next) { return are_joined(next, w, rings - 1); });
+}
+
+bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
+  const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
+  if (b_ == nullptr) {
+    const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
+    if (filter_->same_component && a_->component[in_a[0]] == a_->component[in_b[0]]) return false;
+    if (filter_->rings > 0)
+      for (const std::uint32_t v : in_a)
+        for (const std::uint32_t w : in_b)
+          if (are_joined(v, w, filter_->rings)) return false;
+    if (filter_->rest_distance > 0 && distance_at_rest(*a_, pair) <= filter_->rest_distance) return false;
+  }
+  if ((masks_a_.are_given() || masks_b_.are_given()) &&
+      ((masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0 ||
+       (masks_b_.of(of_b, pair.b) & masks_a_.with(of_a, pair.a)) == 0))
+    return false;
+  return !filter_->keeps || filter_->keeps(pair);
+}
+
+}  // namespace morula::detail

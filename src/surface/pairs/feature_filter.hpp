@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A PairFilter made ready for the surfaces that are asked, and the points of features.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <morula/surface/feature_pairs.hpp>
+#include <span>
+#include <vector>
+
+#include "surface/boxes/tree_state.hpp"
+
+namespace morula::detail {
+
+enum class Feature : std::uint8_t { vertex, edge, facet };
+inline Feature feature_a(PairKind kind) {
+  return kind == PairKind::vertex_facet ? Feature::vertex
+         : kind == PairKind::edge_edge  ? Feature::edge
+                                        : Feature::facet;
+}
+inline Feature feature_b(PairKind kind) {
+  return kind == PairKind::facet_vertex ? Feature::vertex
+         : kind == PairKind::edge_edge  ? Feature::edge
+                                        : Feature::facet;
+}
+
+/// One to three vertices.
+class FeatureVertices {
+ public:
+  FeatureVertices(const SurfaceTreeState& s, Feature feature, std::uint32_t number) {
+    if (feature == Feature::vertex) {
+      vertex_[0] = number, size_ = 1;
+    } else if (feature == Feature::edge) {
+      vertex_[0] = s.edges[number][0], vertex_[1] = s.edges[number][1], size_ = 2;
+    } else {
+      vertex_ = s.facets[number], size_ = 3;
+    }
+  }
+  std::size_t size() const { return size_; }
+  std::uint32_t operator[](std::size_t i) const { return vertex_[i]; }
+  const std::uint32_t* begin() const { return vertex_.data(); }
+  const std::uint32_t* end() const { return vertex_.data() + size_; }
+
+ private:
+  std::array<std::uint32_t, 3> vertex_{};
+  std::size_t size_ = 0;
+};
+
+class FeatureFilter {
+ public:
+  /// Throws std::invalid_argument, naming the option, for one that is out of range by itself.
+  static void require_usable(const PairFilter& filter);
+  /// ok, or bad_option for masks that do not fit the surfaces.
+  Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b);
+  /// For pairs that share no vertex.
+  bool keeps(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
+
+ private:
+  /// Masks of features: the bits of all facets that a vertex or an edge is of.
+  struct Masks {
+    std::span<const std::uint32_t> facet_of, facet_with;
+    std::vector<std::uint32_t> vertex_of, vertex_with, edge_of, edge_with;
+    void start(const FacetMasks& masks, const SurfaceTreeState& s);
+    bool are_given() const { return !facet_of.empty() || !facet_with.empty(); }
+    std::uint32_t of(Feature feature, std::uint32_t number) const;
+    std::uint32_t with(Feature feature, std::uint32_t number) const;
+  };
+  bool keeps_one(const FeaturePair& pair) const;
+  bool are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t rings) const;
+
+  const PairFilter* filter_ = nullptr;
+  const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
+  Masks masks_a_, masks_b_;
+  bool keeps_all_ = false;
+};
+
+}  // namespace morula::detail

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// What queries of surface trees have in common: search, filter, and results that are gathered chunk by chunk.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <morula/surface/feature_pairs.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "parallel/float_environment.hpp"
+#include "surface/pairs/feature_filter.hpp"
+#include "surface/pairs/pair_search.hpp"
+
+namespace morula::detail {
+
+inline void require_length(double length, const char* name) {
+  if (!(length >= 0) || !std::isfinite(length))
+    throw std::invalid_argument(std::string(name) + ' ' + std::to_string(length) + " is not a length of 0 or more");
+}
+
+inline void require_budget(const Budget& budget) {
+  if ((budget.is_tests() && budget.tests() < 0) || (budget.is_time() && budget.time().count() < 0))
+    throw std::invalid_argument("a budget of " +
+                                std::to_string(budget.is_tests() ? budget.tests() : budget.time().count()) +
+                                (budget.is_tests() ? " tests" : " ns") + " is negative");
+}
+
+/// Points of a feature where a surface is now.
+class FeaturePoints {
+ public:
+  FeaturePoints(const SurfaceTreeState& s, Feature feature, std::uint32_t number, bool at_end = false) {
+    const FeatureVertices vertices(s, feature, number);
+    size_ = vertices.size();
+    for (std::size_t i = 0; i < size_; ++i) point_[i] = at_end ? s.to_of(vertices[i]) : s.from_of(vertices[i]);
+  }
+  operator std::span<const Vec3>() const { return {point_.data(), size_}; }
+
+ private:
+  std::array<Vec3, 3> point_;
+  std::size_t size_;
+};
+
+template <class Found>
+class FeatureQuery {
+ public:
+  struct Ask {
+    double reach = 0;  ///< of boxes
+    Features features = Features::all;
+    bool sorted = true;
+    bool by_spheres = true;  ///< pairs whose features are farther apart than that are not asked for
+  };
+
+  /// narrow(a, b, pair): what is found of two features whose boxes are near, if anything; called by workers.
+  template <class Options, class Narrow>
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, const Ask& ask, const Options& options,
+                         Workers& workers, const Narrow& narrow) {
+    const StandardFloats standard;
+    if (b == &a) b = nullptr;
+    SurfaceQueryStatus status;
+    static_cast<Status&>(status) = a.askable(0);
+    if (status && b != nullptr) static_cast<Status&>(status) = b->askable(1);
+    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b);
+    if (!status) return status;
+    search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
+    ask_ = ask;
+    const auto coordinate = [](const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
+      return max_norm(s.origin) + boxes.extent;
+    };
+    largest_coordinate_ =
+        std::max(coordinate(a, search_.boxes().a()), b != nullptr ? coordinate(*b, search_.boxes().b()) : 0.0);
+    found_.clear();
+    candidates_ = 0;
+    return go_on(options, workers, narrow);
+  }
+  /// reach: as at the start. The filter is read anew: options may have been set since.
+  template <class Options, class Narrow>
+  SurfaceQueryStatus resume(double reach, const Options& options, Workers& workers, const Narrow& narrow) {
+    const StandardFloats standard;
+    if (!search_.is_started()) return {{.code = Status::Code::no_front}};
+    if (!search_.is_current()) return {{.code = Status::Code::other_frame}};
+    // Pairs that were farther apart are gone.
+    if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
+    SurfaceQueryStatus status;
+    static_cast<Status&>(status) =
+        filter_.start(options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b());
+    if (!status) return status;
+    return go_on(options, workers, narrow);
+  }
+
+  const std::vector<Found>& found() const { return found_; }
+  std::vector<Found>& found() { return found_; }
+  const std::vector<OpenFacets>& open() const { return open_; }
+  const PairSearch& search() const { return search_; }
+  bool is_finished() const { return is_finished_; }
+  /// Of what was found: also when surfaces have moved since.
+  double reach() const { return ask_.reach; }
+  double largest_coordinate() const { return largest_coordinate_; }
+
+ private:
+  template <class Options, class Narrow>
+  SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
+    const SurfaceTreeState &a = search_.a(), &b = search_.b();
+    SurfaceMeter meter(options.budget, options.clock);
+    std::size_t count = 0;
+    is_finished_ = search_.run(
+        meter, workers,
+        [&](std::size_t chunks) {
+          count = chunks;
+          if (chunks_.size() < chunks) chunks_.resize(chunks);
+          for (std::size_t i = 0; i < chunks; ++i) chunks_[i].found.clear(), chunks_[i].candidates = 0;
+        },
+        [&](std::size_t chunk, const FeaturePair& pair) {
+          if (!filter_.keeps(pair)) return;
+          ++chunks_[chunk].candidates;
+          if (const std::optional<Found> found = narrow(a, b, pair)) chunks_[chunk].found.push_back(*found);
+        });
+    for (std::size_t i = 0; i < count; ++i) {
+      found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
+      candidates_ += chunks_[i].candidates;
+    }
+    if (ask_.sorted)
+      std::sort(found_.begin(), found_.end(), [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
+    search_.open(open_);
+    SurfaceQueryStatus status;
+    status.finished = is_finished_;
+    status.box_tests = 64 * meter.groups_tested;
+    status.candidates = candidates_;
+    return status;
+  }
+
+  struct alignas(64) Chunk {
+    std::vector<Found> found;
+    std::size_t candidates = 0;
+  };
+  PairSearch search_;
+  FeatureFilter filter_;
+  Ask ask_{};
+  double largest_coordinate_ = 0;
+  std::vector<Chunk> chunks_;
+  std::vector<Found> found_;
+  std::size_t candidates_ = 0;
+  std::vector<OpenFacets> open_;
+  bool is_finished_ = false;
+};
+
+}  // namespace morula::detail

@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Pair search: down two surface trees, or one against itself, to pairs of features whose boxes are near.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <morula/surface/feature_pairs.hpp>
+#include <vector>
+
+#include "parallel/float_environment.hpp"
+#include "surface/boxes/feature_boxes.hpp"
+#include "surface/boxes/lazy_boxes.hpp"
+
+namespace morula::detail {
+
+/// What of a budget is left.
+class SurfaceMeter {
+ public:
+  /// tests: pairs of boxes that testing one group is.
+  SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
+  bool is_unlimited() const { return budget_.is_unlimited(); }
+  /// May so many groups of boxes be tested against as many others, 64 pairs each? Once the answer was no it stays no.
+  /// The first time it is no only where the budget is nothing.
+  bool takes(std::size_t groups);
+  std::size_t groups_tested = 0;
+
+ private:
+  std::chrono::nanoseconds now() const;
+  Budget budget_;
+  const Clock* clock_;
+  std::size_t tests_;
+  std::chrono::nanoseconds start_{};
+  std::size_t calls_ = 0;
+  bool is_over_ = false;
+};
+
+/// Keeps its memory. What is not yet compared is a list of entries: pairs of nodes, of blocks, or of one with itself.
+class PairSearch {
+ public:
+  /// b: nothing for a with itself. reach: pairs of boxes so far apart along each axis are still near, mesh units.
+  /// by_spheres: of surfaces that follow bodies, pairs whose features are farther apart than that may be missing.
+  void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features, bool by_spheres,
+             Workers& workers);
+  bool is_started() const { return a_ != nullptr; }
+  /// Have the surfaces moved since?
+  bool is_current() const {
+    return a_->frame == frame_a_ && a_->askable(0) && (b_ == nullptr || (b_->frame == frame_b_ && b_->askable(1)));
+  }
+  bool is_with_itself() const { return b_ == nullptr; }
+  const QueryBoxes& boxes() const { return boxes_; }
+  const SurfaceTreeState& a() const { return *a_; }
+  const SurfaceTreeState& b() const { return b_ != nullptr ? *b_ : *a_; }
+
+  /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
+  /// vertex: those of one chunk one after the other, of
+  /// different chunks at the same time. Chunks are numbered from 0 on; chunks(count) is called before any of them.
+  /// Every pair is found once, over all calls since start(). True when nothing is left to do.
+  template <class Chunks, class Find>
+  bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find);
+
+  void open(std::vector<OpenFacets>& facets) const;
+
+ private:
+  static constexpr int block_level = -1;
+  struct Entry {
+    std::uint32_t a, b;
+    std::int16_t level_a, level_b;  // of the box group; block_level: the numbers are those of blocks
+    bool is_pair_of_blocks() const { return level_a == block_level && level_b == block_level; }
+  };
+  struct BlockPair {
+    std::uint32_t a, b;
+  };
+
+  /// Groups to be tested for an entry.
+  std::size_t cost(const Entry& entry) const {
+    return entry.is_pair_of_blocks() ? cost(BlockPair{entry.a, entry.b}) : 1;
+  }
+  std::size_t cost(const BlockPair& pair) const;
+  /// What is below an entry that is no pair of blocks, last first.
+  void expand(const Entry& entry, std::vector<Entry>& below) const;
+  void find_block_pairs(SurfaceMeter& meter, Workers& workers);
+  FeatureBoxes& boxes_b() { return b_ != nullptr ? boxes_b_ : boxes_a_; }
+  const FeatureBoxes& boxes_b() const { return b_ != nullptr ? boxes_b_ : boxes_a_; }
+  template <class Find>
+  void compare(const BlockPair& pair, std::size_t chunk, const Find& find) const;
+  /// All groups of i against all of j.
+  template <class GroupA, class GroupB, class Found>
+  void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
+                      const Found& found) const {
+    for (std::uint32_t i = 0; i < groups_a; ++i)
+      for (std::uint32_t j = 0; j < groups_b; ++j)
+        for (std::uint64_t bits = meet_(group_a(i), group_b(j), reach_); bits != 0; bits &= bits - 1) {
+          const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
+          found(8 * i + bit / 8, 8 * j + bit % 8);
+        }
+  }
+
+  const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
+  std::uint64_t frame_a_ = 0, frame_b_ = 0;
+  Features features_ = Features::all;
+  BoxReach reach_{};
+  MeetGroups meet_ = nullptr;
+  QueryBoxes boxes_;
+  FeatureBoxes boxes_a_, boxes_b_;
+  std::vector<Entry> open_;
+
+  // Memory for the next call.
+  std::vector<Entry> entries_, below_;
+  struct Task {
+    std::vector<Entry> stack;
+    std::vector<BlockPair> pairs;
+    std::size_t tests = 0;
+  };
+  std::vector<Task> tasks_;
+  std::vector<BlockPair> pairs_;
+};
+
+template <class Find>
+void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& find) const {
+  const std::uint32_t a = pair.a, b = pair.b;
+  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const bool with_itself = b_ == nullptr, one_block = with_itself && a == b;
+  const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };
+  const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
+  const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
+  if (features_ == Features::facets) {
+    compare_groups(1, facets_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
+      if (one_block && i >= j) return;
+      std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
+      if (with_itself) {
+        const Facet &of_a = in_a.facet_corners(a, i), &of_b = in_b.facet_corners(b, j);
+        if (has(of_a, of_b[0]) || has(of_a, of_b[1]) || has(of_a, of_b[2])) return;
+        if (f > g) std::swap(f, g);
+      }
+      find(chunk, FeaturePair{PairKind::facet_facet, f, g});
+    });
+    return;
+  }
+  const auto vertices_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.vertices(a, i); };
+  const auto vertices_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.vertices(b, i); };
+  const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
+  const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
+  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
+    const std::uint32_t vertex = in_a.vertex(a, i);
+    if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
+    find(chunk, FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
+  });
+  if (!one_block) {
+    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, [&](std::uint32_t i, std::uint32_t j) {
+      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
+      if (with_itself) {
+        if (has(in_a.facet_corners(a, i), vertex)) return;
+        find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
+      } else {
+        find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
+      }
+    });
+  }
+  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b,
+                 [&](std::uint32_t i, std::uint32_t j) {
+                   if (one_block && i >= j) return;
+                   std::uint32_t e = in_a.edge(a, i), f = in_b.edge(b, j);
+                   if (with_itself) {
+                     const auto &of_a = in_a.edge_ends(a, i), &of_b = in_b.edge_ends(b, j);
+                     if (of_a[0] == of_b[0] || of_a[0] == of_b[1] || of_a[1] == of_b[0] || of_a[1] == of_b[1]) return;
+                     if (e > f) std::swap(e, f);
+                   }
+                   find(chunk, FeaturePair{PairKind::edge_edge, e, f});
+                 });
+}
+
+template <class Chunks, class Find>
+bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find) {
+  if (!meter.is_unlimited()) {
+    chunks(1);
+    // One after the other, so that what a budget in tests reaches is always the same.
+    while (!open_.empty() && meter.takes(cost(open_.back()))) {
+      const Entry entry = open_.back();
+      open_.pop_back();
+      if (!entry.is_pair_of_blocks()) {
+        expand(entry, open_);
+        continue;
+      }
+      boxes_a_.want(entry.a);
+      boxes_b().want(entry.b);
+      boxes_a_.fill(serial_workers());
+      if (b_ != nullptr) boxes_b_.fill(serial_workers());
+      compare({entry.a, entry.b}, 0, find);
+    }
+    return open_.empty();
+  }
+  find_block_pairs(meter, workers);
+  for (const BlockPair& pair : pairs_) {
+    boxes_a_.want(pair.a);
+    boxes_b().want(pair.b);
+    meter.groups_tested += cost(pair);
+  }
+  boxes_a_.fill(workers);
+  if (b_ != nullptr) boxes_b_.fill(workers);
+  constexpr std::size_t pairs_at_once = 256;
+  chunks((pairs_.size() + pairs_at_once - 1) / pairs_at_once);
+  parallel_for(workers, pairs_.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
+    const StandardFloats standard;
+    for (std::size_t i = begin; i < end; ++i) compare(pairs_[i], begin / pairs_at_once, find);
+  });
+  return true;
+}
+
+}  // namespace morula::detail
