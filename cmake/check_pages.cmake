@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-# No page of docs has more words than somebody reads at a time.
+# No page has more words than somebody reads at a time.
 # Run as: cmake [-D ROOT=folder] -P cmake/check_pages.cmake
 cmake_minimum_required(VERSION 3.24)
 
@@ -9,7 +9,8 @@ if(NOT DEFINED ROOT)
 endif()
 set(most 2500)
 
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md")
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md" "${ROOT}/*.md")
+list(REMOVE_ITEM pages CHANGELOG.md)  # which nobody reads from end to end
 set(faults "")
 foreach(page IN LISTS pages)
   file(READ "${ROOT}/${page}" text)
