@@ -236,6 +236,13 @@ TEST(FacetKernels, give_the_bits_of_plain_loops) {
       ASSERT_EQ(kernels.squared_gaps(list, p, other.data()), least) << kind_name(kind);
       ASSERT_EQ(other, expected) << kind_name(kind);
       ASSERT_EQ(kernels.reach(list, p), reach) << kind_name(kind);
+      for (std::size_t i = 0; i < facet_columns_step; ++i)
+        for (const float limit : {expected[i], std::nextafter(expected[i], 0.0f)}) {
+          const unsigned bits = kernels.at_most(expected.data(), limit);
+          for (std::size_t j = 0; j < facet_columns_step; ++j)
+            ASSERT_EQ((bits >> j & 1u) != 0, expected[j] <= limit) << kind_name(kind);
+          ASSERT_EQ(bits >> facet_columns_step, 0u) << kind_name(kind);
+        }
     }
   }
 }

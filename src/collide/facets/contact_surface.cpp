@@ -3,14 +3,14 @@
 //
 // Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
 // and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M + 2^-53
-// A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. closest_point() may return a
-// point of the facet's plane outside the facet: its barycentric coordinates are off by less than 2^13 e L² / edge², e =
-// 2^-53 and L <= 2^13 extent the distance of the point, where the facet is regular; that shortens a distance by less
-// than 2^-25 of it. Its own rounding is below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the
-// least distance by 2^-18 M + 2^-48 A. Nothing is left out for points farther away than 2^12 extents.
+// A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. What closest_point() returns
+// is a sum of corners with shares of at least 0 and together at most 1, whatever the facet's shape, so it is in the
+// facet's box but for rounding, below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the least
+// distance by 2^-18 M + 2^-48 A. Nothing is left out where squares of floats may overflow or vanish.
 #include "collide/facets/contact_surface.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "collide/facets/corner_reader.hpp"
@@ -41,33 +41,35 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
             Nearest& nearest) {
   const CornerReader corners(*surfaces.collider());
   const Vec3f local(p - leaf.center);
-  const float away = max_norm(local);
-  if (!(away <= 0x1p12f * leaf.extent && leaf.extent <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
+  const float away = std::max(leaf.extent, max_norm(local));
+  if (!(away <= 0x1p50f && leaf.extent >= 0x1p-50f)) {
     for (std::size_t i = 0; i < leaf.size; ++i) nearest.look_at(corners, surfaces.facet(leaf, i), p);
     return;
   }
+  const FacetKernels& kernels = facet_kernels();
   const FacetColumns columns = surfaces.columns(leaf);
   if (gaps.size() < columns.count) gaps.resize(columns.count);
-  const float least = facet_kernels().squared_gaps(columns, local, gaps.data());
-  const double pad = 0x1p-18 * static_cast<double>(std::max(leaf.extent, away)) +
+  const float least = kernels.squared_gaps(columns, local, gaps.data());
+  const double pad = 0x1p-18 * static_cast<double>(away) +
                      0x1p-48 * (max_norm(leaf.center) + static_cast<double>(leaf.extent) + max_norm(p));
   // Gaps, squared, up to which facets have to be looked at.
   const auto reach = [&] {
     const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
-    return farthest * farthest;
+    return static_cast<float>(std::min(farthest * farthest, static_cast<double>(std::numeric_limits<float>::max())));
   };
-  double enough = reach();
-  if (leaf.all_regular && static_cast<double>(least) > enough) return;
-  std::size_t first = 0;
-  while (gaps[first] != least) ++first;
-  if (first >= leaf.size) first = leaf.size - 1;  // what fills up repeats the last facet
+  if (least > reach()) return;
+  // f(i) for the facets that are within `reach`, of 16 at a time; what fills up repeats the last facet.
+  const auto each_within = [&](float reach_of_all, const auto& f) {
+    for (std::size_t begin = 0; begin < leaf.size; begin += facet_columns_step)
+      for (unsigned near = kernels.at_most(gaps.data() + begin, reach_of_all); near != 0; near &= near - 1)
+        if (const std::size_t i = begin + static_cast<std::size_t>(std::countr_zero(near)); i < leaf.size) f(i);
+  };
+  std::size_t first = leaf.size;
+  each_within(least, [&](std::size_t i) { first = std::min(first, i); });
   nearest.look_at(corners, surfaces.facet(leaf, first), p);
-  enough = reach();
-  for (std::size_t i = 0; i < leaf.size; ++i) {
-    if (i == first || (static_cast<double>(gaps[i]) > enough && !surfaces.is_irregular(leaf, i))) continue;
-    nearest.look_at(corners, surfaces.facet(leaf, i), p);
-    enough = reach();
-  }
+  each_within(reach(), [&](std::size_t i) {
+    if (i != first && gaps[i] <= reach()) nearest.look_at(corners, surfaces.facet(leaf, i), p);
+  });
 }
 
 // Placed points lie off, for the reasons that placed_spheres.hpp gives: a placement is not quite rigid, and it rounds.

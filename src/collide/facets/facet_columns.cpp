@@ -40,6 +40,12 @@ float squared_gaps(const FacetColumns& facets, const Vec3f& p, float* squared) {
   return least;
 }
 
+unsigned at_most(const float* numbers, float limit) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < facet_columns_step; ++i) bits |= (numbers[i] <= limit ? 1u : 0u) << i;
+  return bits;
+}
+
 float reach(const FacetColumns& facets, const Vec3f& direction) {
   float most = -infinity;
   for (std::size_t i = 0; i < facets.count; ++i)
@@ -50,7 +56,7 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
   return most;
 }
 
-constexpr FacetKernels kernels{squared_gaps, reach};
+constexpr FacetKernels kernels{squared_gaps, at_most, reach};
 
 }  // namespace plain
 

@@ -21,6 +21,8 @@ inline constexpr std::size_t facet_columns_step = 16;
 struct FacetKernels {
   /// squared[i] = squared distance of p from the box of facet i; room for count. Returns the least.
   float (*squared_gaps)(const FacetColumns& facets, const Vec3f& p, float* squared);
+  /// Of facet_columns_step numbers: bit i is set where number i is at most `limit`.
+  unsigned (*at_most)(const float* numbers, float limit);
   /// Largest corner . direction. count > 0.
   float (*reach)(const FacetColumns& facets, const Vec3f& direction);
 };

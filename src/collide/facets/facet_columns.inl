@@ -25,6 +25,13 @@ float squared_gaps(const FacetColumns& facets, const Vec3f& p, float* squared) {
   return least_lane(least);
 }
 
+unsigned at_most(const float* numbers, float limit) {
+  unsigned bits = 0;
+  for (int i = 0; i < static_cast<int>(facet_columns_step); i += lanes)
+    bits |= lanes_at_most(load(numbers + i), all(limit)) << i;
+  return bits;
+}
+
 float reach(const FacetColumns& facets, const Vec3f& direction) {
   const Wide x = all(direction.x), y = all(direction.y), z = all(direction.z);
   Wide most = all(-infinity);
@@ -35,4 +42,4 @@ float reach(const FacetColumns& facets, const Vec3f& direction) {
   return largest_lane(most);
 }
 
-constexpr FacetKernels kernels{squared_gaps, reach};
+constexpr FacetKernels kernels{squared_gaps, at_most, reach};

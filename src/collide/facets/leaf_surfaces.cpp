@@ -114,19 +114,14 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
     const std::size_t room = std::max(end, 2 * facet_.size());
     for (std::vector<float>& column : columns_) column.resize(room);
     facet_.resize(room);
-    irregular_.resize(room);
   }
 
-  // Bytes may be stored anywhere, for all that the compiler knows: what the loop reads is kept in its own variables.
   float* column[9];
   for (std::size_t k = 0; k < 9; ++k) column[k] = columns_[k].data() + used_;
-  unsigned char* const irregular = irregular_.data() + used_;
   const CornerReader corners(*collider_);
   const Vec3 center = leaf.center;
-  constexpr double no_edge = 0x1p1000;
-  double shortest = no_edge, area = 0;  // the edge squared
+  double area = 0;
   Vec3 area_vectors;
-  bool all_regular = true;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const Triangle t = corners(facets[i]);
     // Differences of corners about the centre are those of the corners, but for some 2^-53 of a coordinate.
@@ -137,31 +132,18 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
     column[5][i] = static_cast<float>(q.z);
     column[6][i] = static_cast<float>(r.x), column[7][i] = static_cast<float>(r.y),
     column[8][i] = static_cast<float>(r.z);
-    const Vec3 u = q - p, v = r - p, normal = cross(u, v);
-    const double uu = squared_length(u), vv = squared_length(v), ww = squared_distance(q, r);
-    const double nn = squared_length(normal);
-    const bool regular = nn > 1e-5 * (uu * vv);
-    irregular[i] = !regular;
-    all_regular = all_regular && regular;
-    shortest = std::min(shortest, std::min(uu, std::min(vv, ww)));
+    const Vec3 normal = cross(q - p, r - p);
     const double half_share = 0.5 * static_cast<double>(share[i]);
     area_vectors += normal * half_share;
-    area += std::sqrt(nn) * half_share;
+    area += std::sqrt(squared_length(normal)) * half_share;
   }
   leaf.area_vector = area_vectors;
   leaf.area = area;
-  leaf.all_regular = all_regular;
   std::copy(facets.begin(), facets.end(), facet_.begin() + leaf.begin);
   used_ += facets.size();
   for (; used_ < end; ++used_)
     for (std::vector<float>& filled_up : columns_) filled_up[used_] = filled_up[leaf.begin + leaf.size - 1];
   leaf.extent = largest(columns(leaf));
-  // Seen from afar, facets that are much smaller than the leaf are like slivers.
-  const double least_edge = 0x1p-12 * static_cast<double>(leaf.extent);
-  if (!(shortest > least_edge * least_edge)) {
-    leaf.all_regular = false;
-    std::fill(irregular_.begin() + leaf.begin, irregular_.begin() + leaf.begin + leaf.size, 1);
-  }
   return leaf;
 }
 

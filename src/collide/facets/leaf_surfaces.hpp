@@ -22,7 +22,6 @@ class LeafSurfaces {
 
   struct Leaf {
     std::uint32_t begin = 0, size = 0;  ///< of slots, one per facet in the order of Collider::facets
-    bool all_regular = true;            ///< no facet is irregular
     float extent = 0;                   ///< largest |coordinate| of a corner about `center`
     Vec3 center;                        ///< what the columns are about
     Vec3 area_vector;                   ///< of what the leaf owns: area times mean normal
@@ -33,8 +32,6 @@ class LeafSurfaces {
   Leaf& read(std::uint32_t leaf);
   FacetColumns columns(const Leaf& leaf) const;
   std::uint32_t facet(const Leaf& leaf, std::size_t i) const { return facet_[leaf.begin + i]; }
-  /// So thin or small that closest_point may take a point outside for one of its own: no bound holds.
-  bool is_irregular(const Leaf& leaf, std::size_t i) const { return irregular_[leaf.begin + i] != 0; }
 
   /// f(leaf) for the leaves below a node, or itself, in the order of their regions.
   template <class F>
@@ -56,7 +53,6 @@ class LeafSurfaces {
   // Of a slot.
   std::vector<float> columns_[9];
   std::vector<std::uint32_t> facet_;
-  std::vector<unsigned char> irregular_;
   std::size_t used_ = 0;
 };
 
