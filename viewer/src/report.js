@@ -6,10 +6,10 @@ import { byId, element } from './dom.js';
 import { css, kindColour } from './colours.js';
 import { counted, figure } from './numbers.js';
 
-const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', untested: 'not tested' };
+const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', undecided: 'not decided', untested: 'not tested' };
 /** For the reader: where a claim to the bad of a rule fails, that is better than claimed. */
 const verdictOf = (claim) => (claim.adverse && claim.verdict === 'fails' ? 'better' : claim.verdict);
-const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], untested: ['not tested', 'not tested'] };
+const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], undecided: ['not decided', 'not decided'], untested: ['not tested', 'not tested'] };
 const little = matchMedia('(max-width: 900px)');
 const longest = 40; // rows of a table that is not folded
 const list = (value) => (Array.isArray(value) ? value : []);
@@ -89,14 +89,14 @@ export class Report {
     // A quick study decides what holds for every body; of the rest it has an impression.
     const quick = this.study.settings?.quick === true;
     const decides = (claim) => !quick || claim.guarantee === true || claim.verdict === 'untested';
-    const decided = claims.filter(decides);
+    const shown = (claim) => (decides(claim) ? verdictOf(claim) : 'undecided');
     const count = Object.keys(verdicts)
-      .map((verdict) => [verdict, decided.filter((claim) => verdictOf(claim) === verdict).length])
+      .map((verdict) => [verdict, claims.filter((claim) => shown(claim) === verdict).length])
       .filter(([, n]) => n > 0);
     const figures = new Map(list(this.study.figures).map((spec) => [spec.id, spec.title]));
     const card = (claim) =>
-      element('article', { class: 'claim', 'data-verdict': decides(claim) ? verdictOf(claim) : 'untested', id: `claim-${claim.id}` },
-        element('span', { class: 'verdict' }, decides(claim) ? (verdicts[verdictOf(claim)] ?? claim.verdict) : 'not decided'),
+      element('article', { class: 'claim', 'data-verdict': shown(claim), id: `claim-${claim.id}` },
+        element('span', { class: 'verdict' }, verdicts[shown(claim)] ?? claim.verdict),
         element('div', {},
           element('h3', {}, claim.claim),
           claim.numbers ? element('p', {}, claim.numbers) : null,
