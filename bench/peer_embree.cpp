@@ -7,6 +7,10 @@
 #include <embree3/rtcore.h>
 #endif
 
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -130,6 +134,24 @@ class EmbreeBoxes {
   Geometry geometry_;
 };
 
+/// Embree calls back with denormal numbers switched off. Our test would switch them on and off again for each pair.
+class [[maybe_unused]] DenormalNumbers {
+#if defined(__SSE2__)
+ public:
+  DenormalNumbers() {
+    _mm_setcsr(before_ & ~0x8040u);
+  }
+  ~DenormalNumbers() {
+    _mm_setcsr(before_);
+  }
+  DenormalNumbers(const DenormalNumbers&) = delete;
+  DenormalNumbers& operator=(const DenormalNumbers&) = delete;
+
+ private:
+  unsigned before_ = _mm_getcsr();
+#endif
+};
+
 class EmbreeCrossings final : public CrossingPeer {
  public:
   EmbreeCrossings(const Mesh& a, const Mesh& b) : a_(device_.get(), a), b_(device_.get(), b) {}
@@ -143,6 +165,7 @@ class EmbreeCrossings final : public CrossingPeer {
   static void note(void* user, RTCCollision* collisions, unsigned count) {
     EmbreeCrossings& self = *static_cast<EmbreeCrossings*>(user);
     const std::lock_guard lock(self.mutex_);  // one thread, but Embree may have its own ideas
+    [[maybe_unused]] const DenormalNumbers kept{};
     for (unsigned i = 0; i < count; ++i)
       if (intersect(self.a_.triangle(collisions[i].primID0), self.b_.triangle(collisions[i].primID1)))
         self.found_->push_back(std::uint64_t{collisions[i].primID0} << 32 | collisions[i].primID1);
@@ -167,6 +190,7 @@ class EmbreeSelfCrossings final : public CrossingPeer {
   static void note(void* user, RTCCollision* collisions, unsigned count) {
     EmbreeSelfCrossings& self = *static_cast<EmbreeSelfCrossings*>(user);
     const std::lock_guard lock(self.mutex_);
+    [[maybe_unused]] const DenormalNumbers kept{};
     for (unsigned i = 0; i < count; ++i) {
       // Pairs come both ways round, or once: the lower first.
       const unsigned f = std::min(collisions[i].primID0, collisions[i].primID1);

@@ -188,16 +188,9 @@ bool encloses(const Sphere& outer, const Sphere& inner) {
 }
 
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection) {
-  const double ax = a[projection.first], ay = a[projection.second];
-  const double bx = b[projection.first], by = b[projection.second];
-  const double cx = c[projection.first], cy = c[projection.second];
-  const double left = (bx - ax) * (cy - ay), right = (by - ay) * (cx - ax);
-  const double value = left - right;
-  // Products of two differences (1 + e)^3, their difference (1 + e)^4. Allowed: 6 e, and what underflow takes.
-  const double error = 6 * 0x1p-53 * (std::abs(left) + std::abs(right)) + TrianglePlane::underflow;
-  if (value > error) return 1;
-  if (value < -error) return -1;
-  return exact_orient2d(ax, ay, bx, by, cx, cy);
+  if (const int sign = certain_orient2d(a, b, c, projection); sign != 0) return sign;
+  const auto [first, second] = projection;
+  return exact_orient2d(a[first], a[second], b[first], b[second], c[first], c[second]);
 }
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {

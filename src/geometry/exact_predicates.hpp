@@ -23,6 +23,17 @@ inline constexpr Projection projections[3] = {{1, 2}, {2, 0}, {0, 1}};
 /// All finite. Cost: 5 to 10 ns; 70 to 90 ns where the points are on one line or nearly so.
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection);
 
+/// The same, or 0 where doubles alone do not tell. Cost: 2 ns.
+inline int certain_orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection) {
+  const Vec3 u = b - a, v = c - a;
+  const auto [first, second] = projection;
+  const double left = u[first] * v[second], right = u[second] * v[first], value = left - right;
+  // Products of two differences (1 + e)^3, their difference (1 + e)^4. Allowed: 6 e, and what underflow takes, as
+  // TrianglePlane has it.
+  const double error = 6 * 0x1p-53 * (std::abs(left) + std::abs(right)) + 0x1p-1000;
+  return value > error ? 1 : value < -error ? -1 : 0;
+}
+
 /// Sign of (b - a) x (c - a) . (d - a): 1 when d is on the side from which a b c runs counter-clockwise, 0 when all
 /// four are in one plane. All finite. Cost: 10 to 25 ns; 50 to 220 ns where they are in one plane or nearly so.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "surface/boxes/followed_body.hpp"
+#include "surface/boxes/region_borders.hpp"
 #include "surface/boxes/surface_boxes.hpp"
 
 namespace morula::detail {
@@ -38,6 +39,7 @@ struct SurfaceTreeState {
   std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
   std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
   std::vector<std::uint32_t> ring_begin, ring;  // neighbours of a vertex along edges, ascending
+  std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
   Vec3 origin;                                  // what boxes are about
 
   // The present pose or step.

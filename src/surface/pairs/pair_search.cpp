@@ -104,12 +104,14 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
   }
   boxes_a_.start(a, boxes_.a(), features);
   if (b_ != nullptr) boxes_b_.start(*b_, boxes_.b(), features);
+  if (b_ == nullptr && features == Features::facets) fields_.start(a, boxes_.a());
   const auto root = [](const SurfaceTreeState& s) { return static_cast<std::int16_t>(s.boxes.levels.size() - 1); };
   open_.assign(1, {0, 0, root(this->a()), root(this->b())});
 }
 
 void PairSearch::expand(const Entry& e, std::vector<Entry>& below) const {
   const SurfaceBoxes &a = boxes_.a(), &b = boxes_.b();
+  if (is_height_field(e)) return;
   const std::size_t first = below.size();
   const auto push = [&](std::uint32_t i, int level_a, std::uint32_t j, int level_b) {
     below.push_back({i, j, static_cast<std::int16_t>(level_a), static_cast<std::int16_t>(level_b)});

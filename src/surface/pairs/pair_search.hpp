@@ -12,6 +12,7 @@
 #include "parallel/float_environment.hpp"
 #include "surface/boxes/feature_boxes.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
+#include "surface/pairs/height_fields.hpp"
 
 namespace morula::detail {
 
@@ -73,12 +74,23 @@ class PairSearch {
     std::uint32_t a, b;
   };
 
+  /// Are crossings of these facets with each other sought, and do they have a border that can be looked at?
+  bool may_be_height_field(const Entry& entry) const {
+    return b_ == nullptr && features_ == Features::facets && entry.a == entry.b && entry.level_a != block_level;
+  }
+  bool is_height_field(const Entry& entry) const {
+    return may_be_height_field(entry) && fields_.is_one(static_cast<std::size_t>(entry.level_a) + 1, entry.a);
+  }
+  /// Where a budget bounds the work, only the smallest regions are looked at.
+  bool is_sought_now(const Entry& entry) const { return may_be_height_field(entry) && entry.level_a == 0; }
   /// Groups to be tested for an entry.
   std::size_t cost(const Entry& entry) const {
-    return entry.is_pair_of_blocks() ? cost(BlockPair{entry.a, entry.b}) : 1;
+    // Looking at 64 facets and their border takes as long.
+    constexpr std::size_t of_field = 32;
+    return entry.is_pair_of_blocks() ? cost(BlockPair{entry.a, entry.b}) : is_sought_now(entry) ? 1 + of_field : 1;
   }
   std::size_t cost(const BlockPair& pair) const;
-  /// What is below an entry that is no pair of blocks, last first.
+  /// What is below an entry that is no pair of blocks, last first; nothing below one that is a height field.
   void expand(const Entry& entry, std::vector<Entry>& below) const;
   void find_block_pairs(SurfaceMeter& meter, Workers& workers);
   FeatureBoxes& boxes_b() { return b_ != nullptr ? boxes_b_ : boxes_a_; }
@@ -104,6 +116,7 @@ class PairSearch {
   MeetGroups meet_ = nullptr;
   QueryBoxes boxes_;
   FeatureBoxes boxes_a_, boxes_b_;
+  HeightFields fields_;
   std::vector<Entry> open_;
 
   // Memory for the next call.
@@ -180,6 +193,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
       const Entry entry = open_.back();
       open_.pop_back();
       if (!entry.is_pair_of_blocks()) {
+        if (is_sought_now(entry)) fields_.find(1, entry.a);
         expand(entry, open_);
         continue;
       }
@@ -191,6 +205,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     }
     return open_.empty();
   }
+  if (b_ == nullptr && features_ == Features::facets) fields_.find_all(workers);
   find_block_pairs(meter, workers);
   for (const BlockPair& pair : pairs_) {
     boxes_a_.want(pair.a);

@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/pairs/height_fields.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <morula/geometry/box.hpp>
+
+#include "geometry/exact_predicates.hpp"
+#include "parallel/float_environment.hpp"
+#include "surface/boxes/vertex_reader.hpp"
+
+namespace morula::detail {
+namespace {
+
+constexpr std::size_t blocks_at_once = 512, regions_at_once = 32;
+
+/// HeightFields::Directions of one facet. Where a sign is in doubt, neither: what is nearly upright is no height field.
+unsigned directions_of(const Vec3& p, const Vec3& q, const Vec3& r) {
+  unsigned directions = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int sign = certain_orient2d(p, q, r, projections[axis]);
+    directions |= (sign > 0 ? 1u : 0u) << axis | (sign < 0 ? 8u : 0u) << axis;
+  }
+  return directions;
+}
+
+bool is_lower(const Vec3& p, const Vec3& q, Projection projection) {
+  const auto [i, j] = projection;
+  return p[i] != q[i] ? p[i] < q[i] : p[j] < q[j];
+}
+
+/// Do segments pq and rs touch, or is that in doubt?
+bool may_touch(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Projection projection) {
+  if (orient2d(p, q, r, projection) * orient2d(p, q, s, projection) > 0) return false;
+  return orient2d(r, s, p, projection) * orient2d(r, s, q, projection) <= 0;
+}
+
+/// Do segments pq and qr have more in common than q? None is a point. Where p is on qr, or r on pq, the edges beyond
+/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbour's edge.
+bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projection) {
+  return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;
+}
+
+}  // namespace
+
+/// The border that is looked at. Edge e goes from point e to point next_[e].
+class HeightFields::Border {
+ public:
+  void start() {
+    points_.clear();
+    boxes_.clear();
+    next_.clear();
+    loops_.assign(1, 0);
+  }
+  void add(const SurfaceTreeState& s, const SurfaceBoxes& boxes, std::span<const std::uint32_t> loop) {
+    const auto first = static_cast<std::uint32_t>(points_.size());
+    for (const std::uint32_t slot : loop) {
+      points_.push_back(s.from_of(s.vertex_of_slot[slot]));
+      boxes_.push_back(boxes.vertices[slot]);
+      next_.push_back(static_cast<std::uint32_t>(points_.size()));
+    }
+    next_.back() = first;
+    loops_.push_back(static_cast<std::uint32_t>(points_.size()));
+  }
+  /// Do no edges touch but at the vertex that they share, and is no counter-clockwise loop within another? Mirrored:
+  /// clockwise. False where that is in doubt.
+  bool is_simple(Projection projection, bool is_mirrored) {
+    group_edges(projection);
+    return no_edges_touch(projection) && (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
+  }
+
+ private:
+  std::uint32_t edge_count() const { return static_cast<std::uint32_t>(points_.size()); }
+  void group_edges(Projection projection);
+  bool no_edges_touch(Projection projection) const;
+  bool no_loops_are_nested(Projection projection, bool is_mirrored);
+  bool are_apart(std::uint32_t e, std::uint32_t f, Projection projection) const;
+  int turn(std::size_t loop, Projection projection) const;
+
+  std::vector<Vec3> points_;
+  std::vector<MinBox> boxes_;  // of the points, rounded outwards
+  std::vector<std::uint32_t> next_, loops_;
+  std::vector<BoxGroup> edges_, runs_;  // boxes of edges in the plane, and of runs of eight of them
+  std::vector<Box> ccw_boxes_;
+};
+
+void HeightFields::Border::group_edges(Projection projection) {
+  const std::size_t runs = (edge_count() + 7) / 8;
+  edges_.resize(std::max(edges_.size(), runs));
+  runs_.resize(std::max(runs_.size(), (runs + 7) / 8));
+  const auto flat = [&](const MinBox& box) {
+    MinBox of_plane;
+    of_plane.bound[0] = box.bound[projection.first], of_plane.bound[4] = box.bound[projection.first + 4];
+    of_plane.bound[1] = box.bound[projection.second], of_plane.bound[5] = box.bound[projection.second + 4];
+    of_plane.bound[2] = of_plane.bound[6] = 0;
+    return of_plane;
+  };
+  for (std::size_t run = 0; run < runs; ++run) {
+    if (run % 8 == 0) runs_[run / 8].clear();
+    edges_[run].clear();
+    MinBox all;
+    for (std::size_t e = 8 * run; e < std::min<std::size_t>(edge_count(), 8 * run + 8); ++e) {
+      MinBox box = boxes_[e];
+      box.add(boxes_[next_[e]]);
+      put(edges_[run], e % 8, flat(box));
+      all.add(box);
+    }
+    put(runs_[run / 8], run % 8, flat(all));
+  }
+}
+
+bool HeightFields::Border::no_edges_touch(Projection projection) const {
+  const MeetGroups meet = meet_groups();
+  const std::uint32_t runs = (edge_count() + 7) / 8, groups = (runs + 7) / 8;
+  const BoxReach none{};
+  constexpr std::uint64_t above_diagonal = 0x0080c0e0f0f8fcfe, diagonal = 0x8040201008040201;
+  for (std::uint32_t g = 0; g < groups; ++g)
+    for (std::uint32_t h = g; h < groups; ++h) {
+      std::uint64_t of_runs = meet(runs_[g], runs_[h], none);
+      if (g == h) of_runs &= above_diagonal | diagonal;
+      for (; of_runs != 0; of_runs &= of_runs - 1) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(of_runs));
+        const std::uint32_t i = 8 * g + bit / 8, j = 8 * h + bit % 8;
+        std::uint64_t of_edges = meet(edges_[i], edges_[j], none);
+        if (i == j) of_edges &= above_diagonal;
+        for (; of_edges != 0; of_edges &= of_edges - 1) {
+          const auto place = static_cast<std::uint32_t>(std::countr_zero(of_edges));
+          if (!are_apart(8 * i + place / 8, 8 * j + place % 8, projection)) return false;
+        }
+      }
+    }
+  return true;
+}
+
+/// But for a vertex that they share.
+bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projection projection) const {
+  const Vec3 &p = points_[e], &q = points_[next_[e]], &r = points_[f], &s = points_[next_[f]];
+  if (next_[e] == f) return !folds_back(p, q, s, projection);
+  if (next_[f] == e) return !folds_back(r, p, q, projection);
+  return !may_touch(p, q, r, s, projection);
+}
+
+/// Of a simple loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull.
+int HeightFields::Border::turn(std::size_t loop, Projection projection) const {
+  std::uint32_t first = loops_[loop], before = loops_[loop + 1] - 1;
+  for (std::uint32_t e = loops_[loop] + 1; e < loops_[loop + 1]; ++e)
+    if (is_lower(points_[e], points_[first], projection)) first = e, before = e - 1;
+  return orient2d(points_[before], points_[first], points_[next_[first]], projection);
+}
+
+bool HeightFields::Border::no_loops_are_nested(Projection projection, bool is_mirrored) {
+  ccw_boxes_.clear();
+  const int counter_clockwise = is_mirrored ? -1 : 1;
+  for (std::size_t loop = 0; loop + 1 < loops_.size(); ++loop) {
+    if (turn(loop, projection) != counter_clockwise) continue;
+    Box box;
+    for (std::uint32_t e = loops_[loop]; e < loops_[loop + 1]; ++e)
+      box.add({points_[e][projection.first], points_[e][projection.second], 0});
+    ccw_boxes_.push_back(box);
+  }
+  // What lies within a loop has a box within its box.
+  for (const Box& inner : ccw_boxes_)
+    for (const Box& outer : ccw_boxes_)
+      if (&inner != &outer && min(inner.lower, outer.lower) == outer.lower &&
+          max(inner.upper, outer.upper) == outer.upper)
+        return false;
+  return true;
+}
+
+HeightFields::HeightFields() = default;
+HeightFields::~HeightFields() = default;
+HeightFields::HeightFields(HeightFields&&) noexcept = default;
+HeightFields& HeightFields::operator=(HeightFields&&) noexcept = default;
+
+void HeightFields::start(const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
+  state_ = &s;
+  boxes_ = &boxes;
+  levels_.resize(s.borders.size());
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    const std::size_t size = std::size_t{8} << (3 * level);
+    levels_[level].assign((s.order.size() + size - 1) / size, {});
+  }
+  if (borders_.empty()) borders_.resize(1);
+}
+
+void HeightFields::find_directions(std::uint32_t first_block, std::uint32_t last_block) {
+  const SurfaceTreeState& s = *state_;
+  const bool is_placed = s.followed && s.followed->is_placed;
+  with_reader(s.from, s.rest, [&](const auto& read) {
+    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.placement()(read(v)) : read(v); };
+    for (std::uint32_t block = first_block; block < last_block; ++block) {
+      const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
+      unsigned directions = 63;
+      for (std::size_t i = begin; i < end && directions != 0; ++i) {
+        const Facet& f = s.facets_in_order[i];
+        directions &= directions_of(corner(f[0]), corner(f[1]), corner(f[2]));
+      }
+      levels_[0][block].directions = static_cast<Directions>(directions);
+    }
+  });
+}
+
+HeightFields::Directions HeightFields::common_directions(std::size_t level, std::uint32_t region) const {
+  const std::vector<Region>& below = levels_[level - 1];
+  const std::size_t begin = 8 * std::size_t{region}, end = std::min(below.size(), begin + 8);
+  Directions directions = 63;
+  for (std::size_t i = begin; i < end; ++i) directions &= below[i].directions;
+  return directions;
+}
+
+void HeightFields::find_all(Workers& workers) {
+  parallel_for(workers, levels_[0].size(), blocks_at_once, [&](std::size_t begin, std::size_t end) {
+    const StandardFloats standard;
+    find_directions(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
+  });
+  for (std::size_t level = 1; level < levels_.size(); ++level)
+    for (std::uint32_t region = 0; region < levels_[level].size(); ++region)
+      levels_[level][region].directions = common_directions(level, region);
+  // From the largest on: what is within one is one, and is not looked at.
+  for (std::size_t level = levels_.size() - 1; level > 0; --level) {
+    std::vector<Region>& regions = levels_[level];
+    borders_.resize(std::max(borders_.size(), (regions.size() + regions_at_once - 1) / regions_at_once));
+    parallel_for(workers, regions.size(), regions_at_once, [&](std::size_t begin, std::size_t end) {
+      const StandardFloats standard;
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto region = static_cast<std::uint32_t>(i);
+        Region& r = regions[i];
+        r.is_field =
+            is_one(level + 1, region / 8) ||
+            (r.directions != 0 && has_simple_border(level, region, r.directions, borders_[begin / regions_at_once]));
+      }
+    });
+  }
+}
+
+void HeightFields::find(std::size_t level, std::uint32_t region) {
+  const std::uint32_t first = region << (3 * level);
+  const auto last = static_cast<std::uint32_t>(
+      std::min<std::size_t>(levels_[0].size(), std::size_t{first} + (std::size_t{1} << (3 * level))));
+  find_directions(first, last);
+  Directions directions = 63;
+  for (std::uint32_t block = first; block < last; ++block) directions &= levels_[0][block].directions;
+  levels_[level][region].is_field = directions != 0 && has_simple_border(level, region, directions, borders_[0]);
+}
+
+bool HeightFields::has_simple_border(std::size_t level, std::uint32_t region, Directions directions,
+                                     Border& border) const {
+  const SurfaceTreeState& s = *state_;
+  const RegionBorders& of_level = s.borders[level];
+  const std::uint32_t first_loop = of_level.loops_begin[region], last_loop = of_level.loops_begin[region + 1];
+  if (first_loop == last_loop) return false;
+  border.start();
+  for (std::uint32_t k = first_loop; k < last_loop; ++k) border.add(s, *boxes_, of_level.loop(k));
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_seen = (directions >> axis & 1) != 0, is_mirrored = (directions >> axis & 8) != 0;
+    if ((is_seen || is_mirrored) && border.is_simple(projections[axis], is_mirrored)) return true;
+  }
+  return false;
+}
+
+}  // namespace morula::detail
