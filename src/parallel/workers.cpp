@@ -6,7 +6,9 @@
 #include <stdexcept>
 #include <utility>
 #ifdef MORULA_THREADS
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <system_error>
 #include <thread>
@@ -56,12 +58,30 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
   if (failure) std::rethrow_exception(failure);
 }
 
+#ifdef MORULA_THREADS
+/// Tells the processor that a thread waits awake.
+inline void relax() {
+#if defined(__SSE2__)
+  __builtin_ia32_pause();
+#elif defined(_M_X64)
+  _mm_pause();
+#elif defined(__aarch64__) && defined(__GNUC__)
+  __asm__ volatile("yield");
+#endif
+}
+#endif
+
 }  // namespace
 
 #ifdef MORULA_THREADS
 
+// Helpers join a loop when they are awake in time: the caller begins at once, and waits for those alone that have begun
+// a chunk. Between two loops that follow each other closely everybody stays awake, since waking a thread may take
+// longer than the loop.
 struct Workers::Pool {
   explicit Pool(unsigned helpers) {
+    const unsigned processors = std::thread::hardware_concurrency();
+    stays_awake_ = processors == 0 || helpers < processors;
     threads_.reserve(helpers);
     try {
       for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { serve(); });
@@ -76,47 +96,82 @@ struct Workers::Pool {
   ~Pool() { stop(); }
 
   void run(std::size_t count, ChunkFunction f) {
+    std::size_t to_wake = 0;
     {
       const std::lock_guard lock(mutex_);
-      chunk_ = &f;
-      chunk_count_ = count;
+      loop_ = {&f, count};
       next_.store(0, std::memory_order_relaxed);
-      busy_ = static_cast<unsigned>(threads_.size());
       failed_index_ = count;
       failure_ = nullptr;
-      ++generation_;
+      to_wake = std::min<std::size_t>(sleepers_, count - 1);
+      generation_.store(generation_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
     }
-    wake_.notify_all();
-    take_chunks();
-    std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return busy_ == 0; });
+    for (; to_wake > 0; --to_wake) wake_.notify_one();
+    take_chunks({&f, count});
+    {
+      const std::lock_guard lock(mutex_);
+      loop_ = {};  // who comes now is too late
+    }
+    if (!is_soon([this] { return helping_.load(std::memory_order_acquire) == 0; })) {
+      std::unique_lock lock(mutex_);
+      idle_.wait(lock, [this] { return helping_ == 0; });
+    }
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
  private:
+  struct Loop {
+    const ChunkFunction* chunk = nullptr;
+    std::size_t count = 0;
+  };
+
   void serve() {
     const StandardFloats standard;  // threads inherit what their maker had set
     std::uint64_t seen = 0;
     for (;;) {
+      const auto is_called = [&] { return generation_.load(std::memory_order_acquire) != seen; };
+      is_soon(is_called);
+      Loop loop;
       {
         std::unique_lock lock(mutex_);
-        wake_.wait(lock, [&] { return stopping_ || generation_ != seen; });
+        ++sleepers_;
+        wake_.wait(lock, [&] { return stopping_ || is_called(); });
+        --sleepers_;
         if (stopping_) return;
-        seen = generation_;
+        seen = generation_.load(std::memory_order_relaxed);
+        loop = loop_;
+        if (loop.chunk == nullptr) continue;
+        helping_.store(helping_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       }
-      take_chunks();
+      take_chunks(loop);
       const std::lock_guard lock(mutex_);
-      if (--busy_ == 0) idle_.notify_one();
+      const unsigned left = helping_.load(std::memory_order_relaxed) - 1;
+      helping_.store(left, std::memory_order_release);
+      if (left == 0) idle_.notify_one();
     }
   }
 
-  void take_chunks() {
+  /// Waits awake until something holds, for about as long as waking a thread takes. Does it hold?
+  template <class Holds>
+  bool is_soon(const Holds& holds) const {
+    if (!stays_awake_) return holds();
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(50);
+    do {
+      for (int i = 0; i < 16; ++i) {
+        if (holds()) return true;
+        relax();
+      }
+    } while (std::chrono::steady_clock::now() < end);
+    return holds();
+  }
+
+  void take_chunks(const Loop& loop) {
     inside_chunk = true;
     for (;;) {
       const std::size_t i = next_.fetch_add(1, std::memory_order_relaxed);
-      if (i >= chunk_count_) break;
+      if (i >= loop.count) break;
       try {
-        (*chunk_)(i);
+        (*loop.chunk)(i);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (i < failed_index_) failed_index_ = i, failure_ = std::current_exception();
@@ -136,13 +191,14 @@ struct Workers::Pool {
   }
 
   std::vector<std::thread> threads_;
-  std::mutex mutex_;
+  bool stays_awake_ = true;
+  std::mutex mutex_;  // of all below; what is atomic is read without it, too
   std::condition_variable wake_, idle_;
-  const ChunkFunction* chunk_ = nullptr;
-  std::size_t chunk_count_ = 0;
+  Loop loop_;  // nothing: none that a helper may join
   std::atomic<std::size_t> next_{0};
-  unsigned busy_ = 0;
-  std::uint64_t generation_ = 0;
+  std::atomic<std::uint64_t> generation_{0};
+  std::atomic<unsigned> helping_{0};  // those who joined the loop
+  std::size_t sleepers_ = 0;
   bool stopping_ = false;
   std::size_t failed_index_ = 0;
   std::exception_ptr failure_;

@@ -13,6 +13,8 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t least_for_a_try = 512;
+// As many tests of a descent take as long as one of a front.
+constexpr std::size_t descent_tests = 4;
 
 }  // namespace
 
@@ -45,12 +47,16 @@ void PairFront::look(const SceneOptions& options) {
 
 // A front is what a pair needs that takes more tests than it can have at a time. Most take few, and are done three to
 // four times as soon depth-first, without one.
-bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests) const {
-  if (options.surfaces || options.exact || is_current_ || carries()) return false;
-  // Somewhat more than last time, for bodies that have moved. Where nothing is known, as many as a round gives at
-  // least.
-  return tests_to_finish_ ? *tests_to_finish_ + *tests_to_finish_ / 4 <= most_tests
-                          : most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
+bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const {
+  if (options.surfaces || options.exact || is_current_ || (carries() && !(by_time && carrying_was_dear_))) return false;
+  // Where nothing is known, as many as a round gives at least.
+  const std::optional<std::size_t> expected = tests_expected();
+  return expected ? *expected <= most_tests : most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
+}
+
+std::optional<std::size_t> PairFront::tests_expected() const {
+  if (!tests_to_finish_) return std::nullopt;
+  return *tests_to_finish_ + *tests_to_finish_ / 4;
 }
 
 // To carry a front over, all nodes are looked at once: dear where there are more of them than tests.
@@ -83,13 +89,16 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
   return done;
 }
 
-std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests) {
+std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time) {
   std::size_t spent = 0;
-  if (most_tests && is_worth_a_descent(options, *most_tests)) {
-    const Descent done = descend(options, *most_tests);
-    if (done.finished || done.tests >= *most_tests) return done.tests;
-    spent = done.tests;
-    *most_tests -= spent;
+  if (most_tests) {
+    const std::size_t most = *most_tests * (by_time ? descent_tests : 1);
+    if (is_worth_a_descent(options, most, by_time)) {
+      const Descent done = descend(options, most);
+      if (done.finished || done.tests >= *most_tests) return done.tests;
+      spent = done.tests;
+      *most_tests -= spent;
+    }
   }
   CollideOptions asked = options_for(options, most_tests ? Budget(*most_tests) : Budget());
   if (!most_tests) asked.surfaces = options.surfaces, asked.exact = options.exact;
@@ -104,7 +113,10 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
     has_front_ = false;
   } else {
     const bool carried = carries();
-    if (carried) status = query_.carry();
+    if (carried) {
+      status = query_.carry();
+      carrying_was_dear_ = descent_tests * status.pair_tests > tests_of_front_;
+    }
     if (!carried || !status) {
       status = query_.start();
       tests_of_front_ = status.pair_tests;

@@ -27,14 +27,17 @@ class PairFront {
   /// No front of before fits any more.
   void forget_front() { has_front_ = false; }
 
-  /// Goes on, with at most so many tests; without any number, to the end. Returns the tests done.
-  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests);
+  /// Goes on, with at most so many tests; without any number, to the end. by_time: time counts, not their number, so
+  /// where tests take less time, there are more. Returns the tests done.
+  std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time = false);
   /// Surfaces and crossings of what is finished, as options say. of_time: for surfaces.
   void add_extras(const SceneOptions& options, const Budget& budget);
 
   bool roots_overlap() const { return roots_overlap_; }
   bool is_finished() const { return !roots_overlap_ || (is_current_ && (is_descended_ || query_.contacts().finished)); }
   bool is_current() const { return is_current_; }
+  /// What it took when it was finished last, and a quarter, for bodies that have moved; nothing where that is unknown.
+  std::optional<std::size_t> tests_expected() const;
   double overlap_share() const { return overlap_share_; }
   std::span<const Contact> contacts() const;
   std::span<const ContactSurface> surfaces() const;
@@ -48,7 +51,7 @@ class PairFront {
   bool touches = false, extras_are_due = false;
 
  private:
-  bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests) const;
+  bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const;
   bool carries() const;
   Descent descend(const SceneOptions& options, std::size_t most_tests);
   CollideOptions options_for(const SceneOptions& options, const Budget& budget) const;
@@ -59,6 +62,7 @@ class PairFront {
   Contact coarse_{};
   double overlap_share_ = 0;
   std::size_t tests_of_front_ = 0;                ///< what a fresh front has cost
+  bool carrying_was_dear_ = false;                ///< bodies had moved so far that it saved too few tests
   std::optional<std::size_t> tests_to_finish_{};  ///< when it last was
   std::vector<Contact> descended_;
   std::size_t in_vain_ = 0;  ///< tests of the last descent that was stopped; 0 since one was not

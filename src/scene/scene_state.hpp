@@ -68,6 +68,7 @@ struct SceneState {
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
   void refine_all(Workers& workers);
   void refine_by_tests(std::size_t tests, Workers& workers);
+  void choose_by_importance(std::size_t count);
   void refine_by_time(std::chrono::nanoseconds deadline, Workers& workers);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
   void publish(SceneStatus& status);
@@ -75,11 +76,14 @@ struct SceneState {
 
   /// Pairs with work to do, and what a round gives them.
   std::vector<PairFront*> work_, chosen_;
-  std::vector<std::size_t> used_, blocked_;
+  std::vector<std::size_t> used_, shares_;
+  std::vector<std::uint32_t> order_;
   std::vector<std::size_t> looked_at_;
   std::size_t next_to_forget_ = 0;
   std::size_t tests_done_ = 0;
   std::vector<BodyRead> read_;
+  std::vector<double> values_;
+  double first_round_of_pair_ = 0;          ///< in the last update, of one thread; ns
   std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update takes
 };
 

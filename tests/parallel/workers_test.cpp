@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <morula/parallel/workers.hpp>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace morula {
@@ -52,6 +54,23 @@ TEST(Workers, throw_the_exception_of_the_lowest_chunk_and_stay_usable) {
     std::atomic<int> sum{0};
     workers.run(10, [&](std::size_t i) { sum += static_cast<int>(i); });
     EXPECT_EQ(sum.load(), 45);
+  }
+}
+
+// Threads that come too late for a loop, that wait awake, that sleep, and more of them than processors.
+TEST(Workers, are_done_with_every_chunk_of_short_loops_in_a_row) {
+  for (const unsigned threads : {2u, 3u, 9u}) {
+    Workers workers(threads);
+    std::vector<std::size_t> written(64);
+    for (std::size_t loop = 1; loop <= 5000; ++loop) {
+      const std::size_t count = 2 + loop * 7 % 60;
+      parallel_for(workers, count, 1 + loop % 3, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) written[i] = written[i] < loop ? loop : 0;
+      });
+      // Not atomic: each is written once, before the loop returns.
+      for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(written[i], loop) << threads << " threads, chunk " << i;
+      if (loop % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
 }
 

@@ -271,6 +271,31 @@ std::vector<NodePair> nodes_of(std::span<const Contact> contacts) {
   return nodes;
 }
 
+// By the clock that was given, which takes its time for whoever reads it: work costs nothing, so what is late is what
+// was begun too late.
+TEST(Scene, a_budget_in_time_ends_within_a_tenth_of_it) {
+  std::vector<std::unique_ptr<Thing>> things;
+  std::chrono::nanoseconds time{0};
+  Scene scene({.budget = 1ms, .clock = [&] { return time += 20us; }});
+  Random random(5);
+  for (std::size_t i = 0; i < 24; ++i) {
+    things.push_back(make_thing(i));
+    things.back()->id = scene.add(things.back()->collider);
+  }
+  std::size_t late = 0, stopped = 0, finished = 0;
+  for (int frame = 0; frame < 10000; ++frame) {
+    for (const auto& thing : things) thing->collider.place(test::random_placement(random, frame % 2 == 0 ? 1.0 : 3.0));
+    const std::chrono::nanoseconds before = time;
+    const SceneStatus status = scene.update();
+    ASSERT_TRUE(status);
+    late += time - before > 1100us;
+    (status.finished ? finished : stopped) += 1;
+  }
+  EXPECT_EQ(late, 0u);
+  EXPECT_GT(stopped, 1000u);
+  EXPECT_GT(finished, 1000u);
+}
+
 TEST(Scene, finished_contacts_are_those_of_every_two_bodies_alone) {
   std::size_t compared = 0;
   for (const double margin : {0.0, 0.15})

@@ -166,14 +166,17 @@ void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
     }
     entries_.swap(below_);
   }
-  if (tasks_.size() < entries_.size()) tasks_.resize(entries_.size());
-  parallel_for(workers, entries_.size(), 4, [&](std::size_t begin, std::size_t end) {
+  // A few entries share the memory of one task: many small pieces of it would be slow to come by.
+  constexpr std::size_t entries_at_once = 16;
+  const std::size_t tasks = (entries_.size() + entries_at_once - 1) / entries_at_once;
+  if (tasks_.size() < tasks) tasks_.resize(tasks);
+  parallel_for(workers, entries_.size(), entries_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
+    Task& task = tasks_[begin / entries_at_once];
+    task.pairs.clear();
+    task.tests = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      Task& task = tasks_[i];
       task.stack.assign(1, entries_[i]);
-      task.pairs.clear();
-      task.tests = 0;
       while (!task.stack.empty()) {
         const Entry entry = task.stack.back();
         task.stack.pop_back();
@@ -186,7 +189,7 @@ void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
       }
     }
   });
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
+  for (std::size_t i = 0; i < tasks; ++i) {
     pairs_.insert(pairs_.end(), tasks_[i].pairs.begin(), tasks_[i].pairs.end());
     meter.groups_tested += tasks_[i].tests;
   }
