@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace morula::detail {
 
@@ -69,37 +70,76 @@ Vec3 out_of_axes(const Axes& axes, const Vec3& local) {
   return axes[0] * local.x + axes[1] * local.y + axes[2] * local.z;
 }
 
+namespace {
+
+constexpr std::size_t most_cells = 256;
+
+/// Numbers of cells that were found, by their keys, in the order in which they were.
+class FoundCells {
+ public:
+  /// most: beyond `few` a table finds them, at most half full.
+  explicit FoundCells(std::size_t most) {
+    if (most > few) table_.fill(0);
+    hashes_ = most > few;
+  }
+  std::size_t count() const { return count_; }
+  std::uint64_t key(std::size_t i) const { return keys_[i]; }
+
+  /// The number of a cell, or count() if it is new: then add() makes it this.
+  std::size_t find(std::uint64_t key) {
+    if (!hashes_) {
+      std::size_t i = 0;
+      while (i < count_ && keys_[i] != key) ++i;
+      return i;
+    }
+    place_ = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> (64 - table_bits));
+    for (; table_[place_] != 0; place_ = (place_ + 1) % table_.size())
+      if (keys_[table_[place_] - 1u] == key) return table_[place_] - 1u;
+    return count_;
+  }
+  void add(std::uint64_t key) {
+    keys_[count_++] = key;
+    if (hashes_) table_[place_] = static_cast<std::uint16_t>(count_);
+  }
+
+ private:
+  static constexpr std::size_t few = 16;
+  static constexpr int table_bits = 9;
+  static_assert(std::size_t{1} << table_bits >= 2 * most_cells);
+
+  std::array<std::uint64_t, most_cells> keys_;
+  std::array<std::uint16_t, std::size_t{1} << table_bits> table_;  // numbers plus one; 0: free
+  bool hashes_ = false;
+  std::size_t count_ = 0, place_ = 0;
+};
+
+}  // namespace
+
 bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most,
                     std::vector<Vec3>& centers) {
-  // Few cells are ever wanted: a linear search over the keys of those found is quicker than hashing. No point lies
-  // before the origin, so truncation is the floor.
-  constexpr std::size_t most_cells = 256;
+  // No point lies before the origin, so truncation is the floor.
   constexpr double cells_per_axis = 1 << 20;
-  std::array<std::uint64_t, most_cells> keys;
   most = std::min(most, most_cells);
   // Along an axis without extent all points are in one cell; 0 × ∞ would be none.
   const auto per = [](double edge) { return edge > std::numeric_limits<double>::min() ? 1 / edge : 0; };
   const Vec3 per_edge{per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)};
-  std::size_t count = 0, recent = 0;
+  FoundCells found(most);
+  std::uint64_t recent = ~std::uint64_t{0};  // no cell's
   for (const Vec3& p : points) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::clamp((p[axis] - lattice.origin[axis]) * per_edge[axis], 0.0, cells_per_axis - 1);
       key = key << 20 | static_cast<std::uint32_t>(cell);
     }
-    if (count > 0 && keys[recent] == key) continue;
-    std::size_t i = 0;
-    while (i < count && keys[i] != key) ++i;
-    if (i == count) {
-      if (count == most) return false;
-      keys[count++] = key;
-    }
-    recent = i;
+    if (key == std::exchange(recent, key) || found.find(key) != found.count()) continue;
+    if (found.count() == most) return false;
+    found.add(key);
   }
   centers.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 cell{static_cast<double>(keys[i] >> 40), static_cast<double>(keys[i] >> 20 & 0xfffff),
-                    static_cast<double>(keys[i] & 0xfffff)};
+  for (std::size_t i = 0; i < found.count(); ++i) {
+    const std::uint64_t key = found.key(i);
+    const Vec3 cell{static_cast<double>(key >> 40), static_cast<double>(key >> 20 & 0xfffff),
+                    static_cast<double>(key & 0xfffff)};
     Vec3 center;
     for (int axis = 0; axis < 3; ++axis) center[axis] = lattice.origin[axis] + (cell[axis] + 0.5) * lattice.edge[axis];
     centers.push_back(center);
