@@ -32,11 +32,12 @@ using Geometry = std::unique_ptr<RTCGeometryTy, Release<RTCGeometryTy, rtcReleas
 
 class Embree final : public Peer {
  public:
-  Embree(const Mesh& mesh, RTCSceneFlags flags) : facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
+  Embree(const Mesh& mesh, RTCSceneFlags flags, RTCBuildQuality quality = RTC_BUILD_QUALITY_REFIT)
+      : facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
     rtcSetSceneFlags(scene_.get(), flags);
     // Refitting is for scenes of low quality alone: Embree rebuilds others without a word.
     rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_LOW);
-    rtcSetGeometryBuildQuality(geometry_.get(), RTC_BUILD_QUALITY_REFIT);
+    rtcSetGeometryBuildQuality(geometry_.get(), quality);
     positions_ = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry_.get(), RTC_BUFFER_TYPE_VERTEX, 0,
                                                              RTC_FORMAT_FLOAT3, sizeof(Vec3f), vertex_count_));
     void* const indices = rtcSetNewGeometryBuffer(geometry_.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -222,6 +223,10 @@ std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b
 std::unique_ptr<Peer> make_embree(const Mesh& mesh) {
   return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC);
 }
+std::unique_ptr<Peer> make_embree_anew(const Mesh& mesh) {
+  return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_LOW);
+}
+
 std::unique_ptr<Peer> make_embree_robust(const Mesh& mesh) {
   return std::make_unique<Embree>(mesh, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
 }

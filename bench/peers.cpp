@@ -48,6 +48,9 @@ std::unique_ptr<Peer> make_embree(const Mesh&) {
 std::unique_ptr<Peer> make_embree_robust(const Mesh&) {
   return nullptr;
 }
+std::unique_ptr<Peer> make_embree_anew(const Mesh&) {
+  return nullptr;
+}
 #endif
 
 std::span<const PeerKind> peer_kinds() {

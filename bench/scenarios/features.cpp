@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <morula/deform/deformation.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
+#include <morula/tree/renumber.hpp>
 
 #include "frames.hpp"
 #include "peers.hpp"
@@ -84,6 +86,44 @@ bool same_pairs(const std::vector<FeaturePair>& expected, const Pairs& found) {
                     [](const FeaturePair& a, const FeaturePair& b) { return a == b; });
 }
 
+/// Boxes of everything, with vertices in the order of the leaves of an octree and in the file's; and Embree's quickest
+/// builder in every frame.
+std::vector<Result> updates_of_everything(const Input& input, const Settings& settings) {
+  const CoveredTree built = build(input.mesh, {.method = Method::octree, .depth = 4}, *settings.workers);
+  const Mesh ordered = renumbered(input.mesh, leaf_order(built));
+  const std::vector<Frame> frames = poke_and_back(ordered), file_frames = poke_and_back(input.mesh);
+  SurfaceTree tree(ordered), again(ordered), file(input.mesh);
+  const std::unique_ptr<Peer> peer = make_embree_anew(input.mesh);
+  Result own{.scenario = "self", .item = "update of all boxes", .mesh = input.name};
+  Result embree{.scenario = "self", .item = "Embree, built anew", .mesh = input.name};
+  if (!peer) embree.note = "peer not built: install libembree-dev";
+  std::vector<double> file_seconds;
+  bool same = true, contained = true;
+  timed(settings, [&] {
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      own.seconds.push_back(processor_seconds_of([&] { tree.update(frames[f]); }));
+      file_seconds.push_back(processor_seconds_of([&] { file.update(file_frames[f]); }));
+      if (peer) {
+        peer->take(file_frames[f]);
+        embree.seconds.push_back(processor_seconds_of([&] { peer->refit(); }));
+      }
+      if (f % 8 != 0) continue;
+      again.update(frames[frames.size() - 1 - f]);
+      again.update(frames[f]);
+      same = same && again.hash() == tree.hash();
+      contained = contained && (!peer || peer->contains_facets());
+    }
+  });
+  own.expect(same, "other boxes than after another frame");
+  embree.expect(contained, "boxes without their facets");
+  const auto per_vertex = [&](const std::vector<double>& seconds) {
+    return 1e9 * median(seconds) / static_cast<double>(input.mesh.vertex_count());
+  };
+  own.figures = {{"ns/vertex, leaf order", per_vertex(own.seconds)}, {"file order", per_vertex(file_seconds)}};
+  if (peer) embree.figures = {{"times ours", median(embree.seconds) / median(own.seconds)}};
+  return {own, embree};
+}
+
 }  // namespace
 
 std::vector<Result> run_self(const Input& input, const Settings& settings) {
@@ -115,7 +155,9 @@ std::vector<Result> run_self(const Input& input, const Settings& settings) {
   own.expect(same, "not the pairs that Embree's boxes find with our test");
   own.figures = {{"pairs", pairs / static_cast<double>(own.seconds.size())}};
   if (peer) embree.figures = {{"times ours", median(embree.seconds) / median(own.seconds)}};
-  return {own, embree};
+  std::vector<Result> results{own, embree};
+  for (Result& result : updates_of_everything(input, settings)) results.push_back(std::move(result));
+  return results;
 }
 
 std::vector<Result> run_proximity(const Input& input, const Settings& settings) {
