@@ -13,6 +13,9 @@
 #include <system_error>
 #include <thread>
 #include <vector>
+#if defined(__SSE2__) || defined(_M_X64)
+#include <emmintrin.h>
+#endif
 #endif
 
 #include "parallel/float_environment.hpp"
@@ -61,9 +64,7 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
 #ifdef MORULA_THREADS
 /// Tells the processor that a thread waits awake.
 inline void relax() {
-#if defined(__SSE2__)
-  __builtin_ia32_pause();
-#elif defined(_M_X64)
+#if defined(__SSE2__) || defined(_M_X64)
   _mm_pause();
 #elif defined(__aarch64__) && defined(__GNUC__)
   __asm__ volatile("yield");
