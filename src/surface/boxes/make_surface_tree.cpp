@@ -18,7 +18,9 @@ class Sorter {
       const auto corners = mesh.corners(f);
       middle_[f] = (corners[0] * (1.0 / 3) + corners[1] * (1.0 / 3)) + corners[2] * (1.0 / 3);
     }
-    order_.resize(mesh.facet_count());
+  }
+  void sort() {
+    order_.resize(middle_.size());
     for (std::uint32_t f = 0; f < order_.size(); ++f) order_[f] = f;
     std::size_t run = 8;
     while (run < order_.size()) run *= 8;
@@ -135,7 +137,7 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
   s.edges = all_edges(s.facets);
-  Sorter(mesh, s.order);
+  Sorter(mesh, s.order).sort();
   give_vertices(s);
   give_edges(s);
   for (const std::uint32_t f : s.order) s.facets_in_order.push_back(s.facets[f]);
