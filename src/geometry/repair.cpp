@@ -51,7 +51,8 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
     const Cell own = cell_of(positions[v]);
     std::uint32_t first = v;
     for (int n = 0; n < 27; ++n) {
-      const auto found = staying.find({own[0] + n % 3 - 1, own[1] + n / 3 % 3 - 1, own[2] + n / 9 - 1});
+      const int along_x = n % 3 - 1, along_y = n / 3 % 3 - 1, along_z = n / 9 - 1;
+      const auto found = staying.find({own[0] + along_x, own[1] + along_y, own[2] + along_z});
       if (found == staying.end()) continue;
       for (const std::uint32_t other : found->second) {
         if (other >= first) break;

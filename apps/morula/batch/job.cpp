@@ -3,7 +3,7 @@
 #include "batch/job.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): POSIX has more in it
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // morula batch: a tree for each of many meshes, one process each; what fails is a row of the table.
 #include <fmt/format.h>
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): POSIX has more in it
 #include <unistd.h>
 
 #include <algorithm>

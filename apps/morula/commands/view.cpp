@@ -103,7 +103,7 @@ PageScene given_spheres(const ViewArguments& o, const Mesh& mesh, const PageMoti
   Progress progress("measuring");
   const auto tell = [&](double share) { progress.update(share); };
   if (file_kind(o.tree) == FileKind::balls) {
-    const SphereTree tree = read_tree(o.tree).tree;
+    SphereTree tree = read_tree(o.tree).tree;
     return show_spheres(
         motion, mesh, file_name(o.tree), "balls as they are", [&](std::size_t) { return tree; }, o.measure, workers,
         tell);

@@ -3,7 +3,7 @@
 #include "shared/interrupt.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): POSIX has more in it
 #include <unistd.h>
 
 #include <array>

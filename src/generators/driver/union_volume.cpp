@@ -45,6 +45,7 @@ double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres) 
   constexpr int lines_wanted = 96;  // along the longest side
   const std::array<int, 3>& count = lines.count();
   const int stride = std::max(1, *std::max_element(count.begin(), count.end()) / lines_wanted);
+  const int middle = stride / 2;
   double total = 0;
   std::vector<std::vector<Chord>> row;
   for (int axis = 0; axis < 3; ++axis) {
@@ -61,7 +62,7 @@ double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres) 
     const int u_begin = number(u_low), u_end = number(u_high) + 1;
     row.resize(static_cast<std::size_t>(u_end - u_begin));
     for (int v = number(v_low); v <= number(v_high); ++v) {
-      const int v_line = v * stride + stride / 2;
+      const int v_line = v * stride + middle;
       for (const Sphere& s : local) {
         const double dv = v_line + 0.5 - s.center[v_axis];
         const double in_row = s.radius * s.radius - dv * dv;
@@ -69,7 +70,7 @@ double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres) 
         const double half = std::sqrt(in_row);
         const int last = number(s.center[u_axis] + half);
         for (int u = number(s.center[u_axis] - half); u <= last; ++u) {
-          const double du = u * stride + stride / 2 + 0.5 - s.center[u_axis];
+          const double du = u * stride + middle + 0.5 - s.center[u_axis];
           const double in_line = in_row - du * du;
           if (!(in_line > 0)) continue;
           const double chord = std::sqrt(in_line);
@@ -79,7 +80,7 @@ double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres) 
       for (int u = u_begin; u < u_end; ++u) {
         std::vector<Chord>& chords = row[static_cast<std::size_t>(u - u_begin)];
         if (chords.empty()) continue;
-        total += outside_of(chords, lines.line(axis, u * stride + stride / 2, v_line));
+        total += outside_of(chords, lines.line(axis, u * stride + middle, v_line));
         chords.clear();
       }
     }

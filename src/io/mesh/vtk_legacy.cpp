@@ -129,9 +129,8 @@ class LegacyReader {
       case Number::uint32:
         return in_.integer<std::uint32_t>(what);
       case Number::int64:
+      case Number::uint64:  // none that matters has the highest bit
         return in_.integer<std::int64_t>(what);
-      case Number::uint64:
-        return in_.integer<std::int64_t>(what);  // none that matters has the highest bit
       default:
         in_.fail(std::string(what) + " is no whole number by its type");
     }

@@ -104,7 +104,7 @@ fs::path find_mesh(const std::string& name, const fs::path& robot_file, std::spa
   std::vector<fs::path> allowed{folder.parent_path().parent_path()};
   for (const fs::path& path : package_paths) allowed.push_back(fs::absolute(path).lexically_normal());
   for (const fs::path& candidate : candidates) {
-    const fs::path plain = fs::absolute(candidate).lexically_normal();
+    fs::path plain = fs::absolute(candidate).lexically_normal();
     if (!search.finds(plain)) continue;
     if (std::any_of(allowed.begin(), allowed.end(), [&](const fs::path& root) { return lies_in(plain, root); }))
       return plain;

@@ -69,7 +69,7 @@ std::vector<OutputFile> with_urdf(const Description& d, OutputFile file) {
 std::filesystem::path asset_root(const Description& d) {
   const Robot& robot = d.robot;
   if (robot.format != Robot::Format::urdf) return urdf_of(d).parent_path();
-  const std::filesystem::path folder = std::filesystem::absolute(robot.file).parent_path().lexically_normal();
+  std::filesystem::path folder = std::filesystem::absolute(robot.file).parent_path().lexically_normal();
   for (const Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {
       for (const Shape& shape : *shapes) {

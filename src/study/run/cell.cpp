@@ -241,7 +241,7 @@ Cell cell_from_json(const Json& json) {
                            {c.at(0), c.at(1), c.at(2), c.at(3), c.at(4), c.at(5)},
                            std::nullopt};
       if (const Json& p = l.at("protrusion"); !p.is_null()) figures.protrusion = Protrusion{p.at(0), p.at(1)};
-      sample.levels.push_back(std::move(figures));
+      sample.levels.push_back(figures);
     }
     cell.samples.push_back(std::move(sample));
   }

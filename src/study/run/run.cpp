@@ -22,7 +22,7 @@ namespace {
 class Counter {
  public:
   Counter(std::size_t total, const Progress& report) : total_(total), report_(report) {}
-  void next(std::string label) {
+  void next(const std::string& label) {
     const std::lock_guard lock(mutex_);
     if (report_) report_(static_cast<double>(done_) / static_cast<double>(std::max<std::size_t>(total_, 1)), label);
     ++done_;

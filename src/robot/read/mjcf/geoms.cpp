@@ -44,7 +44,7 @@ void MjcfGeoms::read_assets(const XMLElement& of) {
 
 std::vector<double> MjcfGeoms::sizes(const MjcfElement& e, std::size_t count) const {
   if (e.find("size") == nullptr) files_.fail(e.own, "a geom has no size");
-  const std::vector<double> values = values_.numbers(e, "size", count, 3);
+  std::vector<double> values = values_.numbers(e, "size", count, 3);
   for (std::size_t i = 0; i < count; ++i) {
     if (!(values[i] > 0)) files_.fail(e.own, fmt::format("size=\"{}\" of a geom is not above 0", e.find("size")));
   }
