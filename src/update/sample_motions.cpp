@@ -39,8 +39,8 @@ Modes sample_modes(std::span<const Vec3> rest, std::size_t mode_count) {
   Modes modes{rest.size(), mode_count, {}};
   modes.displacements.reserve(mode_count * rest.size());
   for (std::size_t j = 0; j < mode_count; ++j) {
-    const double half_waves = static_cast<double>(j / 2 + 1);
-    const std::size_t across = j % 2 == 0 ? 1 : 2;
+    const std::size_t pair = j / 2, across = j % 2 == 0 ? 1 : 2;
+    const auto half_waves = static_cast<double>(pair + 1);
     for (const Vec3& p : rest) {
       const auto [s, c] = sin_cos(half_waves * pi * ((p.x - box.lower.x) / length));
       const double slope = 0.1 * half_waves * pi * c;
