@@ -164,11 +164,133 @@ TEST(HeightFields, odd_edges_and_vertices_make_none) {
   Mesh turned = sheet(4, flat);
   std::swap(turned.facets[9][0], turned.facets[9][1]);
   EXPECT_FALSE(is_height_field(turned));
-  // Two squares that share a corner: two edges of the border leave it.
-  EXPECT_FALSE(is_height_field(sheet(4, flat, [](int x, int y) { return (x < 2) == (y < 2); })));
   Mesh point = sheet(4, flat);
   point.facets.push_back({3, 3, 4});
   EXPECT_FALSE(is_height_field(point));
+}
+
+TEST(HeightFields, squares_that_share_corners_are_until_they_turn_over_each_other) {
+  const auto is_field = [](const Mesh& mesh) {
+    const bool is_one = is_height_field(mesh);
+    EXPECT_EQ(is_one, is_height_field(test::inverted(mesh)));
+    EXPECT_TRUE(!is_one || crossings_by_force(mesh.facets, mesh.positions).empty());
+    return is_one;
+  };
+  EXPECT_TRUE(is_field(sheet(4, flat, [](int x, int y) { return (x < 2) == (y < 2); })));
+  EXPECT_TRUE(is_field(sheet(9, hilly, [](int x, int y) { return x % 2 == y % 2; })));
+  EXPECT_TRUE(is_field(sheet(9, hilly, [](int x, int y) { return x % 3 != 1 || y % 3 != 1; })));
+  // One square turns about the corner that it shares with the other: free, edge on edge, over it, edge on edge, free.
+  const double s = std::sqrt(0.5);
+  const std::pair<Vec3, bool> turned[] = {{{1, 0, 0}, true},  {{s, s, 0}, true},    {{0, 1, 0}, false},
+                                          {{-s, s, 0}, false}, {{-1, 0, 0}, false}, {{-s, -s, 0}, false},
+                                          {{0, -1, 0}, false}, {{s, -s, 0}, true}};
+  for (const auto& [x, free] : turned) {
+    Mesh mesh = sheet(4, flat, [](int i, int j) { return (i < 2) == (j < 2); });
+    for (Vec3& p : mesh.positions)
+      if (const Vec3 d = p - Vec3{2, 2, 0}; d.x > 0 || d.y > 0)
+        if (d.x >= 0 && d.y >= 0) p = Vec3{2, 2, 0.1 * (d.x + d.y)} + d.x * x + d.y * Vec3{-x.y, x.x, 0};
+    EXPECT_EQ(is_field(mesh), free) << x.x << ' ' << x.y;
+  }
+}
+
+TEST(HeightFields, an_island_in_a_bay_is_part_of_one_until_it_lies_over_the_shore) {
+  // The box of the island is within that of the bay's shore.
+  const Mesh bay = sheet(8, flat, [](int x, int y) { return x < 2 || x > 5 || y < 2; });
+  for (const bool is_tied : {false, true})
+    for (const double scale : {0.25, 0.5, 0.75, 1.2}) {
+      Mesh mesh = test::joined(bay, moved(sheet(4, flat), {2.25, 2.25, 1}, scale));
+      // By a corner of the bay.
+      for (Facet& f : mesh.facets)
+        for (std::uint32_t& v : f)
+          if (is_tied && v == bay.positions.size()) v = 9 * 2 + 2;
+      EXPECT_EQ(is_height_field(mesh), scale < 1) << scale;
+      EXPECT_EQ(is_height_field(test::inverted(mesh)), scale < 1) << scale;
+      for (Vec3& p : mesh.positions)
+        if (p.z == 1) p = p + Vec3{-1.9, -1.9, 0};
+      EXPECT_FALSE(is_height_field(mesh)) << scale;
+      EXPECT_FALSE(is_height_field(test::inverted(mesh))) << scale;
+    }
+}
+
+TEST(HeightFields, sheets_that_cross_at_common_corners_alone_are_none) {
+  // Two sheets with the corners u and v in common. Seen from above their borders go through each other there, and touch
+  // nowhere else.
+  const auto patch = [](double low, double high, double height, std::uint32_t first) {
+    Mesh mesh;
+    for (const double y : {low, high, 0.6 * low + 0.4 * high, 0.4 * low + 0.6 * high})
+      mesh.positions.push_back({3, y, height * y});
+    const std::uint32_t a = first, b = first + 1, c = first + 2, d = first + 3;
+    mesh.facets = {{0, a, c}, {0, c, d}, {0, d, b}, {a, 1, c}, {c, 1, d}, {d, 1, b}};
+    return mesh;
+  };
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {6, 0, 0}};
+  for (const Mesh& one : {patch(-2, 4, 1, 2), patch(-4, 2, -1, 6)}) {
+    mesh.positions.insert(mesh.positions.end(), one.positions.begin(), one.positions.end());
+    mesh.facets.insert(mesh.facets.end(), one.facets.begin(), one.facets.end());
+  }
+  EXPECT_FALSE(is_height_field(mesh));
+  EXPECT_FALSE(is_height_field(test::inverted(mesh)));
+  for (const std::size_t first : {0u, 6u}) {
+    Mesh one = mesh;
+    one.facets.erase(one.facets.begin() + static_cast<std::ptrdiff_t>(first),
+                     one.facets.begin() + static_cast<std::ptrdiff_t>(first) + 6);
+    EXPECT_TRUE(is_height_field(one));
+  }
+}
+
+TEST(HeightFields, sheets_that_cross_at_hollow_corners_alone_are_none) {
+  // As above, but each has more than half a turn at the corner at which the other begins within it.
+  const auto fan = [](std::uint32_t middle, const std::vector<std::uint32_t>& round) {
+    std::vector<Facet> facets;
+    for (std::size_t i = 0; i < round.size(); ++i)
+      facets.push_back({middle, round[i], round[(i + 1) % round.size()]});
+    return facets;
+  };
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {3, 6, 0},  {-2, -4, 0},  {6, -4, 0}, {6, 6, 0},
+                    {0, 6, 0}, {7, 10, 0}, {-4, 10, -5}, {3, 1, 0},  {1, 8, 1}};
+  const std::vector<Facet> one = fan(8, {0, 2, 3, 4, 1, 5}), other = fan(9, {0, 1, 6, 7});
+  for (const std::vector<Facet>& facets : {one, other}) {
+    EXPECT_TRUE(is_height_field({mesh.positions, facets}));
+    mesh.facets.insert(mesh.facets.end(), facets.begin(), facets.end());
+  }
+  EXPECT_FALSE(crossings_by_force(mesh.facets, mesh.positions).empty());
+  EXPECT_FALSE(is_height_field(mesh));
+  EXPECT_FALSE(is_height_field(test::inverted(mesh)));
+}
+
+TEST(HeightFields, have_no_crossings_in_random_facets_of_few_vertices) {
+  // Facets that run counter-clockwise, on few points of a lattice: pinched everywhere, and over each other.
+  Random random(23);
+  std::size_t fields = 0, pinched = 0, crossed = 0;
+  for (int round = 0; round < 30000; ++round) {
+    Mesh mesh;
+    const std::size_t points = 5 + random.next() % 8, facets = 2 + random.next() % 8;
+    const auto whole = [&](std::uint64_t size) { return static_cast<double>(random.next() % size); };
+    for (std::size_t i = 0; i < points; ++i) mesh.positions.push_back({whole(5), whole(5), whole(3)});
+    for (int tries = 0; tries < 200 && mesh.facets.size() < facets; ++tries) {
+      Facet f;
+      for (std::uint32_t& v : f) v = static_cast<std::uint32_t>(random.next() % points);
+      const Vec3 u = mesh.positions[f[1]] - mesh.positions[f[0]], w = mesh.positions[f[2]] - mesh.positions[f[0]];
+      if (u.x * w.y > u.y * w.x && u.x * w.y - u.y * w.x < 7) mesh.facets.push_back(f);
+    }
+    if (mesh.facets.empty()) continue;
+    mesh = turned_to(round % 2 == 0 ? mesh : test::inverted(mesh), round % 3, round % 4 < 2);
+    const Looked looked(mesh);
+    const bool has_crossings = !crossings_by_force(mesh.facets, mesh.positions).empty();
+    crossed += has_crossings ? 1u : 0u;
+    if (!looked.is_one()) continue;
+    ++fields;
+    std::vector<int> visits(points);
+    for (const std::uint32_t slot : looked.state.borders.back().slots)
+      ++visits[looked.state.vertex_of_slot[slot]];
+    pinched += std::any_of(visits.begin(), visits.end(), [](int n) { return n > 1; }) ? 1u : 0u;
+    ASSERT_FALSE(has_crossings) << "round " << round;
+  }
+  EXPECT_GT(fields, 1000u);
+  EXPECT_GT(pinched, 300u);
+  EXPECT_GT(crossed, 3000u);
 }
 
 TEST(HeightFields, a_crack_along_which_facets_touch_is_none) {

@@ -150,7 +150,7 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   s.boxes.vertices.resize(s.vertex_of_slot.size());
   s.next_vertex_boxes.resize(s.vertex_of_slot.size());
   s.boxes.make_levels(s.block_count());
-  s.borders = region_borders(s.facets_in_order, s.slot_of_vertex, s.vertex_of_slot.size(), s.boxes.levels.size());
+  s.borders = region_borders(s.facets_in_order, s.slot_of_vertex, s.boxes.levels.size());
   return s;
 }
 

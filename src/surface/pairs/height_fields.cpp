@@ -43,6 +43,21 @@ bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projecti
   return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;
 }
 
+/// The directions from v, counter-clockwise from that of `from` to that of `to`, with both, which are not the same.
+struct Sector {
+  const Vec3 &v, &from, &to;
+
+  bool has(const Vec3& p, Projection projection) const {
+    if (orient2d(v, from, to, projection) > 0)
+      return orient2d(v, from, p, projection) >= 0 && orient2d(v, p, to, projection) >= 0;
+    return orient2d(v, to, p, projection) <= 0 || orient2d(v, p, from, projection) <= 0;
+  }
+};
+/// Have two sectors at one point no direction in common? Arcs that have one have that at which one of them begins.
+bool are_disjoint(const Sector& a, const Sector& b, Projection projection) {
+  return !a.has(b.from, projection) && !b.has(a.from, projection);
+}
+
 }  // namespace
 
 /// The border that is looked at. Edge e goes from point e to point next_[e].
@@ -50,8 +65,10 @@ class HeightFields::Border {
  public:
   void start() {
     points_.clear();
+    slots_.clear();
     boxes_.clear();
     next_.clear();
+    before_.clear();
     loops_.assign(1, 0);
   }
   void add(const SurfaceTreeState& s, const SurfaceBoxes& boxes, std::span<const std::uint32_t> loop) {
@@ -59,31 +76,40 @@ class HeightFields::Border {
     for (const std::uint32_t slot : loop) {
       points_.push_back(s.from_of(s.vertex_of_slot[slot]));
       boxes_.push_back(boxes.vertices[slot]);
+      slots_.push_back(slot);
+      before_.push_back(static_cast<std::uint32_t>(points_.size()) - 2);
       next_.push_back(static_cast<std::uint32_t>(points_.size()));
     }
     next_.back() = first;
+    before_[first] = edge_count() - 1;
     loops_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
-  /// Do no edges touch but at the vertex that they share, and is no counter-clockwise loop within another? Mirrored:
-  /// clockwise. False where that is in doubt.
+  /// Do no edges touch but at a vertex that they share, are the fans at a vertex in disjoint sectors, and is no
+  /// counter-clockwise loop within another? Mirrored: clockwise. False where that is in doubt.
   bool is_simple(Projection projection, bool is_mirrored) {
     group_edges(projection);
-    return no_edges_touch(projection) && (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
+    return no_edges_touch(projection, is_mirrored) && (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
   }
 
  private:
   std::uint32_t edge_count() const { return static_cast<std::uint32_t>(points_.size()); }
   void group_edges(Projection projection);
-  bool no_edges_touch(Projection projection) const;
+  bool no_edges_touch(Projection projection, bool is_mirrored) const;
   bool no_loops_are_nested(Projection projection, bool is_mirrored);
-  bool are_apart(std::uint32_t e, std::uint32_t f, Projection projection) const;
+  bool may_be_within(std::size_t inner, std::size_t outer, Projection projection) const;
+  bool are_apart(std::uint32_t e, std::uint32_t f, Projection projection, bool is_mirrored) const;
+  bool have_disjoint_fans(std::uint32_t e, std::uint32_t f, Projection projection, bool is_mirrored) const;
   int turn(std::size_t loop, Projection projection) const;
 
   std::vector<Vec3> points_;
   std::vector<MinBox> boxes_;  // of the points, rounded outwards
-  std::vector<std::uint32_t> next_, loops_;
+  std::vector<std::uint32_t> slots_, next_, before_, loops_;
   std::vector<BoxGroup> edges_, runs_;  // boxes of edges in the plane, and of runs of eight of them
-  std::vector<Box> ccw_boxes_;
+  struct Loop {
+    std::size_t number;
+    Box box;
+  };
+  std::vector<Loop> ccw_loops_;
 };
 
 void HeightFields::Border::group_edges(Projection projection) {
@@ -111,7 +137,7 @@ void HeightFields::Border::group_edges(Projection projection) {
   }
 }
 
-bool HeightFields::Border::no_edges_touch(Projection projection) const {
+bool HeightFields::Border::no_edges_touch(Projection projection, bool is_mirrored) const {
   const MeetGroups meet = meet_groups();
   const std::uint32_t runs = (edge_count() + 7) / 8, groups = (runs + 7) / 8;
   const BoxReach none{};
@@ -127,7 +153,7 @@ bool HeightFields::Border::no_edges_touch(Projection projection) const {
         if (i == j) of_edges &= above_diagonal;
         for (; of_edges != 0; of_edges &= of_edges - 1) {
           const auto place = static_cast<std::uint32_t>(std::countr_zero(of_edges));
-          if (!are_apart(8 * i + place / 8, 8 * j + place % 8, projection)) return false;
+          if (!are_apart(8 * i + place / 8, 8 * j + place % 8, projection, is_mirrored)) return false;
         }
       }
     }
@@ -135,37 +161,74 @@ bool HeightFields::Border::no_edges_touch(Projection projection) const {
 }
 
 /// But for a vertex that they share.
-bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projection projection) const {
-  const Vec3 &p = points_[e], &q = points_[next_[e]], &r = points_[f], &s = points_[next_[f]];
-  if (next_[e] == f) return !folds_back(p, q, s, projection);
-  if (next_[f] == e) return !folds_back(r, p, q, projection);
+bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projection projection, bool is_mirrored) const {
+  const std::uint32_t e_end = next_[e], f_end = next_[f];
+  const Vec3 &p = points_[e], &q = points_[e_end], &r = points_[f], &s = points_[f_end];
+  if (e_end == f) return !folds_back(p, q, s, projection);
+  if (f_end == e) return !folds_back(r, p, q, projection);
+  if (slots_[e] == slots_[f]) return have_disjoint_fans(e, f, projection, is_mirrored);
+  // Sides of two fans are in disjoint sectors when those that leave the vertex are.
+  if (slots_[e_end] == slots_[f] || slots_[f_end] == slots_[e] || slots_[e_end] == slots_[f_end]) return true;
   return !may_touch(p, q, r, s, projection);
 }
 
-/// Of a simple loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull.
+/// Edges that leave the same vertex: the fan of each is on its left, as far as the edge before it.
+bool HeightFields::Border::have_disjoint_fans(std::uint32_t e, std::uint32_t f, Projection projection,
+                                              bool is_mirrored) const {
+  const auto fan = [&](std::uint32_t edge) {
+    const Vec3 &before = points_[before_[edge]], &after = points_[next_[edge]];
+    return is_mirrored ? Sector{points_[edge], before, after} : Sector{points_[edge], after, before};
+  };
+  return are_disjoint(fan(e), fan(f), projection);
+}
+
+/// Of a loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull. Where it
+/// is there more than once, a clockwise loop may count as the other, but not the other way: all sectors of a
+/// counter-clockwise one are less than half a turn there, since one that is more has directions out of the hull, which
+/// are not on its left.
 int HeightFields::Border::turn(std::size_t loop, Projection projection) const {
-  std::uint32_t first = loops_[loop], before = loops_[loop + 1] - 1;
+  std::uint32_t first = loops_[loop];
   for (std::uint32_t e = loops_[loop] + 1; e < loops_[loop + 1]; ++e)
-    if (is_lower(points_[e], points_[first], projection)) first = e, before = e - 1;
-  return orient2d(points_[before], points_[first], points_[next_[first]], projection);
+    if (is_lower(points_[e], points_[first], projection)) first = e;
+  return orient2d(points_[before_[first]], points_[first], points_[next_[first]], projection);
 }
 
 bool HeightFields::Border::no_loops_are_nested(Projection projection, bool is_mirrored) {
-  ccw_boxes_.clear();
+  ccw_loops_.clear();
   const int counter_clockwise = is_mirrored ? -1 : 1;
   for (std::size_t loop = 0; loop + 1 < loops_.size(); ++loop) {
     if (turn(loop, projection) != counter_clockwise) continue;
     Box box;
     for (std::uint32_t e = loops_[loop]; e < loops_[loop + 1]; ++e)
       box.add({points_[e][projection.first], points_[e][projection.second], 0});
-    ccw_boxes_.push_back(box);
+    ccw_loops_.push_back({loop, box});
   }
   // What lies within a loop has a box within its box.
-  for (const Box& inner : ccw_boxes_)
-    for (const Box& outer : ccw_boxes_)
-      if (&inner != &outer && min(inner.lower, outer.lower) == outer.lower &&
-          max(inner.upper, outer.upper) == outer.upper)
+  for (const auto& [inner, box] : ccw_loops_)
+    for (const auto& [outer, around] : ccw_loops_)
+      if (inner != outer && min(box.lower, around.lower) == around.lower &&
+          max(box.upper, around.upper) == around.upper && may_be_within(inner, outer, projection))
         return false;
+  return true;
+}
+
+/// Of two loops that touch at vertices alone: a point of the inner one that is no vertex of the outer is not on it. A
+/// line from there to where the second coordinate stays and the first grows crosses the outer loop an odd number of
+/// times when the point is within. In doubt where all vertices are on both.
+bool HeightFields::Border::may_be_within(std::size_t inner, std::size_t outer, Projection projection) const {
+  const std::span<const std::uint32_t> of_outer(slots_.data() + loops_[outer], loops_[outer + 1] - loops_[outer]);
+  for (std::uint32_t i = loops_[inner]; i < loops_[inner + 1]; ++i) {
+    if (std::find(of_outer.begin(), of_outer.end(), slots_[i]) != of_outer.end()) continue;
+    const Vec3& p = points_[i];
+    const int k = projection.second;
+    bool is_within = false;
+    for (std::uint32_t e = loops_[outer]; e < loops_[outer + 1]; ++e) {
+      const Vec3 &from = points_[e], &to = points_[next_[e]];
+      if ((from[k] > p[k]) == (to[k] > p[k])) continue;
+      if ((orient2d(from, to, p, projection) > 0) == (to[k] > p[k])) is_within = !is_within;
+    }
+    return is_within;
+  }
   return true;
 }
 
