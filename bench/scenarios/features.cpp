@@ -1,15 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios self, proximity and swept: pairs of features of one body that is poked until it goes through itself. Times
+// Scenarios self, proximity and swept: pairs of features of one body that is folded or poked until it goes through itself. Times
 // are those of an update of the surface tree and of the query, together.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
 #include <morula/tree/renumber.hpp>
+#include <numbers>
 
 #include "frames.hpp"
 #include "peers.hpp"
@@ -24,6 +26,41 @@ std::vector<Frame> poke_and_back(const Mesh& mesh) {
   for (const double t : frame_parameters(25)) {
     Frame frame;
     for (const Vec3& p : deform(mesh, {Poke{.push = {0, 0, -0.5}, .radius = 0.5}}, t)) frame.emplace_back(p);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+/// Its longest axis becomes a curve whose heading swings from side to side, until it meets itself: flat ones like a
+/// river, others like a hairpin. 25 frames, the last of them folded.
+std::vector<Frame> folded(const Mesh& mesh) {
+  const Box box = bounding_box(mesh);
+  const Vec3 size = box.upper - box.lower, middle = 0.5 * (box.lower + box.upper);
+  int along = 0, across = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (size[k] > size[along]) along = k;
+    if (size[k] <= size[across]) across = k;
+  }
+  const bool is_flat = size[across] < 0.05 * size[along];
+  const double swings = is_flat ? 3 : 0.5, widest = is_flat ? 2.2 : 2.6;
+  constexpr std::size_t steps = 4096;
+  std::vector<Frame> frames;
+  for (int f = 1; f <= 25; ++f) {
+    const auto heading = [&](double u) { return widest * f / 25 * std::sin(2 * std::numbers::pi * swings * (u - 0.5)); };
+    std::vector<std::array<double, 2>> curve(steps + 1);
+    for (std::size_t i = 0; i < steps; ++i) {
+      const double angle = heading((static_cast<double>(i) + 0.5) / steps), step = size[along] / steps;
+      curve[i + 1] = {curve[i][0] + step * std::cos(angle), curve[i][1] + step * std::sin(angle)};
+    }
+    Frame frame;
+    for (Vec3 p : mesh.positions) {
+      const double u = (p[along] - box.lower[along]) / size[along], height = p[across] - middle[across];
+      const std::size_t i = std::min(static_cast<std::size_t>(u * steps), steps - 1);
+      const double angle = heading(u), share = u * steps - static_cast<double>(i);
+      p[along] = curve[i][0] + share * (curve[i + 1][0] - curve[i][0]) - height * std::sin(angle);
+      p[across] = curve[i][1] + share * (curve[i + 1][1] - curve[i][1]) + height * std::cos(angle);
+      frame.emplace_back(p);
+    }
     frames.push_back(std::move(frame));
   }
   return frames;
@@ -86,6 +123,38 @@ bool same_pairs(const std::vector<FeaturePair>& expected, const Pairs& found) {
                     [](const FeaturePair& a, const FeaturePair& b) { return a == b; });
 }
 
+std::vector<Result> crossings_with_itself(const Input& input, const Settings& settings, const std::string& motion,
+                                          const std::vector<Frame>& frames) {
+  SurfaceTree tree(input.mesh);
+  SurfaceCrossingQuery query;
+  Result own{.scenario = "self", .item = motion + ", surface tree", .mesh = input.name};
+  Result embree{.scenario = "self", .item = motion + ", Embree and our test", .mesh = input.name};
+  const std::unique_ptr<CrossingPeer> peer = make_self_crossing_peer(input.mesh);
+  if (!peer) embree.note = "peer not built: install libembree-dev";
+  bool same = true;
+  double pairs = 0;
+  std::vector<std::uint64_t> theirs, ours;
+  timed(settings, [&] {
+    for (const Frame& frame : frames) {
+      own.seconds.push_back(processor_seconds_of([&] { tree.update(frame), query.run(tree, *settings.workers); }));
+      pairs += static_cast<double>(query.pairs().size());
+      if (!peer) continue;
+      theirs.clear();
+      embree.seconds.push_back(processor_seconds_of([&] { peer->take(frame, frame), peer->find(theirs); }));
+      std::sort(theirs.begin(), theirs.end());
+      theirs.erase(std::unique(theirs.begin(), theirs.end()), theirs.end());
+      ours.clear();
+      for (const FeaturePair& pair : query.pairs()) ours.push_back(std::uint64_t{pair.a} << 32 | pair.b);
+      same = same && ours == theirs;
+    }
+  });
+  own.expect(pairs > 0, "the body never crosses itself");
+  own.expect(same, "not the pairs that Embree's boxes find with our test");
+  own.figures = {{"pairs", pairs / static_cast<double>(own.seconds.size())}};
+  if (peer) embree.figures = {{"times ours", median(embree.seconds) / median(own.seconds)}};
+  return {own, embree};
+}
+
 /// Boxes of everything, with vertices in the order of the leaves of an octree and in the file's; and Embree's quickest
 /// builder in every frame.
 std::vector<Result> updates_of_everything(const Input& input, const Settings& settings) {
@@ -127,35 +196,12 @@ std::vector<Result> updates_of_everything(const Input& input, const Settings& se
 }  // namespace
 
 std::vector<Result> run_self(const Input& input, const Settings& settings) {
-  const std::vector<Frame> frames = poke_and_back(input.mesh);
-  SurfaceTree tree(input.mesh);
-  SurfaceCrossingQuery query;
-  Result own{.scenario = "self", .item = "surface tree", .mesh = input.name};
-  Result embree{.scenario = "self", .item = "Embree and our test", .mesh = input.name};
-  const std::unique_ptr<CrossingPeer> peer = make_self_crossing_peer(input.mesh);
-  if (!peer) embree.note = "peer not built: install libembree-dev";
-  bool same = true;
-  double pairs = 0;
-  std::vector<std::uint64_t> theirs, ours;
-  timed(settings, [&] {
-    for (const Frame& frame : frames) {
-      own.seconds.push_back(processor_seconds_of([&] { tree.update(frame), query.run(tree, *settings.workers); }));
-      pairs += static_cast<double>(query.pairs().size());
-      if (!peer) continue;
-      theirs.clear();
-      embree.seconds.push_back(processor_seconds_of([&] { peer->take(frame, frame), peer->find(theirs); }));
-      std::sort(theirs.begin(), theirs.end());
-      theirs.erase(std::unique(theirs.begin(), theirs.end()), theirs.end());
-      ours.clear();
-      for (const FeaturePair& pair : query.pairs()) ours.push_back(std::uint64_t{pair.a} << 32 | pair.b);
-      same = same && ours == theirs;
-    }
-  });
-  own.expect(pairs > 0, "the body never crosses itself");
-  own.expect(same, "not the pairs that Embree's boxes find with our test");
-  own.figures = {{"pairs", pairs / static_cast<double>(own.seconds.size())}};
-  if (peer) embree.figures = {{"times ours", median(embree.seconds) / median(own.seconds)}};
-  std::vector<Result> results{own, embree};
+  std::vector<Result> results = crossings_with_itself(input, settings, "folded", folded(input.mesh));
+  const Box box = bounding_box(input.mesh);
+  // A flat one cannot be poked through itself.
+  if (box.upper.x > box.lower.x && box.upper.y > box.lower.y && box.upper.z > box.lower.z)
+    for (Result& result : crossings_with_itself(input, settings, "poked", poke_and_back(input.mesh)))
+      results.push_back(std::move(result));
   for (Result& result : updates_of_everything(input, settings)) results.push_back(std::move(result));
   return results;
 }

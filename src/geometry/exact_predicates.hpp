@@ -57,13 +57,21 @@ class TrianglePlane {
     double value;  ///< six times the tetrahedron's volume, rounded: never of the opposite sign, 0 when the sign is
   };
   Side side(const Vec3& d) const {
+    const Side known = certain_side(d);
+    return known.sign != 0 ? known : exact_side(d, known.value);
+  }
+  /// The sign is 0 where doubles alone do not tell.
+  Side certain_side(const Vec3& d) const {
     const Vec3 w = d - (*t_)[0];
     const Vec3 size{std::abs(w.x), std::abs(w.y), std::abs(w.z)};
     const double value = dot(normal_, w);
     const double error = relative_error * dot(permanent_, size) + underflow * (1 + size.x + size.y + size.z);
-    if (value > error) return {1, value};
-    if (value < -error) return {-1, value};
-    return exact_side(d, value);
+    return {value > error ? 1 : value < -error ? -1 : 0, value};
+  }
+  /// Without the axis along which the triangle looks largest.
+  Projection projection() const {
+    const double x = std::abs(normal_.x), y = std::abs(normal_.y), z = std::abs(normal_.z);
+    return projections[x > y && x > z ? 0 : y > z ? 1 : 2];
   }
 
   // Each of the six products of two differences is off by (1 + e)^3, e = 2^-53, their differences by (1 + e)^4; times

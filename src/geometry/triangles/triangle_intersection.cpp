@@ -167,14 +167,35 @@ bool meet_by_edges(const Triangle& a, const Triangle& b, const Sides& a_sides, c
   return meet;
 }
 
-Sides sides_of(const TrianglePlane& plane, const Triangle& t) {
-  return {plane.side(t[0]), plane.side(t[1]), plane.side(t[2])};
+/// Is b surely beyond the line of an edge of a, seen along an axis? Then they have no common point.
+bool is_beyond_an_edge(const Triangle& a, const Triangle& b, Projection projection) {
+  const int turn = certain_orient2d(a[0], a[1], a[2], projection);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto is_beyond = [&](const Vec3& p) {
+      return certain_orient2d(a[k], a[(k + 1) % 3], p, projection) * turn < 0;
+    };
+    if (is_beyond(b[0]) && is_beyond(b[1]) && is_beyond(b[2])) return true;
+  }
+  return false;
 }
+
 bool on_one_side(const Sides& s) {
   return s[0].sign != 0 && s[0].sign == s[1].sign && s[1].sign == s[2].sign;
 }
 bool all_off_plane(const Sides& s) {
   return s[0].sign != 0 && s[1].sign != 0 && s[2].sign != 0;
+}
+
+/// Nothing: the triangles are apart. Where they are in one plane or nearly so, exact signs are dear, but in the plane
+/// they are often clearly apart, such as neighbours in a flat sheet.
+std::optional<Sides> sides_unless_apart(const TrianglePlane& plane, const Triangle& of_plane, const Triangle& t) {
+  const Sides sides{plane.certain_side(t[0]), plane.certain_side(t[1]), plane.certain_side(t[2])};
+  if (on_one_side(sides)) return {};
+  if (all_off_plane(sides)) return sides;
+  if (is_beyond_an_edge(of_plane, t, plane.projection()) || is_beyond_an_edge(t, of_plane, plane.projection()))
+    return {};
+  const Sides exact{plane.side(t[0]), plane.side(t[1]), plane.side(t[2])};
+  return on_one_side(exact) ? std::nullopt : std::optional(exact);
 }
 
 /// A triangle with corners on both sides of the other's plane and none in it: the corner that is alone on its side,
@@ -222,12 +243,12 @@ struct CrossedPair {
 }  // namespace
 
 bool detail::triangles_meet(const Triangle& a, const Triangle& b) {
-  const Sides b_sides = sides_of(TrianglePlane(a), b);
-  if (on_one_side(b_sides)) return false;
-  const Sides a_sides = sides_of(TrianglePlane(b), a);
-  if (on_one_side(a_sides)) return false;
-  if (all_off_plane(a_sides) && all_off_plane(b_sides)) return CrossedPair(a, b, a_sides, b_sides).overlap();
-  return meet_by_edges(a, b, a_sides, b_sides, nullptr);
+  const std::optional<Sides> b_sides = sides_unless_apart(TrianglePlane(a), a, b);
+  if (!b_sides) return false;
+  const std::optional<Sides> a_sides = sides_unless_apart(TrianglePlane(b), b, a);
+  if (!a_sides) return false;
+  if (all_off_plane(*a_sides) && all_off_plane(*b_sides)) return CrossedPair(a, b, *a_sides, *b_sides).overlap();
+  return meet_by_edges(a, b, *a_sides, *b_sides, nullptr);
 }
 
 bool intersect(const Triangle& a, const Triangle& b) {
@@ -237,17 +258,17 @@ bool intersect(const Triangle& a, const Triangle& b) {
 
 std::optional<Segment> intersection(const Triangle& a, const Triangle& b) {
   const StandardFloats standard;
-  const Sides b_sides = sides_of(TrianglePlane(a), b);
-  if (on_one_side(b_sides)) return {};
-  const Sides a_sides = sides_of(TrianglePlane(b), a);
-  if (on_one_side(a_sides)) return {};
-  if (all_off_plane(a_sides) && all_off_plane(b_sides)) {
-    const CrossedPair pair(a, b, a_sides, b_sides);
+  const std::optional<Sides> b_sides = sides_unless_apart(TrianglePlane(a), a, b);
+  if (!b_sides) return {};
+  const std::optional<Sides> a_sides = sides_unless_apart(TrianglePlane(b), b, a);
+  if (!a_sides) return {};
+  if (all_off_plane(*a_sides) && all_off_plane(*b_sides)) {
+    const CrossedPair pair(a, b, *a_sides, *b_sides);
     if (!pair.overlap()) return {};
     return pair.common();
   }
   CommonPoints common;
-  if (!meet_by_edges(a, b, a_sides, b_sides, &common)) return {};
+  if (!meet_by_edges(a, b, *a_sides, *b_sides, &common)) return {};
   return common.longest_diagonal();
 }
 
