@@ -10,8 +10,8 @@
 #include "collide/pairs/descent.hpp"
 #include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
-#include "geometry/triangles/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"
+#include "query/triangle_pairs.hpp"
 
 namespace morula {
 using namespace detail;
@@ -73,6 +73,11 @@ struct CrossingQuery::State {
   Selection near_a, near_b;
   PairSet tested;
   std::vector<std::uint32_t> partners;
+  struct Candidate {
+    std::uint32_t slot_a, slot_b;
+    std::uint64_t key;
+  };
+  std::vector<Candidate> candidates;
   std::vector<std::uint64_t> keys;
 
   void find(const Collider& a, const Collider& b, std::span<const NodePair> nodes);
@@ -101,10 +106,16 @@ void CrossingQuery::State::look_at(const NodePair& pair) {
       const std::uint32_t slot_a = few_a ? few.slot(i) : many.slot(partners[j]);
       const std::uint32_t slot_b = few_a ? many.slot(partners[j]) : few.slot(i);
       const std::uint64_t key = std::uint64_t{facets_a.facet(slot_a)} << 32 | facets_b.facet(slot_b);
-      if (!tested.insert(key)) continue;
-      if (triangles_meet(facets_a.triangle(slot_a), facets_b.triangle(slot_b))) keys.push_back(key);
+      if (tested.insert(key)) candidates.push_back({slot_a, slot_b, key});
     }
   }
+  find_meeting(
+      candidates.size(),
+      [&](std::size_t i, const auto& put) {
+        put(facets_a.triangle(candidates[i].slot_a), facets_b.triangle(candidates[i].slot_b));
+      },
+      [&](std::size_t i) { keys.push_back(candidates[i].key); });
+  candidates.clear();
 }
 
 void CrossingQuery::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {

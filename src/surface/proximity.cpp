@@ -35,11 +35,11 @@ struct ProximityQuery::State {
   SurfaceQueryStatus ask(const Ask& how) {
     const double distance = options.distance;
     const SurfaceQueryStatus status =
-        how([distance](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
+        how(one_by_one([distance](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
           const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
                                                      FeaturePoints(b, feature_b(pair.kind), pair.b));
           return found.distance <= distance ? std::optional(found) : std::nullopt;
-        });
+        }));
     if (status && options.nearest_features_once) keep_nearest_features_once();
     return status;
   }

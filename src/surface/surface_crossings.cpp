@@ -2,19 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/surface/surface_crossings.hpp>
 
-#include "geometry/triangles/triangles_meet.hpp"
+#include "query/triangle_pairs.hpp"
 #include "surface/pairs/feature_query.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-std::optional<FeaturePair> crossing(const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
+void find_crossings(const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs,
+                    std::vector<FeaturePair>& found) {
   const auto corners = [](const SurfaceTreeState& s, std::uint32_t facet) -> Triangle {
     const Facet& f = s.facets[facet];
     return {s.from_of(f[0]), s.from_of(f[1]), s.from_of(f[2])};
   };
-  return triangles_meet(corners(a, pair.a), corners(b, pair.b)) ? std::optional(pair) : std::nullopt;
+  find_meeting(
+      pairs.size(), [&](std::size_t i, const auto& put) { put(corners(a, pairs[i].a), corners(b, pairs[i].b)); },
+      [&](std::size_t i) { found.push_back(pairs[i]); });
 }
 
 }  // namespace
@@ -24,7 +27,7 @@ struct SurfaceCrossingQuery::State {
   FeatureQuery<FeaturePair> query;
 
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
-    return query.run(a, b, {.features = Features::facets}, options, workers, crossing);
+    return query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
   }
 };
 
@@ -51,7 +54,7 @@ SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const Surface
   return state_->run(a.state(), &b.state(), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
-  return state_->query.resume(0, state_->options, workers, crossing);
+  return state_->query.resume(0, state_->options, workers, find_crossings);
 }
 
 std::span<const FeaturePair> SurfaceCrossingQuery::pairs() const {

@@ -10,8 +10,9 @@ using namespace detail;
 
 namespace {
 
-std::optional<FeaturePair> candidate(const SurfaceTreeState&, const SurfaceTreeState&, const FeaturePair& pair) {
-  return pair;
+void take_candidates(const SurfaceTreeState&, const SurfaceTreeState&, std::span<const FeaturePair> pairs,
+                     std::vector<FeaturePair>& found) {
+  found.insert(found.end(), pairs.begin(), pairs.end());
 }
 
 /// Those that are not proven to stay apart.
@@ -40,17 +41,17 @@ struct SweptQuery::State {
     const SurfaceQueryStatus status =
         options.candidates_only
             ? candidates.run(a, b, {.reach = options.distance, .sorted = false, .by_spheres = false}, options, workers,
-                             candidate)
+                             take_candidates)
             : query.run(a, b, {.reach = options.distance, .by_spheres = false}, options, workers,
-                        Impact{options.distance});
+                        one_by_one(Impact{options.distance}));
     if (status) has_candidates = options.candidates_only;
     return status;
   }
   SurfaceQueryStatus resume(Workers& workers) {
     const bool is_started = query.search().is_started() || candidates.search().is_started();
     if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
-    return has_candidates ? candidates.resume(options.distance, options, workers, candidate)
-                          : query.resume(options.distance, options, workers, Impact{options.distance});
+    return has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
+                          : query.resume(options.distance, options, workers, one_by_one(Impact{options.distance}));
   }
 };
 

@@ -5,6 +5,7 @@
 // is not flat. In integers; it shares nothing with what it judges.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,9 @@
 #include <morula/geometry/triangle_intersection.hpp>
 #include <support/placements.hpp>
 #include <vector>
+
+#include "query/triangle_pairs.hpp"
+#include "simd/processors.hpp"
 
 namespace morula {
 namespace {
@@ -99,21 +103,52 @@ void expect_verdict(const Triangle& a, const Triangle& b, bool expected) {
     for (const Triangle* const t : {&a, &b}) ASSERT_LE(std::sqrt(closest_point(*t, end).squared_distance), 1e-9 * size);
 }
 
+struct Pair {
+  Triangle a, b;
+};
+
+Pair on_a_small_grid(Random& random, int round) {
+  const double most = 1 + round % 3;
+  Pair pair;
+  for (Triangle* const t : {&pair.a, &pair.b})
+    for (Vec3& p : *t) p = test::random_whole(random, most);
+  // One in four in one plane; one in eight flat, in sixteen a point.
+  if (round % 4 == 1)
+    for (Triangle* const t : {&pair.a, &pair.b})
+      for (Vec3& p : *t) p[round / 4 % 3] = 1;
+  if (round % 8 == 2) pair.a[2] = pair.a[0];
+  if (round % 16 == 2) pair.a[1] = pair.a[0];
+  return pair;
+}
+
+Pair that_hardly_touch(Random& random, int round) {
+  constexpr double most = 0x1p36;
+  Triangle a, b;
+  for (Vec3& p : a) p = test::random_whole(random, most);
+  for (Vec3& p : b) p = test::random_whole(random, most);
+  // A corner of b comes to a's inside, to an edge or to a corner, but for a unit.
+  double v = random.uniform(), w = random.uniform() * (1 - v);
+  if (round % 3 == 1) w = 0;
+  if (round % 3 == 2) v = 1, w = 0;
+  const Vec3 near = a[0] + (a[1] - a[0]) * v + (a[2] - a[0]) * w;
+  b[0] = {std::round(near.x), std::round(near.y), std::round(near.z)};
+  if (round % 5 == 0) b[0] += test::random_whole(random, 1);
+  if (round % 7 == 0)
+    b[1] = near + (a[1] - a[0]) * 0.25, b[1] = {std::round(b[1].x), std::round(b[1].y), std::round(b[1].z)};
+  return {a, b};
+}
+/// By which such a pair can be scaled with the same verdict.
+double scale_of(int round) {
+  constexpr double scales[] = {1, 0x1p-60, 0x1p400, 0x1p900, 0x1p-500};
+  return scales[static_cast<std::size_t>(round) % std::size(scales)];
+}
+
 TEST(TriangleIntersection, equals_the_oracle_on_small_grids) {
   Random random(1);
   std::size_t meetings = 0;
   constexpr int rounds = 60000;
   for (int round = 0; round < rounds; ++round) {
-    const double most = 1 + round % 3;
-    Triangle a, b;
-    for (Vec3& p : a) p = test::random_whole(random, most);
-    for (Vec3& p : b) p = test::random_whole(random, most);
-    // One in four in one plane; one in eight flat, in sixteen a point.
-    if (round % 4 == 1)
-      for (Triangle* const t : {&a, &b})
-        for (Vec3& p : *t) p[round / 4 % 3] = 1;
-    if (round % 8 == 2) a[2] = a[0];
-    if (round % 16 == 2) a[1] = a[0];
+    const auto [a, b] = on_a_small_grid(random, round);
     const bool expected = oracle(a, b);
     meetings += expected;
     ASSERT_NO_FATAL_FAILURE(expect_verdict(a, b, expected)) << round;
@@ -124,31 +159,76 @@ TEST(TriangleIntersection, equals_the_oracle_on_small_grids) {
 
 TEST(TriangleIntersection, equals_the_oracle_where_triangles_hardly_touch) {
   Random random(2);
-  constexpr double most = 0x1p36;
   std::size_t meetings = 0;
   constexpr int rounds = 12000;
   for (int round = 0; round < rounds; ++round) {
-    Triangle a, b;
-    for (Vec3& p : a) p = test::random_whole(random, most);
-    for (Vec3& p : b) p = test::random_whole(random, most);
-    // A corner of b comes to a's inside, to an edge or to a corner, but for a unit.
-    double v = random.uniform(), w = random.uniform() * (1 - v);
-    if (round % 3 == 1) w = 0;
-    if (round % 3 == 2) v = 1, w = 0;
-    const Vec3 near = a[0] + (a[1] - a[0]) * v + (a[2] - a[0]) * w;
-    b[0] = {std::round(near.x), std::round(near.y), std::round(near.z)};
-    if (round % 5 == 0) b[0] += test::random_whole(random, 1);
-    if (round % 7 == 0)
-      b[1] = near + (a[1] - a[0]) * 0.25, b[1] = {std::round(b[1].x), std::round(b[1].y), std::round(b[1].z)};
+    const auto [a, b] = that_hardly_touch(random, round);
     const bool expected = oracle(a, b);
     meetings += expected;
-    constexpr double scales[] = {1, 0x1p-60, 0x1p400, 0x1p900, 0x1p-500};
-    const double s = scales[static_cast<std::size_t>(round) % std::size(scales)];
+    const double s = scale_of(round);
     ASSERT_EQ(intersect(scaled(a, s), scaled(b, s)), expected) << round;
     ASSERT_NO_FATAL_FAILURE(expect_verdict(a, b, expected)) << round;
   }
   EXPECT_GT(meetings, rounds / 10u);
   EXPECT_LT(meetings, rounds * 9u / 10);
+}
+
+TEST(TrianglePairs, all_processors_find_the_same_and_none_that_meet) {
+  Random random(3);
+  std::size_t apart = 0, in_one_plane = 0;
+  for (int round = 0; round < 40000; round += 8) {
+    const bool is_on_grid = round % 16 == 0;
+    const double scale = is_on_grid ? 1 : scale_of(round / 16);
+    detail::TrianglePairs pairs;
+    unsigned meeting = 0, flat = 0;
+    for (int k = 0; k < 8; ++k) {
+      const auto [a, b] = is_on_grid ? on_a_small_grid(random, round + k) : that_hardly_touch(random, round + k);
+      pairs.put(static_cast<std::size_t>(k), scaled(a, scale), scaled(b, scale));
+      meeting |= (oracle(a, b) ? 1u : 0u) << k;
+      flat |= (is_on_grid && k % 4 == 1 ? 1u : 0u) << k;
+    }
+    const unsigned found = detail::all_apart_triangles().front()(pairs);
+    ASSERT_EQ(found & meeting, 0u) << round;
+    for (std::size_t kind = 0; kind < detail::all_apart_triangles().size(); ++kind)
+      ASSERT_EQ(detail::all_apart_triangles()[kind](pairs), found) << round << ' ' << detail::kind_name(kind);
+    apart += static_cast<std::size_t>(std::popcount(found));
+    in_one_plane += static_cast<std::size_t>(std::popcount(found & flat));
+  }
+  EXPECT_GT(apart, 8000u);
+  EXPECT_GT(in_one_plane, 500u);
+}
+
+TEST(TrianglePairs, with_numbers_that_are_none_or_overflow_are_the_same_for_all_processors) {
+  constexpr double inf = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::max();
+  for (const double odd : {inf, -inf, std::nan(""), most, -most}) {
+    detail::TrianglePairs pairs;
+    for (std::size_t k = 0; k < 8; ++k) {
+      Triangle a{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
+      pairs.put(k, a, a);
+      for (int corner = 0; corner < 3; ++corner) pairs.a[corner][k % 3][k] = odd;
+    }
+    const unsigned found = detail::all_apart_triangles().front()(pairs);
+    for (const detail::ApartTriangles of_kind : detail::all_apart_triangles()) EXPECT_EQ(of_kind(pairs), found) << odd;
+    if (std::isnan(odd)) {
+      EXPECT_EQ(found, 0u);
+    }
+  }
+}
+
+TEST(TrianglePairs, meet_where_single_ones_do) {
+  Random random(4);
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<Pair> pairs;
+    std::vector<std::size_t> expected, found;
+    for (std::size_t i = 0; i < count; ++i) {
+      pairs.push_back(on_a_small_grid(random, static_cast<int>(7 * count + i)));
+      if (oracle(pairs[i].a, pairs[i].b)) expected.push_back(i);
+    }
+    detail::find_meeting(
+        count, [&](std::size_t i, const auto& put) { put(pairs[i].a, pairs[i].b); },
+        [&](std::size_t i) { found.push_back(i); });
+    EXPECT_EQ(found, expected) << count;
+  }
 }
 
 TEST(TriangleIntersection, finds_the_segment_of_a_worked_example) {

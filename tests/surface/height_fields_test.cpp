@@ -181,7 +181,7 @@ TEST(HeightFields, squares_that_share_corners_are_until_they_turn_over_each_othe
   EXPECT_TRUE(is_field(sheet(9, hilly, [](int x, int y) { return x % 3 != 1 || y % 3 != 1; })));
   // One square turns about the corner that it shares with the other: free, edge on edge, over it, edge on edge, free.
   const double s = std::sqrt(0.5);
-  const std::pair<Vec3, bool> turned[] = {{{1, 0, 0}, true},  {{s, s, 0}, true},    {{0, 1, 0}, false},
+  const std::pair<Vec3, bool> turned[] = {{{1, 0, 0}, true},   {{s, s, 0}, true},   {{0, 1, 0}, false},
                                           {{-s, s, 0}, false}, {{-1, 0, 0}, false}, {{-s, -s, 0}, false},
                                           {{0, -1, 0}, false}, {{s, -s, 0}, true}};
   for (const auto& [x, free] : turned) {
@@ -243,8 +243,7 @@ TEST(HeightFields, sheets_that_cross_at_hollow_corners_alone_are_none) {
   // As above, but each has more than half a turn at the corner at which the other begins within it.
   const auto fan = [](std::uint32_t middle, const std::vector<std::uint32_t>& round) {
     std::vector<Facet> facets;
-    for (std::size_t i = 0; i < round.size(); ++i)
-      facets.push_back({middle, round[i], round[(i + 1) % round.size()]});
+    for (std::size_t i = 0; i < round.size(); ++i) facets.push_back({middle, round[i], round[(i + 1) % round.size()]});
     return facets;
   };
   Mesh mesh;
@@ -283,8 +282,7 @@ TEST(HeightFields, have_no_crossings_in_random_facets_of_few_vertices) {
     if (!looked.is_one()) continue;
     ++fields;
     std::vector<int> visits(points);
-    for (const std::uint32_t slot : looked.state.borders.back().slots)
-      ++visits[looked.state.vertex_of_slot[slot]];
+    for (const std::uint32_t slot : looked.state.borders.back().slots) ++visits[looked.state.vertex_of_slot[slot]];
     pinched += std::any_of(visits.begin(), visits.end(), [](int n) { return n > 1; }) ? 1u : 0u;
     ASSERT_FALSE(has_crossings) << "round " << round;
   }

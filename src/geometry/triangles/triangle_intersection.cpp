@@ -167,18 +167,6 @@ bool meet_by_edges(const Triangle& a, const Triangle& b, const Sides& a_sides, c
   return meet;
 }
 
-/// Is b surely beyond the line of an edge of a, seen along an axis? Then they have no common point.
-bool is_beyond_an_edge(const Triangle& a, const Triangle& b, Projection projection) {
-  const int turn = certain_orient2d(a[0], a[1], a[2], projection);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto is_beyond = [&](const Vec3& p) {
-      return certain_orient2d(a[k], a[(k + 1) % 3], p, projection) * turn < 0;
-    };
-    if (is_beyond(b[0]) && is_beyond(b[1]) && is_beyond(b[2])) return true;
-  }
-  return false;
-}
-
 bool on_one_side(const Sides& s) {
   return s[0].sign != 0 && s[0].sign == s[1].sign && s[1].sign == s[2].sign;
 }

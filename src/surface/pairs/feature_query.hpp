@@ -7,6 +7,7 @@
 #include <cmath>
 #include <morula/surface/feature_pairs.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -44,6 +45,15 @@ class FeaturePoints {
   std::size_t size_;
 };
 
+/// For FeatureQuery: look(a, b, pair) is what is found of one pair, if anything.
+template <class Look>
+auto one_by_one(const Look& look) {
+  return [look](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
+    for (const FeaturePair& pair : pairs)
+      if (const auto one = look(a, b, pair)) found.push_back(*one);
+  };
+}
+
 template <class Found>
 class FeatureQuery {
  public:
@@ -54,7 +64,7 @@ class FeatureQuery {
     bool by_spheres = true;  ///< pairs whose features are farther apart than that are not asked for
   };
 
-  /// narrow(a, b, pair): what is found of two features whose boxes are near, if anything; called by workers.
+  /// narrow(a, b, pairs, found): adds what is found of pairs of features whose boxes are near; called by workers.
   template <class Options, class Narrow>
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, const Ask& ask, const Options& options,
                          Workers& workers, const Narrow& narrow) {
@@ -114,9 +124,13 @@ class FeatureQuery {
           for (std::size_t i = 0; i < chunks; ++i) chunks_[i].found.clear(), chunks_[i].candidates = 0;
         },
         [&](std::size_t chunk, const FeaturePair& pair) {
-          if (!filter_.keeps(pair)) return;
-          ++chunks_[chunk].candidates;
-          if (const std::optional<Found> found = narrow(a, b, pair)) chunks_[chunk].found.push_back(*found);
+          if (filter_.keeps(pair)) chunks_[chunk].pairs.push_back(pair);
+        },
+        [&](std::size_t chunk) {
+          Chunk& c = chunks_[chunk];
+          c.candidates += c.pairs.size();
+          narrow(a, b, c.pairs, c.found);
+          c.pairs.clear();
         });
     for (std::size_t i = 0; i < count; ++i) {
       found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
@@ -133,6 +147,7 @@ class FeatureQuery {
   }
 
   struct alignas(64) Chunk {
+    std::vector<FeaturePair> pairs;  // to be looked at
     std::vector<Found> found;
     std::size_t candidates = 0;
   };

@@ -55,11 +55,11 @@ class PairSearch {
   const SurfaceTreeState& b() const { return b_ != nullptr ? *b_ : *a_; }
 
   /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
-  /// vertex: those of one chunk one after the other, of
+  /// vertex, and look(chunk) after some of them, the last ones at least: those of one chunk one after the other, of
   /// different chunks at the same time. Chunks are numbered from 0 on; chunks(count) is called before any of them.
   /// Every pair is found once, over all calls since start(). True when nothing is left to do.
-  template <class Chunks, class Find>
-  bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find);
+  template <class Chunks, class Find, class Look>
+  bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& look);
 
   void open(std::vector<OpenFacets>& facets) const;
 
@@ -130,6 +130,13 @@ class PairSearch {
   std::vector<BlockPair> pairs_;
 };
 
+/// Without branches, which could not be foreseen.
+inline bool share_a_vertex(const Facet& f, const Facet& g) {
+  bool share = false;
+  for (const std::uint32_t v : g) share = share | (f[0] == v) | (f[1] == v) | (f[2] == v);
+  return share;
+}
+
 template <class Find>
 void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
@@ -144,7 +151,7 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
       std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
       if (with_itself) {
         const Facet &of_a = in_a.facet_corners(a, i), &of_b = in_b.facet_corners(b, j);
-        if (has(of_a, of_b[0]) || has(of_a, of_b[1]) || has(of_a, of_b[2])) return;
+        if (share_a_vertex(of_a, of_b)) return;
         if (f > g) std::swap(f, g);
       }
       find(chunk, FeaturePair{PairKind::facet_facet, f, g});
@@ -184,8 +191,8 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
                  });
 }
 
-template <class Chunks, class Find>
-bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find) {
+template <class Chunks, class Find, class Look>
+bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& look) {
   if (!meter.is_unlimited()) {
     chunks(1);
     // One after the other, so that what a budget in tests reaches is always the same.
@@ -202,6 +209,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
       boxes_a_.fill(serial_workers());
       if (b_ != nullptr) boxes_b_.fill(serial_workers());
       compare({entry.a, entry.b}, 0, find);
+      look(0);
     }
     return open_.empty();
   }
@@ -218,7 +226,13 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
   chunks((pairs_.size() + pairs_at_once - 1) / pairs_at_once);
   parallel_for(workers, pairs_.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
-    for (std::size_t i = begin; i < end; ++i) compare(pairs_[i], begin / pairs_at_once, find);
+    // Few enough to stay in a small cache.
+    constexpr std::size_t pairs_at_a_look = 32;
+    const std::size_t chunk = begin / pairs_at_once;
+    for (std::size_t i = begin; i < end; ++i) {
+      compare(pairs_[i], chunk, find);
+      if (i % pairs_at_a_look == 0 || i + 1 == end) look(chunk);
+    }
   });
   return true;
 }

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The source of triangle_pairs.cpp: TrianglePlane::certain_side, TrianglePlane::projection, certain_orient2d and
+// is_beyond_an_edge, operation by operation, in registers of doubles.
+
+constexpr int doubles = lanes / 2;
+typedef double Doubles __attribute__((vector_size(8 * doubles)));
+typedef std::int64_t Words __attribute__((vector_size(8 * doubles)));
+constexpr unsigned every = (1u << doubles) - 1;
+
+// Bit i: lane i of a is greater.
+inline unsigned greater(Doubles a, Doubles b) {
+#ifdef MORULA_DISPATCH
+#if MORULA_LANES == 16
+  return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
+#elif MORULA_LANES == 8
+  return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)));
+#else
+  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpgt_pd(a, b)));
+#endif
+#else
+  const Words mask = a > b;
+  unsigned bits = 0;
+  for (int k = 0; k < doubles; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
+  return bits;
+#endif
+}
+inline Doubles size_of(Doubles a) {
+  return __builtin_bit_cast(Doubles, __builtin_bit_cast(Words, a) & (Words{} + 0x7fffffffffffffff));
+}
+
+struct Points {
+  Doubles x, y, z;
+};
+inline Points operator-(const Points& p, const Points& q) {
+  return {p.x - q.x, p.y - q.y, p.z - q.z};
+}
+inline Doubles dot(const Points& p, const Points& q) {
+  return p.x * q.x + p.y * q.y + p.z * q.z;
+}
+struct Triangles {
+  Points corner[3];
+};
+inline Triangles load_triangles(const double (&of)[3][3][TrianglePairs::size], int first) {
+  Triangles t;
+  for (int k = 0; k < 3; ++k)
+    t.corner[k] = {*reinterpret_cast<const Doubles*>(of[k][0] + first),
+                   *reinterpret_cast<const Doubles*>(of[k][1] + first),
+                   *reinterpret_cast<const Doubles*>(of[k][2] + first)};
+  return t;
+}
+
+struct Planes {
+  Points base, normal, permanent;
+};
+inline Planes planes_of(const Triangles& t) {
+  const Points u = t.corner[1] - t.corner[0], v = t.corner[2] - t.corner[0];
+  const Doubles yz = u.y * v.z, zy = u.z * v.y, zx = u.z * v.x, xz = u.x * v.z, xy = u.x * v.y, yx = u.y * v.x;
+  return {t.corner[0],
+          {yz - zy, zx - xz, xy - yx},
+          {size_of(yz) + size_of(zy), size_of(zx) + size_of(xz), size_of(xy) + size_of(yx)}};
+}
+inline unsigned are_on_one_side(const Planes& planes, const Triangles& t) {
+  unsigned above = every, below = every;
+  for (const Points& corner : t.corner) {
+    const Points w = corner - planes.base, size{size_of(w.x), size_of(w.y), size_of(w.z)};
+    const Doubles value = dot(planes.normal, w);
+    const Doubles error = TrianglePlane::relative_error * dot(planes.permanent, size) +
+                          TrianglePlane::underflow * (1 + size.x + size.y + size.z);
+    above &= greater(value, error);
+    below &= greater(-error, value);
+  }
+  return above | below;
+}
+
+// Two coordinates of each, those that are left along the axis of each pair.
+struct Flat {
+  Doubles first[3], second[3];
+};
+struct Turns {
+  unsigned left, right;
+};
+inline Turns turns(const Flat& t, int i, int j, const Flat& s, int k) {
+  const Doubles left = (t.first[j] - t.first[i]) * (s.second[k] - t.second[i]);
+  const Doubles right = (t.second[j] - t.second[i]) * (s.first[k] - t.first[i]);
+  const Doubles value = left - right,
+                error = orient2d_relative_error * (size_of(left) + size_of(right)) + orient2d_underflow;
+  return {greater(value, error), greater(-error, value)};
+}
+inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {
+  const Turns turn = turns(of, 0, 1, of, 2);
+  unsigned beyond = 0;
+  for (int k = 0; k < 3; ++k) {
+    unsigned left = turn.right, right = turn.left;
+    for (int corner = 0; corner < 3; ++corner) {
+      const Turns of_corner = turns(of, k, (k + 1) % 3, t, corner);
+      left &= of_corner.left;
+      right &= of_corner.right;
+    }
+    beyond |= left | right;
+  }
+  return beyond;
+}
+
+unsigned apart(const TrianglePairs& pairs) {
+  unsigned bits = 0;
+  for (int first = 0; first < static_cast<int>(TrianglePairs::size); first += doubles) {
+    const Triangles a = load_triangles(pairs.a, first), b = load_triangles(pairs.b, first);
+    const Planes planes = planes_of(a);
+    unsigned found = are_on_one_side(planes, b);
+    if (found != every) found |= are_on_one_side(planes_of(b), a);
+    if (found != every) {
+      const Doubles x = size_of(planes.normal.x), y = size_of(planes.normal.y), z = size_of(planes.normal.z);
+      const auto flat = [&](const Triangles& t) {
+        Flat f;
+        for (int k = 0; k < 3; ++k) {
+          const Points& p = t.corner[k];
+          const Doubles first_of_two = y > z ? p.z : p.x, second_of_two = y > z ? p.x : p.y;
+          f.first[k] = x > y ? (x > z ? p.y : first_of_two) : first_of_two;
+          f.second[k] = x > y ? (x > z ? p.z : second_of_two) : second_of_two;
+        }
+        return f;
+      };
+      const Flat flat_a = flat(a), flat_b = flat(b);
+      found |= are_beyond_an_edge(flat_a, flat_b);
+      if (found != every) found |= are_beyond_an_edge(flat_b, flat_a);
+    }
+    bits |= found << first;
+  }
+  return bits;
+}
