@@ -64,7 +64,7 @@ int run(int argc, char** argv) {
          "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
-                 "a file, or a sample body as NAME or NAME:RESOLUTION; may be repeated\n"
+                 "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"
                  "(default: limb, blob, and bunny00 where the corpus is)");
   app.add_option("--repeats", repeats, "how often each item is timed (default 5)")->check(CLI::Range(1, 100000));
   app.add_option("--patience", patience,

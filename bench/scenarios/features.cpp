@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios self, proximity and swept: pairs of features of one body that is folded or poked until it goes through itself. Times
-// are those of an update of the surface tree and of the query, together.
+// Scenarios self, proximity and swept: pairs of features of one body that is folded or poked until it goes through
+// itself. Times are those of an update of the surface tree and of the query, together.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +46,9 @@ std::vector<Frame> folded(const Mesh& mesh) {
   constexpr std::size_t steps = 4096;
   std::vector<Frame> frames;
   for (int f = 1; f <= 25; ++f) {
-    const auto heading = [&](double u) { return widest * f / 25 * std::sin(2 * std::numbers::pi * swings * (u - 0.5)); };
+    const auto heading = [&](double u) {
+      return widest * f / 25 * std::sin(2 * std::numbers::pi * swings * (u - 0.5));
+    };
     std::vector<std::array<double, 2>> curve(steps + 1);
     for (std::size_t i = 0; i < steps; ++i) {
       const double angle = heading((static_cast<double>(i) + 0.5) / steps), step = size[along] / steps;

@@ -88,7 +88,8 @@ class HeightFields::Border {
   /// counter-clockwise loop within another? Mirrored: clockwise. False where that is in doubt.
   bool is_simple(Projection projection, bool is_mirrored) {
     group_edges(projection);
-    return no_edges_touch(projection, is_mirrored) && (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
+    return no_edges_touch(projection, is_mirrored) &&
+           (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
   }
 
  private:
@@ -182,8 +183,8 @@ bool HeightFields::Border::have_disjoint_fans(std::uint32_t e, std::uint32_t f, 
   return are_disjoint(fan(e), fan(f), projection);
 }
 
-/// Of a loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull. Where it
-/// is there more than once, a clockwise loop may count as the other, but not the other way: all sectors of a
+/// Of a loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull. Where
+/// it is there more than once, a clockwise loop may count as the other, but not the other way: all sectors of a
 /// counter-clockwise one are less than half a turn there, since one that is more has directions out of the hull, which
 /// are not on its left.
 int HeightFields::Border::turn(std::size_t loop, Projection projection) const {

@@ -3,18 +3,18 @@
 // Height fields: regions of a surface that cannot cross themselves, because along an axis they lie over a plane once.
 //
 // Claim: let all facets of a region with a border (region_borders.hpp) run counter-clockwise when one coordinate is
-// dropped, all of them strictly; let no two edges of the border touch there but at a vertex that they share; where loops
-// are at a vertex more than once, let the sectors on their left have no direction in common; and let no loop that runs
-// counter-clockwise lie within another that does. Then no two facets of the region that share no vertex have a common
-// point.
+// dropped, all of them strictly; let no two edges of the border touch there but at a vertex that they share; where
+// loops are at a vertex more than once, let the sectors on their left have no direction in common; and let no loop that
+// runs counter-clockwise lie within another that does. Then no two facets of the region that share no vertex have a
+// common point.
 //
 // Proof. Let q be a point of the plane on no projected edge, and N(q) the number of projected facets that it is in.
 // Each runs round q once or not at all, counter-clockwise. Inner edges are run along once in each direction, so the
 // loops of the border together run round q N(q) times. Where they are at a vertex more than once, let them take a short
-// cut: along an arc about the vertex within the sector on their left, as near as q allows. The sectors have no direction
-// in common, so the arcs do not touch, and all loops are simple. A simple loop runs round q once if q is inside, by its
-// own direction, else not at all. Two counter-clockwise loops with q inside, which do not touch, would lie one within
-// the other; so at most one is there, and N(q) <= 1.
+// cut: along an arc about the vertex within the sector on their left, as near as q allows. The sectors have no
+// direction in common, so the arcs do not touch, and all loops are simple. A simple loop runs round q once if q is
+// inside, by its own direction, else not at all. Two counter-clockwise loops with q inside, which do not touch, would
+// lie one within the other; so at most one is there, and N(q) <= 1.
 //
 // Let facets F and G, which share no vertex, have a point x in common. It is a point a of the surface in F, and another
 // point b in G: points of the surface as a complex, where facets meet in common vertices and edges alone. Projected,
