@@ -394,6 +394,32 @@ TEST(HeightFields, are_left_out_of_a_query_that_finds_what_brute_force_finds) {
   EXPECT_GT(all_tests, 0u);
 }
 
+TEST(HeightFields, of_separate_facets_are_small_so_that_borders_stay_short) {
+  // Facets that look upwards and have no vertex in common: all together they are a height field, with a border of all
+  // their edges, which is not looked at.
+  const Mesh whole = sheet(64, hilly);
+  Mesh mesh;
+  for (const Facet& f : whole.facets) {
+    const Vec3 middle = (whole.positions[f[0]] + whole.positions[f[1]] + whole.positions[f[2]]) * (1.0 / 3);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const std::uint32_t v : f) mesh.positions.push_back(middle + (whole.positions[v] - middle) * 0.9);
+    mesh.facets.push_back({first, first + 1, first + 2});
+  }
+  const Looked looked(mesh);
+  const std::vector<detail::RegionBorders>& borders = looked.state.borders;
+  for (std::uint32_t region = 0; 64 * region < mesh.facets.size(); ++region)
+    EXPECT_TRUE(looked.fields.is_one(1, region));
+  EXPECT_EQ(borders[1].slots.size(), 3 * mesh.facets.size());
+  for (std::size_t level = 2; level < borders.size(); ++level) EXPECT_TRUE(borders[level].slots.empty());
+  EXPECT_FALSE(looked.is_one());
+  // Of a sheet in one piece all borders are kept.
+  const Looked one_piece(whole);
+  for (const detail::RegionBorders& of_level : std::span(one_piece.state.borders).subspan(1))
+    for (std::size_t region = 0; region + 1 < of_level.loops_begin.size(); ++region)
+      EXPECT_LT(of_level.loops_begin[region], of_level.loops_begin[region + 1]);
+  EXPECT_TRUE(one_piece.is_one());
+}
+
 TEST(HeightFields, are_those_of_the_present_pose) {
   const Mesh mesh = sheet(9, hilly);
   SurfaceTree tree(mesh);

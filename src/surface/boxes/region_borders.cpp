@@ -3,6 +3,7 @@
 #include "surface/boxes/region_borders.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace morula::detail {
 namespace {
@@ -44,6 +45,12 @@ std::vector<Side> opposite_sides(std::span<const Facet> facets) {
   return opposite;
 }
 
+/// A disc of n facets has some 4 sqrt(n) edges at its border; one with islands and holes, twice that. What is far
+/// longer is no region that lies together, and to look at it would take long: as the square of its edges.
+std::size_t most_border_edges(std::size_t facets) {
+  return 64 + static_cast<std::size_t>(16 * std::sqrt(static_cast<double>(facets)));
+}
+
 }  // namespace
 
 std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::span<const std::uint32_t> slot_of_vertex,
@@ -59,6 +66,7 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
     const std::size_t size = std::size_t{24} << (3 * level);  // in sides
     for (std::size_t begin = 0; begin < opposite.size(); begin += size) {
       const std::size_t end = std::min(opposite.size(), begin + size);
+      const std::size_t first_loop = of_level.slots_begin.size(), first_slot = of_level.slots.size();
       const auto is_border = [&](Side s) { return opposite[s] < begin || opposite[s] >= end; };
       for (Side start = static_cast<Side>(begin); start < end; ++start) {
         if (!is_border(start) || is_in_loop[start] != 0) continue;
@@ -71,6 +79,10 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
           }
         }
         of_level.slots_begin.push_back(static_cast<std::uint32_t>(of_level.slots.size()));
+      }
+      if (of_level.slots.size() - first_slot > most_border_edges((end - begin) / 3)) {
+        of_level.slots.resize(first_slot);
+        of_level.slots_begin.resize(first_loop);
       }
       of_level.loops_begin.push_back(static_cast<std::uint32_t>(of_level.slots_begin.size() - 1));
     }

@@ -16,7 +16,8 @@ namespace morula::detail {
 /// region. All other edges of the region's facets are its border, each in the direction of its facet. They make loops,
 /// closed, the region on the left of each: where one edge comes to a vertex, the next is the other side of the same
 /// fan, which is the facets of the region about the vertex that are joined by inner edges. So a loop is at a vertex
-/// once for each fan there, and so are loops together. A region without a border has none.
+/// once for each fan there, and so are loops together. A region without a border has none, nor has one whose border is
+/// out of proportion to its facets, such as that of many separate ones.
 struct RegionBorders {
   std::vector<std::uint32_t> loops_begin;  // region r has loops [loops_begin[r], loops_begin[r + 1])
   std::vector<std::uint32_t> slots_begin;  // loop k has the vertices in slots [slots_begin[k], slots_begin[k + 1])
