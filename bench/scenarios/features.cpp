@@ -150,7 +150,6 @@ std::vector<Result> crossings_with_itself(const Input& input, const Settings& se
       same = same && ours == theirs;
     }
   });
-  own.expect(pairs > 0, "the body never crosses itself");
   own.expect(same, "not the pairs that Embree's boxes find with our test");
   own.figures = {{"pairs", pairs / static_cast<double>(own.seconds.size())}};
   if (peer) embree.figures = {{"times ours", median(embree.seconds) / median(own.seconds)}};
@@ -204,6 +203,10 @@ std::vector<Result> run_self(const Input& input, const Settings& settings) {
   if (box.upper.x > box.lower.x && box.upper.y > box.lower.y && box.upper.z > box.lower.z)
     for (Result& result : crossings_with_itself(input, settings, "poked", poke_and_back(input.mesh)))
       results.push_back(std::move(result));
+  double pairs = 0;
+  for (const Result& result : results)
+    for (const auto& [name, value] : result.figures) pairs += name == "pairs" ? value : 0;
+  results.front().expect(pairs > 0, "the body never crosses itself: take one that can be folded");
   for (Result& result : updates_of_everything(input, settings)) results.push_back(std::move(result));
   return results;
 }
