@@ -60,17 +60,47 @@ inline Planes planes_of(const Triangles& t) {
           {yz - zy, zx - xz, xy - yx},
           {size_of(yz) + size_of(zy), size_of(zx) + size_of(xz), size_of(xy) + size_of(yx)}};
 }
-inline unsigned are_on_one_side(const Planes& planes, const Triangles& t) {
-  unsigned above = every, below = every;
-  for (const Points& corner : t.corner) {
-    const Points w = corner - planes.base, size{size_of(w.x), size_of(w.y), size_of(w.z)};
-    const Doubles value = dot(planes.normal, w);
-    const Doubles error = TrianglePlane::relative_error * dot(planes.permanent, size) +
-                          TrianglePlane::underflow * (1 + size.x + size.y + size.z);
-    above &= greater(value, error);
-    below &= greater(-error, value);
-  }
-  return above | below;
+struct Sides {
+  Doubles value[3];
+  unsigned above[3], below[3];
+
+  unsigned all_above() const { return above[0] & above[1] & above[2]; }
+  unsigned all_below() const { return below[0] & below[1] & below[2]; }
+  unsigned all_known() const { return (above[0] | below[0]) & (above[1] | below[1]) & (above[2] | below[2]); }
+};
+inline void find_side(const Planes& planes, const Points& corner, Doubles& value, unsigned& above, unsigned& below) {
+  const Points w = corner - planes.base, size{size_of(w.x), size_of(w.y), size_of(w.z)};
+  value = dot(planes.normal, w);
+  const Doubles error = TrianglePlane::relative_error * dot(planes.permanent, size) +
+                        TrianglePlane::underflow * (1 + size.x + size.y + size.z);
+  above = greater(value, error);
+  below = greater(-error, value);
+}
+inline Sides sides_of(const Planes& planes, const Triangles& t) {
+  Sides sides;
+  for (int k = 0; k < 3; ++k) find_side(planes, t.corner[k], sides.value[k], sides.above[k], sides.below[k]);
+  return sides;
+}
+
+inline Points choose(Words mask, const Points& p, const Points& q) {
+  return {mask ? p.x : q.x, mask ? p.y : q.y, mask ? p.z : q.z};
+}
+inline Words have_one_sign(Doubles a, Doubles b) {
+  return (__builtin_bit_cast(Words, a) ^ __builtin_bit_cast(Words, b)) >= 0;
+}
+// The corner that is alone on its side, and the two that follow.
+struct Lone {
+  Points corner, first, second;
+  Words is_below;
+};
+inline Lone lone_corners(const Triangles& t, const Sides& s) {
+  const Words is_first = have_one_sign(s.value[1], s.value[2]), is_second = have_one_sign(s.value[2], s.value[0]);
+  const auto pick = [&](const Points& p, const Points& q, const Points& r) {
+    return choose(is_first, p, choose(is_second, q, r));
+  };
+  const Doubles value = is_first ? s.value[0] : is_second ? s.value[1] : s.value[2];
+  return {pick(t.corner[0], t.corner[1], t.corner[2]), pick(t.corner[1], t.corner[2], t.corner[0]),
+          pick(t.corner[2], t.corner[0], t.corner[1]), value < 0};
 }
 
 // Two coordinates of each, those that are left along the axis of each pair.
@@ -102,14 +132,31 @@ inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {
   return beyond;
 }
 
-unsigned apart(const TrianglePairs& pairs) {
-  unsigned bits = 0;
+TriangleVerdicts look(const TrianglePairs& pairs) {
+  TriangleVerdicts verdicts{0, 0};
   for (int first = 0; first < static_cast<int>(TrianglePairs::size); first += doubles) {
     const Triangles a = load_triangles(pairs.a, first), b = load_triangles(pairs.b, first);
     const Planes planes = planes_of(a);
-    unsigned found = are_on_one_side(planes, b);
-    if (found != every) found |= are_on_one_side(planes_of(b), a);
-    if (found != every) {
+    const Sides of_b = sides_of(planes, b);
+    unsigned apart = of_b.all_above() | of_b.all_below(), meeting = 0;
+    if (apart != every) {
+      const Sides of_a = sides_of(planes_of(b), a);
+      apart |= of_a.all_above() | of_a.all_below();
+      if (const unsigned crossed = of_a.all_known() & of_b.all_known() & ~apart; crossed != 0) {
+        const Lone lone_a = lone_corners(a, of_a), lone_b = lone_corners(b, of_b);
+        const Points a_first = choose(lone_b.is_below, lone_a.second, lone_a.first);
+        const Points a_second = choose(lone_b.is_below, lone_a.first, lone_a.second);
+        const Points b_first = choose(lone_a.is_below, lone_b.second, lone_b.first);
+        const Points b_second = choose(lone_a.is_below, lone_b.first, lone_b.second);
+        Doubles value;
+        unsigned begins_late, begins_early, ends_late, ends_early;
+        find_side(planes_of({{lone_a.corner, a_first, lone_b.corner}}), b_first, value, begins_late, begins_early);
+        find_side(planes_of({{lone_a.corner, a_second, lone_b.corner}}), b_second, value, ends_late, ends_early);
+        apart |= crossed & (begins_late | ends_early);
+        meeting |= crossed & begins_early & ends_late;
+      }
+    }
+    if ((apart | meeting) != every) {
       const Doubles x = size_of(planes.normal.x), y = size_of(planes.normal.y), z = size_of(planes.normal.z);
       const auto flat = [&](const Triangles& t) {
         Flat f;
@@ -122,10 +169,10 @@ unsigned apart(const TrianglePairs& pairs) {
         return f;
       };
       const Flat flat_a = flat(a), flat_b = flat(b);
-      found |= are_beyond_an_edge(flat_a, flat_b);
-      if (found != every) found |= are_beyond_an_edge(flat_b, flat_a);
+      apart |= (are_beyond_an_edge(flat_a, flat_b) | are_beyond_an_edge(flat_b, flat_a)) & ~meeting;
     }
-    bits |= found << first;
+    verdicts.apart |= apart << first;
+    verdicts.meeting |= meeting << first;
   }
-  return bits;
+  return verdicts;
 }

@@ -173,9 +173,9 @@ TEST(TriangleIntersection, equals_the_oracle_where_triangles_hardly_touch) {
   EXPECT_LT(meetings, rounds * 9u / 10);
 }
 
-TEST(TrianglePairs, all_processors_find_the_same_and_none_that_meet) {
+TEST(TrianglePairs, all_processors_find_the_same_verdicts_and_they_are_right) {
   Random random(3);
-  std::size_t apart = 0, in_one_plane = 0;
+  std::size_t apart = 0, met = 0, in_one_plane = 0;
   for (int round = 0; round < 40000; round += 8) {
     const bool is_on_grid = round % 16 == 0;
     const double scale = is_on_grid ? 1 : scale_of(round / 16);
@@ -187,15 +187,42 @@ TEST(TrianglePairs, all_processors_find_the_same_and_none_that_meet) {
       meeting |= (oracle(a, b) ? 1u : 0u) << k;
       flat |= (is_on_grid && k % 4 == 1 ? 1u : 0u) << k;
     }
-    const unsigned found = detail::all_apart_triangles().front()(pairs);
-    ASSERT_EQ(found & meeting, 0u) << round;
-    for (std::size_t kind = 0; kind < detail::all_apart_triangles().size(); ++kind)
-      ASSERT_EQ(detail::all_apart_triangles()[kind](pairs), found) << round << ' ' << detail::kind_name(kind);
-    apart += static_cast<std::size_t>(std::popcount(found));
-    in_one_plane += static_cast<std::size_t>(std::popcount(found & flat));
+    const detail::TriangleVerdicts found = detail::all_look_at_triangles().front()(pairs);
+    ASSERT_EQ(found.apart & meeting, 0u) << round;
+    ASSERT_EQ(found.meeting & ~meeting, 0u) << round;
+    for (std::size_t kind = 0; kind < detail::all_look_at_triangles().size(); ++kind) {
+      const detail::TriangleVerdicts of_kind = detail::all_look_at_triangles()[kind](pairs);
+      ASSERT_EQ(of_kind.apart, found.apart) << round << ' ' << detail::kind_name(kind);
+      ASSERT_EQ(of_kind.meeting, found.meeting) << round << ' ' << detail::kind_name(kind);
+    }
+    apart += static_cast<std::size_t>(std::popcount(found.apart));
+    met += static_cast<std::size_t>(std::popcount(found.meeting));
+    in_one_plane += static_cast<std::size_t>(std::popcount(found.apart & flat));
   }
   EXPECT_GT(apart, 8000u);
+  EXPECT_GT(met, 2000u);
   EXPECT_GT(in_one_plane, 500u);
+}
+
+TEST(TrianglePairs, far_from_each_others_planes_and_edges_are_never_in_doubt) {
+  Random random(5);
+  std::size_t met = 0;
+  for (int round = 0; round < 2000; ++round) {
+    detail::TrianglePairs pairs;
+    unsigned meeting = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      Pair pair;
+      for (Triangle* const t : {&pair.a, &pair.b})
+        for (Vec3& p : *t) p = test::random_whole(random, 0x1p30);
+      pairs.put(k, pair.a, pair.b);
+      meeting |= (oracle(pair.a, pair.b) ? 1u : 0u) << k;
+    }
+    const detail::TriangleVerdicts found = detail::look_at_triangles()(pairs);
+    ASSERT_EQ(found.meeting, meeting) << round;
+    ASSERT_EQ(found.apart, ~meeting & 0xffu) << round;
+    met += static_cast<std::size_t>(std::popcount(meeting));
+  }
+  EXPECT_GT(met, 1000u);
 }
 
 TEST(TrianglePairs, with_numbers_that_are_none_or_overflow_are_the_same_for_all_processors) {
@@ -207,10 +234,13 @@ TEST(TrianglePairs, with_numbers_that_are_none_or_overflow_are_the_same_for_all_
       pairs.put(k, a, a);
       for (int corner = 0; corner < 3; ++corner) pairs.a[corner][k % 3][k] = odd;
     }
-    const unsigned found = detail::all_apart_triangles().front()(pairs);
-    for (const detail::ApartTriangles of_kind : detail::all_apart_triangles()) EXPECT_EQ(of_kind(pairs), found) << odd;
+    const detail::TriangleVerdicts found = detail::all_look_at_triangles().front()(pairs);
+    for (const detail::LookAtTriangles look : detail::all_look_at_triangles()) {
+      EXPECT_EQ(look(pairs).apart, found.apart) << odd;
+      EXPECT_EQ(look(pairs).meeting, found.meeting) << odd;
+    }
     if (std::isnan(odd)) {
-      EXPECT_EQ(found, 0u);
+      EXPECT_EQ(found.apart | found.meeting, 0u);
     }
   }
 }
