@@ -47,8 +47,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
   };
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
     if (wants_block_[block] == 0) continue;
-    for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot) take(slot);
-    for (std::uint32_t i = s.guests_begin[block]; i < s.guests_begin[block + 1]; ++i) take(s.guests[i]);
+    for (std::uint32_t i = s.corners_begin[block]; i < s.corners_begin[block + 1]; ++i) take(s.corners[i]);
     const std::uint32_t group = block / 8;
     if (groups_[0].empty() || groups_[0].back() != group) groups_[0].push_back(group);
   }

@@ -72,9 +72,8 @@ std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facet
 void give_vertices(SurfaceTreeState& s) {
   s.slot_of_vertex.assign(s.rest.size(), SurfaceTreeState::no_slot);
   s.own_vertices = {0};
-  s.guests_begin = {0};
+  s.corners_begin = {0};
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
-    const std::uint32_t first_slot = s.own_vertices.back();
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
       corners.insert(corners.end(), s.facets[s.order[i]].begin(), s.facets[s.order[i]].end());
@@ -85,12 +84,12 @@ void give_vertices(SurfaceTreeState& s) {
       if (slot == SurfaceTreeState::no_slot) {
         slot = static_cast<std::uint32_t>(s.vertex_of_slot.size());
         s.vertex_of_slot.push_back(v);
-      } else if (slot < first_slot) {
-        s.guests.push_back(slot);
       }
+      s.corners.push_back(slot);
     }
+    while (s.corners.size() % corners_step != 0) s.corners.push_back(s.corners.back());
     s.own_vertices.push_back(static_cast<std::uint32_t>(s.vertex_of_slot.size()));
-    s.guests_begin.push_back(static_cast<std::uint32_t>(s.guests.size()));
+    s.corners_begin.push_back(static_cast<std::uint32_t>(s.corners.size()));
   }
 }
 

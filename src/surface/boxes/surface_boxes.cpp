@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "simd/float4.hpp"
 #include "surface/boxes/tree_state.hpp"
 
 namespace morula::detail {
@@ -31,9 +32,17 @@ void SurfaceBoxes::make_levels(std::size_t blocks) {
 }
 
 void SurfaceBoxes::join_block(const SurfaceTreeState& s, std::size_t block) {
+  // Two minima, so that none waits for the one before.
+  Float4 lower[2] = {Float4(MinBox::none), Float4(MinBox::none)}, upper[2] = {lower[0], lower[0]};
+  for (std::uint32_t i = s.corners_begin[block]; i < s.corners_begin[block + 1]; i += corners_step)
+    for (std::uint32_t k = 0; k < corners_step; ++k) {
+      const MinBox& vertex = vertices[s.corners[i + k]];
+      lower[k % 2] = min(Float4::load(vertex.bound), lower[k % 2]);
+      upper[k % 2] = min(Float4::load(vertex.bound + 4), upper[k % 2]);
+    }
   MinBox box;
-  for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot) box.add(vertices[slot]);
-  for (std::uint32_t i = s.guests_begin[block]; i < s.guests_begin[block + 1]; ++i) box.add(vertices[s.guests[i]]);
+  min(lower[0], lower[1]).store(box.bound);
+  min(upper[0], upper[1]).store(box.bound + 4);
   put(levels[0][block / 8], block % 8, box);
 }
 

@@ -72,11 +72,11 @@ Status SurfaceTreeState::move(Workers& workers) {
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t v = vertex_of_slot[begin + i];
         const Vec3 p = read_from(v) - origin;
-        good = good && is_near(p);
+        good = good & is_near(p);
         lower[i] = p;
         if (!is_step) continue;
         const Vec3 q = read_to(v) - origin;
-        good = good && is_near(q);
+        good = good & is_near(q);
         lower[i] = min(p, q), upper[i] = max(p, q);
       }
       // Nothing is cast that float does not hold.

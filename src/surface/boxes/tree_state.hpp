@@ -33,8 +33,8 @@ struct SurfaceTreeState {
   std::vector<std::uint32_t> vertex_of_slot;   // used vertices alone
   std::vector<std::uint32_t> slot_of_vertex;   // no_slot: no facet uses it
   std::vector<std::uint32_t> own_vertices;     // block b owns slots [own_vertices[b], own_vertices[b + 1])
-  std::vector<std::uint32_t> guests_begin;     // and its facets' other corners are
-  std::vector<std::uint32_t> guests;           // guests[guests_begin[b] … guests_begin[b + 1])
+  std::vector<std::uint32_t> corners_begin;    // all corners of its facets are
+  std::vector<std::uint32_t> corners;          // corners[corners_begin[b] … corners_begin[b + 1]), as slots
   std::vector<std::uint32_t> own_edges_begin;  // its edges are
   std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
   std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
