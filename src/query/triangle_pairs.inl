@@ -132,6 +132,41 @@ inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {
   return beyond;
 }
 
+// Seen along the axis along which a looks largest.
+inline unsigned are_beyond_an_edge(const Planes& planes, const Triangles& a, const Triangles& b) {
+  const Doubles x = size_of(planes.normal.x), y = size_of(planes.normal.y), z = size_of(planes.normal.z);
+  const auto flat = [&](const Triangles& t) {
+    Flat f;
+    for (int k = 0; k < 3; ++k) {
+      const Points& p = t.corner[k];
+      const Doubles first_of_two = y > z ? p.z : p.x, second_of_two = y > z ? p.x : p.y;
+      f.first[k] = x > y ? (x > z ? p.y : first_of_two) : first_of_two;
+      f.second[k] = x > y ? (x > z ? p.z : second_of_two) : second_of_two;
+    }
+    return f;
+  };
+  const Flat flat_a = flat(a), flat_b = flat(b);
+  const unsigned beyond = are_beyond_an_edge(flat_a, flat_b);
+  return beyond == every ? beyond : beyond | are_beyond_an_edge(flat_b, flat_a);
+}
+
+// Of triangles that cross each other's planes, all corners off them.
+struct Overlaps {
+  unsigned none, some;
+};
+inline Overlaps overlaps_of_crossed(const Triangles& a, const Sides& of_a, const Triangles& b, const Sides& of_b) {
+  const Lone lone_a = lone_corners(a, of_a), lone_b = lone_corners(b, of_b);
+  const Points a_first = choose(lone_b.is_below, lone_a.second, lone_a.first);
+  const Points a_second = choose(lone_b.is_below, lone_a.first, lone_a.second);
+  const Points b_first = choose(lone_a.is_below, lone_b.second, lone_b.first);
+  const Points b_second = choose(lone_a.is_below, lone_b.first, lone_b.second);
+  Doubles value;
+  unsigned begins_late, begins_early, ends_late, ends_early;
+  find_side(planes_of({{lone_a.corner, a_first, lone_b.corner}}), b_first, value, begins_late, begins_early);
+  find_side(planes_of({{lone_a.corner, a_second, lone_b.corner}}), b_second, value, ends_late, ends_early);
+  return {begins_late | ends_early, begins_early & ends_late};
+}
+
 TriangleVerdicts look(const TrianglePairs& pairs) {
   TriangleVerdicts verdicts{0, 0};
   for (int first = 0; first < static_cast<int>(TrianglePairs::size); first += doubles) {
@@ -142,34 +177,16 @@ TriangleVerdicts look(const TrianglePairs& pairs) {
     if (apart != every) {
       const Sides of_a = sides_of(planes_of(b), a);
       apart |= of_a.all_above() | of_a.all_below();
-      if (const unsigned crossed = of_a.all_known() & of_b.all_known() & ~apart; crossed != 0) {
-        const Lone lone_a = lone_corners(a, of_a), lone_b = lone_corners(b, of_b);
-        const Points a_first = choose(lone_b.is_below, lone_a.second, lone_a.first);
-        const Points a_second = choose(lone_b.is_below, lone_a.first, lone_a.second);
-        const Points b_first = choose(lone_a.is_below, lone_b.second, lone_b.first);
-        const Points b_second = choose(lone_a.is_below, lone_b.first, lone_b.second);
-        Doubles value;
-        unsigned begins_late, begins_early, ends_late, ends_early;
-        find_side(planes_of({{lone_a.corner, a_first, lone_b.corner}}), b_first, value, begins_late, begins_early);
-        find_side(planes_of({{lone_a.corner, a_second, lone_b.corner}}), b_second, value, ends_late, ends_early);
-        apart |= crossed & (begins_late | ends_early);
-        meeting |= crossed & begins_early & ends_late;
+      // What decides most of them comes first. Nothing depends on the order: no two tests disagree.
+      const unsigned known = of_a.all_known() & of_b.all_known();
+      const bool edges_first = (known | apart) != every;
+      if (edges_first) apart |= are_beyond_an_edge(planes, a, b);
+      if (const unsigned crossed = known & ~apart; crossed != 0) {
+        const Overlaps overlaps = overlaps_of_crossed(a, of_a, b, of_b);
+        apart |= crossed & overlaps.none;
+        meeting = crossed & overlaps.some;
       }
-    }
-    if ((apart | meeting) != every) {
-      const Doubles x = size_of(planes.normal.x), y = size_of(planes.normal.y), z = size_of(planes.normal.z);
-      const auto flat = [&](const Triangles& t) {
-        Flat f;
-        for (int k = 0; k < 3; ++k) {
-          const Points& p = t.corner[k];
-          const Doubles first_of_two = y > z ? p.z : p.x, second_of_two = y > z ? p.x : p.y;
-          f.first[k] = x > y ? (x > z ? p.y : first_of_two) : first_of_two;
-          f.second[k] = x > y ? (x > z ? p.z : second_of_two) : second_of_two;
-        }
-        return f;
-      };
-      const Flat flat_a = flat(a), flat_b = flat(b);
-      apart |= (are_beyond_an_edge(flat_a, flat_b) | are_beyond_an_edge(flat_b, flat_a)) & ~meeting;
+      if (!edges_first && (apart | meeting) != every) apart |= are_beyond_an_edge(planes, a, b) & ~meeting;
     }
     verdicts.apart |= apart << first;
     verdicts.meeting |= meeting << first;
