@@ -48,8 +48,8 @@ inline constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256, vert
 inline constexpr double farthest_vertex = 0x1p102;
 inline bool is_near(const Vec3& p) {
   // Without branches.
-  const bool x = std::abs(p.x) <= farthest_vertex, y = std::abs(p.y) <= farthest_vertex;
-  return x & y & (std::abs(p.z) <= farthest_vertex);
+  const auto is_far = [](double x) { return static_cast<unsigned>(!(std::abs(x) <= farthest_vertex)); };
+  return is_far(p.x) + is_far(p.y) + is_far(p.z) == 0;
 }
 
 }  // namespace morula::detail

@@ -66,24 +66,24 @@ Status SurfaceTreeState::move(Workers& workers) {
   const auto make = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
     // One more of each: the kernel reads one number beyond the last.
     std::array<Vec3, vertices_together + 1> lower, upper;
-    bool good = true;
+    unsigned far = 0;
     for (; begin < end; begin += vertices_together) {
       const std::size_t count = std::min(vertices_together, end - begin);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t v = vertex_of_slot[begin + i];
         const Vec3 p = read_from(v) - origin;
-        good = good & is_near(p);
+        far += is_near(p) ? 0 : 1;
         lower[i] = p;
         if (!is_step) continue;
         const Vec3 q = read_to(v) - origin;
-        good = good & is_near(q);
+        far += is_near(q) ? 0 : 1;
         lower[i] = min(p, q), upper[i] = max(p, q);
       }
       // Nothing is cast that float does not hold.
-      if (!good) break;
+      if (far != 0) break;
       make_boxes(lower.data(), is_step ? upper.data() : lower.data(), count, &next_vertex_boxes[begin]);
     }
-    if (!good) is_bad = true;
+    if (far != 0) is_bad = true;
   };
   parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
     with_reader(from, rest, [&](const auto& read_from) {

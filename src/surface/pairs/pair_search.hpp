@@ -132,9 +132,10 @@ class PairSearch {
 
 /// Without branches, which could not be foreseen.
 inline bool share_a_vertex(const Facet& f, const Facet& g) {
-  bool share = false;
-  for (const std::uint32_t v : g) share = share | (f[0] == v) | (f[1] == v) | (f[2] == v);
-  return share;
+  unsigned common = 0;
+  for (const std::uint32_t v : g)
+    common += static_cast<unsigned>(f[0] == v) + static_cast<unsigned>(f[1] == v) + static_cast<unsigned>(f[2] == v);
+  return common != 0;
 }
 
 template <class Find>
