@@ -70,6 +70,7 @@ struct SceneState {
   void refine_by_tests(std::size_t tests, Workers& workers);
   void choose_by_importance(std::size_t count);
   void refine_by_time(std::chrono::nanoseconds deadline, Workers& workers);
+  void note_first_round(std::int64_t spent, std::int64_t pairs);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;

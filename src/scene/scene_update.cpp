@@ -264,6 +264,17 @@ void SceneState::choose_by_importance(std::size_t count) {
 }
 
 // Each gets a quantum, then all of them again twice as much.
+/// One long wait for the processor must not keep all pairs from being begun in later updates: what is noted grows by a
+/// factor of four at most, and falls by an eighth where no pair was begun for it.
+void SceneState::note_first_round(std::int64_t spent, std::int64_t pairs) {
+  if (pairs == 0) {
+    first_round_of_pair_ *= 0.875;
+    return;
+  }
+  const double of_pair = static_cast<double>(spent) / static_cast<double>(pairs);
+  first_round_of_pair_ = first_round_of_pair_ > 0 ? std::min(of_pair, 4 * first_round_of_pair_) : of_pair;
+}
+
 void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& workers) {
   // A clock of the caller's is read from this thread alone.
   Workers& used_workers = options.clock ? serial_workers() : workers;
@@ -272,7 +283,7 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
   for (const PairFront* front : work_) values_.push_back(front->importance);
   const double time = 0.9 * static_cast<double>((deadline - now()).count()) * used_workers.thread_count();
   choose_by_importance(time < first_round_of_pair_ * static_cast<double>(work_.size())
-                           ? static_cast<std::size_t>(std::max(0.0, time / first_round_of_pair_))
+                           ? static_cast<std::size_t>(std::max(1.0, time / first_round_of_pair_))
                            : work_.size());
   std::atomic<bool> is_late = false;
   // What a pair takes on average in this round, twice, is not begun after the deadline is that near. Of the first pair
@@ -304,7 +315,7 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
       pairs += count;
     });
     if (pairs > 0) expected = 2 * spent / pairs;
-    if (share == quantum && pairs > 0) first_round_of_pair_ = static_cast<double>(spent) / static_cast<double>(pairs);
+    if (share == quantum) note_first_round(spent, pairs);
     for (const std::size_t used : used_) tests_done_ += used;
     std::erase_if(work_, [](const PairFront* front) { return front->is_finished(); });
   }
