@@ -3,28 +3,8 @@
 // The source of triangle_pairs.cpp: TrianglePlane::certain_side, TrianglePlane::projection, certain_orient2d and
 // is_beyond_an_edge, operation by operation, in registers of doubles.
 
-constexpr int doubles = lanes / 2;
-typedef double Doubles __attribute__((vector_size(8 * doubles)));
-typedef std::int64_t Words __attribute__((vector_size(8 * doubles)));
 constexpr unsigned every = (1u << doubles) - 1;
 
-// Bit i: lane i of a is greater.
-inline unsigned greater(Doubles a, Doubles b) {
-#ifdef MORULA_DISPATCH
-#if MORULA_LANES == 16
-  return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
-#elif MORULA_LANES == 8
-  return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)));
-#else
-  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpgt_pd(a, b)));
-#endif
-#else
-  const Words mask = a > b;
-  unsigned bits = 0;
-  for (int k = 0; k < doubles; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
-  return bits;
-#endif
-}
 inline Doubles size_of(Doubles a) {
   return __builtin_bit_cast(Doubles, __builtin_bit_cast(Words, a) & (Words{} + 0x7fffffffffffffff));
 }

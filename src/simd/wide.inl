@@ -73,6 +73,29 @@ inline unsigned lanes_at_most(Wide a, Wide b) {
 }
 #endif
 
+// Registers of half as many doubles.
+constexpr int doubles = lanes / 2;
+typedef double Doubles __attribute__((vector_size(8 * doubles)));
+typedef double LooseDoubles __attribute__((vector_size(8 * doubles), aligned(8), may_alias));
+typedef std::int64_t Words __attribute__((vector_size(8 * doubles)));
+// Bit i: lane i of a is greater.
+inline unsigned greater(Doubles a, Doubles b) {
+#ifdef MORULA_DISPATCH
+#if MORULA_LANES == 16
+  return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
+#elif MORULA_LANES == 8
+  return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)));
+#else
+  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpgt_pd(a, b)));
+#endif
+#else
+  const Words mask = a > b;
+  unsigned bits = 0;
+  for (int k = 0; k < doubles; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
+  return bits;
+#endif
+}
+
 inline Wide load(const float* first) {
   return *reinterpret_cast<const LooseWide*>(first);
 }

@@ -14,8 +14,6 @@
 #include <morula/tree/cover.hpp>
 #include <numeric>
 
-#include "geometry/enclosing/farthest_along.hpp"
-
 namespace morula {
 using namespace detail;
 namespace {
@@ -96,29 +94,6 @@ TEST(MeshView, largest_coordinate_is_of_vertices_in_use) {
   EXPECT_EQ(largest_coordinate(mesh), 7);
   EXPECT_EQ(largest_coordinate(bounding_box(mesh)), 7);
   EXPECT_EQ(largest_coordinate(Mesh{}), 0);
-}
-
-TEST(FarthestAlong, is_the_first_of_the_farthest) {
-  std::vector<Vec3f> directions;
-  for (const Vec3& d : fibonacci_directions(30)) directions.emplace_back(d);
-  for (const std::size_t count : {1u, 2u, 7u, 8u, 9u, 64u, 101u}) {
-    std::vector<float> x, y, z;
-    for (const SurfacePoint& s : sample_surface(sample_body("blob", 8), count)) {
-      // On few places, so that there are equals.
-      x.push_back(static_cast<float>(std::round(2 * s.point.x)));
-      y.push_back(static_cast<float>(std::round(2 * s.point.y)));
-      z.push_back(static_cast<float>(std::round(2 * s.point.z)));
-    }
-    std::vector<std::uint32_t> found(directions.size());
-    farthest_along(directions, {x, y, z}, found);
-    for (std::size_t d = 0; d < directions.size(); ++d) {
-      const auto height = [&](std::size_t i) { return dot(directions[d], Vec3f{x[i], y[i], z[i]}); };
-      std::size_t best = 0;
-      for (std::size_t i = 0; i < count; ++i)
-        if (height(i) > height(best)) best = i;
-      EXPECT_EQ(found[d], best);
-    }
-  }
 }
 
 }  // namespace

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 
 #include "generators/fit/ball_fit.hpp"
 #include "generators/fit/extremes.hpp"
+#include "generators/fit/fit_kernels.hpp"
 
 namespace morula::detail {
 namespace {
@@ -34,6 +37,39 @@ struct Gifts {
     corners.insert(corners.end(), polygon.begin(), polygon.end());
     parts.push_back({to, facet, begin, static_cast<std::uint32_t>(corners.size())});
   }
+};
+
+// Spheres that may take something from another.
+class NearBalls {
+ public:
+  NearBalls(std::span<const std::uint32_t> near, std::span<const Sphere> spheres) {
+    // Those that fill up the last register have more power than any.
+    const std::size_t count = (near.size() + ball_columns_step - 1) / ball_columns_step * ball_columns_step;
+    for (std::vector<double>* column : {&x_, &y_, &z_}) column->resize(count, 0);
+    square_.resize(count, -std::numeric_limits<double>::infinity());
+    bits_.resize((count + 63) / 64);
+    for (std::size_t n = 0; n < near.size(); ++n) {
+      const Sphere& s = spheres[near[n]];
+      x_[n] = s.center.x, y_[n] = s.center.y, z_[n] = s.center.z, square_[n] = s.radius * s.radius;
+    }
+  }
+
+  // Those with less power than `own` at one of the corners, in order.
+  template <class Visit>
+  void each_with_less_power(std::span<const Vec3> corners, const Sphere& own, const Visit& visit) {
+    powers_.clear();
+    for (const Vec3& p : corners) powers_.push_back({p.x, p.y, p.z, power(own, p)});
+    fit_kernels().with_less_power({x_.data(), y_.data(), z_.data(), square_.data(), x_.size()},
+                                  reinterpret_cast<const double(*)[4]>(powers_.data()), powers_.size(), bits_.data());
+    for (std::size_t word = 0; word < bits_.size(); ++word)
+      for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1)
+        visit(64 * word + static_cast<std::size_t>(std::countr_zero(left)));
+  }
+
+ private:
+  std::vector<double> x_, y_, z_, square_;
+  std::vector<std::array<double, 4>> powers_;
+  std::vector<std::uint64_t> bits_;
 };
 
 class Exchange {
@@ -69,29 +105,22 @@ class Exchange {
     for (std::uint32_t j = 0; j < spheres.size(); ++j)
       if (j != from && distance(spheres[j].center, spheres[from].center) < spheres[j].radius + spheres[from].radius)
         near.push_back(j);
+    NearBalls balls(near, spheres);
     std::vector<Vec3> corners;
-    std::vector<double> own_powers;
     CutFacet cut;
     for (std::size_t k = 0; k < own.region.size(); ++k) {
       const std::uint32_t facet = own.region.facet[k];
       const FacetGeometry geometry = facet_geometry(mesh_, facet);
       const auto polygon = own.region.polygon(k);
       corners.clear();
-      own_powers.clear();
-      for (const Barycentric& b : polygon) {
-        corners.push_back(at_barycentric(geometry.corners, b));
-        own_powers.push_back(power(spheres[from], corners.back()));
-      }
+      for (const Barycentric& b : polygon) corners.push_back(at_barycentric(geometry.corners, b));
       allowed.assign(1, from);
-      for (const std::uint32_t j : near) {
-        bool less = false;
-        for (std::size_t c = 0; c < corners.size() && !less; ++c) less = power(spheres[j], corners[c]) < own_powers[c];
-        if (!less) continue;
-        const BuildNode& other = nodes_[j];
+      balls.each_with_less_power(corners, spheres[from], [&](std::size_t n) {
+        const BuildNode& other = nodes_[near[n]];
         if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
                                                       [&](const Sphere& a) { return contains(a, corners); }))
-          allowed.push_back(j);
-      }
+          allowed.push_back(near[n]);
+      });
       std::sort(allowed.begin(), allowed.end());
       if (allowed.size() == 1) {
         gifts.add(from, facet, polygon);

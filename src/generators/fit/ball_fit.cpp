@@ -20,43 +20,6 @@ float cube(float x) {
   return x * x * x;
 }
 
-float squared_distance_of(const GroupPoints& points, std::size_t i, const Vec3f& center) {
-  const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
-  return dx * dx + dy * dy + dz * dz;
-}
-
-// The square of the largest distance of points [begin, end); a maximum does not depend on the order of its terms, so
-// lanes are free.
-float farthest_squared(const GroupPoints& points, const Vec3f& center, std::size_t begin, std::size_t end) {
-  float farthest = 0;
-  const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
-  constexpr std::size_t lanes = 8;
-  std::array<float, lanes> most{};
-  std::size_t i = begin;
-  for (; i + lanes <= end; i += lanes)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const float dx = x[i + l] - center.x, dy = y[i + l] - center.y, dz = z[i + l] - center.z;
-      const float d = dx * dx + dy * dy + dz * dz;
-      most[l] = d > most[l] ? d : most[l];
-    }
-  for (; i < end; ++i) farthest = std::max(farthest, squared_distance_of(points, i, center));
-  for (const float m : most) farthest = std::max(farthest, m);
-  return farthest;
-}
-
-// The first of the points that are farthest away.
-std::size_t farthest_point(const GroupPoints& points, const Vec3f& center) {
-  constexpr std::size_t block = 64;
-  float farthest = -1;
-  std::size_t in_block = 0;
-  for (std::size_t begin = 0; begin < points.size(); begin += block)
-    if (const float d = farthest_squared(points, center, begin, std::min(begin + block, points.size())); d > farthest)
-      farthest = d, in_block = begin;
-  for (std::size_t i = in_block; i < points.size(); ++i)
-    if (squared_distance_of(points, i, center) == farthest) return i;
-  return in_block;  // coordinates that are no numbers
-}
-
 // Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
 Vec3f near_smallest_center(const GroupPoints& points) {
   Box box;
@@ -65,7 +28,7 @@ Vec3f near_smallest_center(const GroupPoints& points) {
   Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
   constexpr int steps = 16;
   for (int step = 0; step < steps; ++step) {
-    const std::size_t at = farthest_point(points, center);
+    const std::size_t at = farthest_kernels().from(points.columns(), center);
     const float share = 1.0F / static_cast<float>(step + 3);
     center = center + (points[at] - center) * share;
   }
@@ -75,7 +38,7 @@ Vec3f near_smallest_center(const GroupPoints& points) {
 }  // namespace
 
 float farthest_from(const GroupPoints& points, const Vec3f& center) {
-  return std::sqrt(farthest_squared(points, center, 0, points.size()));
+  return std::sqrt(farthest_kernels().squared_distance(points.columns(), center));
 }
 
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,

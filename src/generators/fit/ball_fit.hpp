@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "generators/fit/outside_grid.hpp"
+#include "geometry/enclosing/farthest.hpp"
 
 namespace morula::detail {
 
@@ -16,6 +17,7 @@ struct GroupPoints {
   std::vector<float> demand;  // what balance counts a point as; sums to 1
 
   std::size_t size() const { return x.size(); }
+  PointColumns columns() const { return {x.data(), y.data(), z.data(), x.size()}; }
   Vec3f operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
   void clear() {
     x.clear();
@@ -30,7 +32,7 @@ struct GroupPoints {
   }
 };
 
-/// Distance of the farthest point.
+/// Distance of the farthest point; at least one.
 float farthest_from(const GroupPoints& points, const Vec3f& center);
 
 /// A ball of a group; cost is its outside volume, what siblings have taken in counting little.

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/lattice.hpp"
 
 namespace morula::detail {
@@ -106,12 +107,12 @@ void Group::restore(const State& state) {
 }
 
 void Group::gather(std::size_t ball) {
-  own_.clear();
   own_index_.clear();
-  each_owned(ball, [&](std::size_t i) {
-    own_.push_back(points_[i]);
-    own_index_.push_back(static_cast<std::uint32_t>(i));
-  });
+  each_owned(ball, [&](std::size_t i) { own_index_.push_back(static_cast<std::uint32_t>(i)); });
+  own_.clear();
+  for (const std::uint32_t i : own_index_) own_.x.push_back(points_.x[i]);
+  for (const std::uint32_t i : own_index_) own_.y.push_back(points_.y[i]);
+  for (const std::uint32_t i : own_index_) own_.z.push_back(points_.z[i]);
 }
 
 bool Group::fits_already(std::size_t ball, float taken) const {
@@ -220,55 +221,47 @@ void Group::assign_by_power(std::span<const float> squared_radii) {
     std::fill(powered_.begin(), powered_.end(), Powered{});
     return recount();
   }
+  const auto offer = [&](std::size_t b, const PointColumns& points, const PowerOwners& owners) {
+    fit_kernels().offer(points, balls_[b].center, squared_radii[b], static_cast<std::uint32_t>(b), owners);
+  };
+  constexpr std::size_t block = 1024;
   // Most changes move a few balls only: points of the others just have to be told of those.
   const bool all = 2 * changed.size() > most_;
-  constexpr std::size_t block = 256;
-  std::array<float, block> x, y, z, least;
-  std::array<std::uint32_t, block> owner, index;
-  const auto offer = [&](std::size_t b, std::size_t count) {
-    const Vec3f c = balls_[b].center;
-    const float square = squared_radii[b];
-    const auto number = static_cast<std::uint32_t>(b);
-    for (std::size_t i = 0; i < count; ++i) {
-      const float dx = x[i] - c.x, dy = y[i] - c.y, dz = z[i] - c.z;
-      const float p = dx * dx + dy * dy + dz * dz - square;
-      const bool less = p < least[i];
-      least[i] = less ? p : least[i];
-      owner[i] = less ? number : owner[i];
+  if (all) {
+    std::fill(powers_.begin(), powers_.end(), infinity);
+    std::fill(power_owner_.begin(), power_owner_.end(), std::uint32_t{0});
+    for (std::size_t begin = 0; begin < points_.size(); begin += block) {
+      const std::size_t count = std::min(block, points_.size() - begin);
+      const PointColumns some{&points_.x[begin], &points_.y[begin], &points_.z[begin], count};
+      for (const std::size_t b : members) offer(b, some, {&powers_[begin], &power_owner_[begin]});
     }
-  };
-  const auto decide = [&](std::size_t count) {
-    std::fill_n(least.begin(), count, infinity);
-    std::fill_n(owner.begin(), count, 0u);
-    for (const std::size_t b : members) offer(b, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      powers_[index[i]] = least[i];
-      power_owner_[index[i]] = static_cast<std::uint8_t>(owner[i]);
-    }
-  };
-  std::size_t open = 0;
-  const auto decide_anew = [&](std::size_t i) {
-    x[open] = points_.x[i], y[open] = points_.y[i], z[open] = points_.z[i];
-    index[open] = static_cast<std::uint32_t>(i);
-    if (++open == block) decide(std::exchange(open, 0));
-  };
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if (all || is_changed[power_owner_[i]] != 0) decide_anew(i);
-  decide(open);
-  if (!all)
-    for (const std::size_t b : changed) {
-      if (squared_radii[b] < 0) continue;
-      const Vec3f c = balls_[b].center;
-      for (std::size_t i = 0; i < points_.size(); ++i) {
-        const float dx = points_.x[i] - c.x, dy = points_.y[i] - c.y, dz = points_.z[i] - c.z;
-        const float p = dx * dx + dy * dy + dz * dz - squared_radii[b];
-        if (p < powers_[i] || (p == powers_[i] && b < power_owner_[i])) {
-          powers_[i] = p;
-          power_owner_[i] = static_cast<std::uint8_t>(b);
-        }
+  } else {
+    std::array<float, block> x, y, z, least;
+    std::array<std::uint32_t, block> owner, index;
+    std::size_t open = 0;
+    const auto decide = [&] {
+      std::fill_n(least.begin(), open, infinity);
+      std::fill_n(owner.begin(), open, 0u);
+      if (open > 0)
+        for (const std::size_t b : members)
+          offer(b, {x.data(), y.data(), z.data(), open}, {least.data(), owner.data()});
+      for (std::size_t i = 0; i < open; ++i) {
+        powers_[index[i]] = least[i];
+        power_owner_[index[i]] = owner[i];
       }
+      open = 0;
+    };
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (is_changed[power_owner_[i]] == 0) continue;
+      x[open] = points_.x[i], y[open] = points_.y[i], z[open] = points_.z[i];
+      index[open] = static_cast<std::uint32_t>(i);
+      if (++open == block) decide();
     }
-  owner_ = power_owner_;
+    decide();
+    for (const std::size_t b : changed)
+      if (!(squared_radii[b] < 0)) offer(b, points_.columns(), {powers_.data(), power_owner_.data()});
+  }
+  for (std::size_t i = 0; i < owner_.size(); ++i) owner_[i] = static_cast<std::uint8_t>(power_owner_[i]);
   recount();
 }
 

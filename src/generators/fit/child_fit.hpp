@@ -106,7 +106,7 @@ class Group {
   };
   std::vector<Powered> powered_;
   std::vector<float> powers_;  // of each point's owner
-  std::vector<std::uint8_t> power_owner_;
+  std::vector<std::uint32_t> power_owner_;
   std::vector<std::uint64_t> mixed_;  // of each point, for points_hash_
   GroupPoints own_;                   // scratch: points of the ball being fitted
   std::vector<std::uint32_t> own_index_;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <morula/geometry/sampling.hpp>
 
-#include "geometry/enclosing/farthest_along.hpp"
+#include "geometry/enclosing/farthest.hpp"
 
 namespace morula::detail {
 
@@ -22,7 +22,7 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
     return narrow;
   }();
   std::vector<std::uint32_t> chosen(directions.size());
-  farthest_along(directions, {all.x, all.y, all.z}, chosen);
+  farthest_along(directions, all.columns(), chosen);
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   GroupPoints few;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "generators/fit/fit_kernels.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -84,23 +86,26 @@ class SeedSearch {
 
  private:
   std::vector<std::size_t> greedy(float dilation, std::size_t most) const {
-    std::vector<std::uint8_t> open(points_, 1);
+    const std::size_t words = (points_ + 63) / 64;
+    std::vector<std::uint64_t> reached(candidates_ * words), open(words, ~std::uint64_t{0});
+    for (std::size_t c = 0; c < candidates_; ++c)
+      fit_kernels().at_most(&growth_[c * points_], points_, dilation, &reached[c * words]);
+    if (points_ % 64 != 0) open.back() >>= 64 - points_ % 64;
     std::size_t left = points_;
     std::vector<std::size_t> chosen;
     while (left > 0) {
       if (chosen.size() == most) return {};
       std::size_t best = 0, largest = 0;
       for (std::size_t c = 0; c < candidates_; ++c) {
-        const float* const row = &growth_[c * points_];
         std::size_t gain = 0;
-        for (std::size_t i = 0; i < points_; ++i) gain += static_cast<std::size_t>((row[i] <= dilation) & open[i]);
+        for (std::size_t w = 0; w < words; ++w)
+          gain += static_cast<std::size_t>(std::popcount(reached[c * words + w] & open[w]));
         if (gain > largest) largest = gain, best = c;
       }
       if (largest == 0) return {};
       chosen.push_back(best);
-      const float* const row = &growth_[best * points_];
-      for (std::size_t i = 0; i < points_; ++i)
-        if (open[i] != 0 && row[i] <= dilation) open[i] = 0, --left;
+      left -= largest;
+      for (std::size_t w = 0; w < words; ++w) open[w] &= ~reached[best * words + w];
     }
     return chosen;
   }

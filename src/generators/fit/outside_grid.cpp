@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
-#include "simd/float4.hpp"
+#include "generators/fit/fit_kernels.hpp"
 
 namespace morula::detail {
 namespace {
@@ -41,13 +42,13 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
   }
   step_ = {1, at(count_[0]), at(count_[0]) * at(count_[1])};
   const std::size_t cells = step_[2] * at(count_[2]);
-  balls_over_.assign(cells, 0);
+  balls_over_.assign(cells + sizeof(std::uint64_t), 0);  // eight at a time are changed
   for (std::size_t a = 0; a < 3; ++a) {
-    // Lines past the last one are read, and count for nothing, where four are taken at a time.
+    // Lines past the last one are read, and count for nothing, where they are taken by fours.
     const std::size_t n = at(count_[a]), line_count = cells / n;
-    axes_[a].outside.reset(new Outside[cells + 1]);  // four floats of the last one are read
-    axes_[a].steps.reset(new Step[cells + 4 * n]);
-    std::fill_n(axes_[a].steps.get(), cells + 4 * n, Step{});
+    axes_[a].outside.reset(new OutsideCell[cells + 1]);  // four floats of the last one are read
+    axes_[a].steps.reset(new GridStep[cells + 4 * n]);
+    std::fill_n(axes_[a].steps.get(), cells + 4 * n, GridStep{});
     axes_[a].traced.assign(line_count, 0);
     axes_[a].current.assign(line_count, {});
   }
@@ -107,19 +108,33 @@ void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
 }
 
 void OutsideGrid::change(const Spheref& ball, int by) {
+  // Eight cells at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the next.
+  constexpr std::size_t eight = sizeof(std::uint64_t);
+  static constexpr std::array<std::uint8_t, 2 * eight> ones{1, 1, 1, 1, 1, 1, 1, 1};
   each_run(ball, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t cell = begin; cell < end; ++cell)
-      balls_over_[cell] = static_cast<std::uint8_t>(balls_over_[cell] + by);
+    for (; begin < end; begin += eight) {
+      std::uint64_t cells, changes;
+      std::memcpy(&cells, &balls_over_[begin], eight);
+      std::memcpy(&changes, &ones[eight - std::min(eight, end - begin)], eight);
+      const std::uint64_t room = by > 0 ? ~cells : cells;
+      changes &= (room | ((room & 0x7f7f7f7f7f7f7f7fu) + 0x7f7f7f7f7f7f7f7fu)) >> 7;  // where a byte has any bit
+      cells = by > 0 ? cells + changes : cells - changes;
+      std::memcpy(&balls_over_[begin], &cells, eight);
+    }
   });
-  for (std::size_t a = 0; a < 3; ++a)
-    each_line(a, ball.center, ball.radius, [&](int, int, std::size_t line) { axes_[a].current[line] = {}; });
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t row_length = at(count_[(a + 1) % 3]);
+    each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float) {
+      if (begin < end) std::fill_n(&axes_[a].current[at(v) * row_length + at(begin)], at(end - begin), Extent{});
+    });
+  }
 }
 
 // Where the object leaves space on the middle line of each cell.
 void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
   const int n = count_[axis];
-  Outside* const cells = &axes_[axis].outside[line * at(n)];
+  OutsideCell* const cells = &axes_[axis].outside[line * at(n)];
   for (int w = 0; w < n; ++w) cells[w] = {0, 1, 1};
   const auto crossings = lines_.line(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
   const auto in_cells = [&](float position) {
@@ -132,7 +147,7 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
     if (!(enter < leave)) continue;
     const int last = std::min(n - 1, static_cast<int>(leave));
     for (int w = static_cast<int>(enter); w <= last; ++w) {
-      Outside& cell = cells[w];
+      OutsideCell& cell = cells[w];
       const float from = std::max(enter - static_cast<float>(w), 0.0F);
       const float to = std::min(leave - static_cast<float>(w), 1.0F);
       const float end = cell.start + cell.total;
@@ -152,7 +167,7 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   lattice[ua] = first_[ua] + u * stride_;
   lattice[va] = first_[va] + v * stride_;
   for (int w = 0; w < n; ++w) {
-    Outside& cell = cells[w];
+    OutsideCell& cell = cells[w];
     if (!(cell.total > 0)) {
       cell = {0, 0, 0};
       continue;
@@ -169,56 +184,13 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-// Steps over the needed part of lines of row v of an axis, or over what they had and what is needed. Sums run along
-// lines and wait for each other, so four lines are summed side by side: each as if it were alone, in the same order.
-void OutsideGrid::refresh(std::size_t axis, int v, std::span<const int> us, Extent needed) {
+OpenLine OutsideGrid::open_line(std::size_t axis, int u, int v, Extent needed) {
   const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
   Axis& own = axes_[axis];
-  const std::size_t n = at(count_[axis]), along = step_[axis];
-  const std::array<float, 2> shares{1.0F, taken_};
-  struct Line {
-    const Outside* cells;
-    const std::uint8_t* over;
-    Step* steps;
-  };
-  std::array<Line, 4> lines;
-  for (std::size_t k = 0; k < us.size(); ++k) {
-    const std::size_t line = at(v) * at(count_[ua]) + at(us[k]);
-    if (own.traced[line] == 0) trace(axis, us[k], v, line);
-    lines[k] = {&own.outside[line * n], &balls_over_[at(us[k]) * step_[ua] + at(v) * step_[va]], &own.steps[line * n]};
-    Extent& current = own.current[line];
-    if (current.begin < current.end)
-      needed = {std::min(needed.begin, current.begin), std::max(needed.end, current.end)};
-    current = needed;
-  }
-  const auto share = [&](const Line& line, std::size_t w) { return shares[line.over[w * along] != 0 ? 1 : 0]; };
-  if (us.size() == 4) {
-    Float4 sum(0.0F);
-    for (std::size_t w = needed.begin; w < needed.end; ++w) {
-      Float4 start = Float4::load(&lines[0].cells[w].start), slope = Float4::load(&lines[1].cells[w].start),
-             total = Float4::load(&lines[2].cells[w].start), after = Float4::load(&lines[3].cells[w].start);
-      Float4::transpose(start, slope, total, after);
-      const Float4 counts(share(lines[0], w), share(lines[1], w), share(lines[2], w), share(lines[3], w));
-      after = sum + total * counts;
-      slope = slope * counts;
-      Float4 before = std::exchange(sum, after);
-      Float4::transpose(before, start, slope, after);
-      before.store(&lines[0].steps[w].before);
-      start.store(&lines[1].steps[w].before);
-      slope.store(&lines[2].steps[w].before);
-      after.store(&lines[3].steps[w].before);
-    }
-    return;
-  }
-  for (std::size_t k = 0; k < us.size(); ++k) {
-    float sum = 0;
-    for (std::size_t w = needed.begin; w < needed.end; ++w) {
-      const Outside& cell = lines[k].cells[w];
-      const float counts = share(lines[k], w), after = sum + cell.total * counts;
-      lines[k].steps[w] = {sum, cell.start, cell.slope * counts, after};
-      sum = after;
-    }
-  }
+  const std::size_t n = at(count_[axis]), line = at(v) * at(count_[ua]) + at(u);
+  if (own.traced[line] == 0) trace(axis, u, v, line);
+  own.current[line] = needed;
+  return {&own.outside[line * n], &balls_over_[at(u) * step_[ua] + at(v) * step_[va]], &own.steps[line * n]};
 }
 
 void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
@@ -229,27 +201,42 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   prepared_center_ = center;
   prepared_reach_ = reach;
   for (std::size_t a = 0; a < 3; ++a) {
+    const auto make_steps = [&](std::span<const OpenLine> lines, Extent extent) {
+      fit_kernels().make_steps(lines.data(), lines.size(), step_[a], extent.begin, extent.end, taken);
+    };
     // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
     const float middle = center[static_cast<int>(a)];
     const Extent needed{
         static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
         static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
     const std::size_t row_length = at(count_[(a + 1) % 3]);
-    each_row(a, center, reach, [&](int v, int begin, int end, float) {
-      // Lines without any step yet need the same part; the others join it to theirs, each by itself.
-      std::array<int, 4> open;
+    // Lines without any step yet need the same part; the others join it to theirs, which is often that of the last one.
+    struct Open {
+      std::array<OpenLine, 16> lines;
       std::size_t count = 0;
+      Extent extent;
+    } fresh, joined;
+    const auto finish = [&](Open& open) {
+      if (open.count > 0)
+        make_steps(std::span(open.lines).first(std::exchange(open.count, std::size_t{0})), open.extent);
+    };
+    const auto add = [&](Open& open, int u, int v, Extent extent) {
+      if (open.count == open.lines.size() || extent.begin != open.extent.begin || extent.end != open.extent.end)
+        finish(open);
+      open.lines[open.count++] = open_line(a, u, v, extent);
+      open.extent = extent;
+    };
+    each_row(a, center, reach, [&](int v, int begin, int end, float) {
       for (int u = begin; u < end; ++u) {
-        const Extent& has = axes_[a].current[at(v) * row_length + at(u)];
-        if (has.begin >= has.end) {
-          open[count++] = u;
-          if (count == 4) refresh(a, v, std::span(open).first(std::exchange(count, std::size_t{0})), needed);
-        } else if (has.begin > needed.begin || has.end < needed.end) {
-          refresh(a, v, {&u, 1}, needed);
-        }
+        const Extent has = axes_[a].current[at(v) * row_length + at(u)];
+        if (has.begin >= has.end)
+          add(fresh, u, v, needed);
+        else if (has.begin > needed.begin || has.end < needed.end)
+          add(joined, u, v, {std::min(needed.begin, has.begin), std::max(needed.end, has.end)});
       }
-      if (count > 0) refresh(a, v, std::span(open).first(count), needed);
     });
+    finish(fresh);
+    finish(joined);
   }
 }
 
@@ -268,32 +255,10 @@ bool OutsideGrid::is_inside(const Vec3f& center, float radius) const {
 float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
   float sum = 0;
   for (std::size_t a = 0; a < 3 && sum <= enough; ++a) {
-    Float4 total(0.0F);
-    const std::size_t ua = (a + 1) % 3;
-    const float cu = center[static_cast<int>(ua)];
-    const std::size_t line_length = at(count_[a]), row_length = at(count_[ua]) * line_length;
-    const Float4 middle(center[static_cast<int>(a)]), none(0.0F), last_cell(static_cast<float>(count_[a] - 1));
-    each_row(a, center, radius, [&](int v, int begin, int end, float in_row) {
-      const Step* line = &axes_[a].steps[at(v) * row_length + at(begin) * line_length];
-      // Lanes past the end have no chord: both ends are the same place, and nothing is between them.
-      Float4 du = Float4(static_cast<float>(begin) + 0.5F - cu) + Float4::counting();
-      for (int u = begin; u < end; u += 4, line += 4 * line_length, du = du + Float4(4.0F)) {
-        const Float4 chord = sqrt(max(Float4(in_row) - du * du, none));
-        const auto up_to = [&](const Float4& w) {
-          std::array<int, 4> cell;
-          const Float4 floor = min(max(w, none), last_cell).truncated(cell);
-          Float4 before = Float4::load(&line[cell[0]].before);
-          Float4 start = Float4::load(&line[line_length + at(cell[1])].before);
-          Float4 slope = Float4::load(&line[2 * line_length + at(cell[2])].before);
-          Float4 after = Float4::load(&line[3 * line_length + at(cell[3])].before);
-          Float4::transpose(before, start, slope, after);
-          return min(before + slope * max(w - floor - start, none), after);
-        };
-        total = total + (up_to(middle + chord) - up_to(middle - chord));
-      }
-    });
-    const std::array<float, 4> lanes = total.lanes();
-    sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+    const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
+    sum += fit_kernels().outside(
+        {axes_[a].steps.get(), count_[a], count_[ua], count_[va]},
+        {center[static_cast<int>(a)], center[static_cast<int>(ua)], center[static_cast<int>(va)], radius});
   }
   return sum;
 }
@@ -312,13 +277,13 @@ float OutsideGrid::new_outside(const Spheref& ball) {
       const float chord = std::sqrt(std::max(0.0F, ball.radius * ball.radius - du * du - dv * dv));
       const float from = std::clamp(middle - chord, 0.0F, static_cast<float>(n)),
                   to = std::clamp(middle + chord, 0.0F, static_cast<float>(n));
-      const Outside* const cells = &axes_[a].outside[line * at(n)];
+      const OutsideCell* const cells = &axes_[a].outside[line * at(n)];
       const std::uint8_t* const over = &balls_over_[at(u) * step_[ua] + at(v) * step_[va]];
       const int last = std::min(n - 1, static_cast<int>(to));
       float sum = 0;
       for (int w = static_cast<int>(from); w <= last; ++w) {
         if (over[at(w) * step_[a]] != 0) continue;
-        const Outside& cell = cells[w];
+        const OutsideCell& cell = cells[w];
         const auto up_to = [&](float position) {
           return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);
         };
@@ -363,12 +328,12 @@ double OutsideGrid::outside_together(std::span<const Spheref> balls) {
       first_chord_[line] = -1;
       std::sort(on_line.begin(), on_line.end());
       if (axes_[a].traced[line] == 0) trace(a, u, v, line);
-      const Outside* const cells = &axes_[a].outside[line * at(n)];
+      const OutsideCell* const cells = &axes_[a].outside[line * at(n)];
       float sum = 0;
       const auto add = [&](float from, float to) {
         const int last = std::min(n - 1, static_cast<int>(to));
         for (int w = static_cast<int>(from); w <= last; ++w) {
-          const Outside& cell = cells[w];
+          const OutsideCell& cell = cells[w];
           if (!(cell.total > 0)) continue;
           const auto up_to = [&](float position) {
             return std::min(cell.slope * std::max(position - static_cast<float>(w) - cell.start, 0.0F), cell.total);

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/object_lines.hpp"
 
 namespace morula::detail {
@@ -56,18 +57,12 @@ class OutsideGrid {
     float from, to;
     std::int32_t next;  // on the same line
   };
-  struct Step {
-    float before, start, slope, after;  // min(before + slope · max(0, w − start), after) at w into the cell
-  };
-  struct Outside {
-    float start, slope, total;  // empty space on a cell's middle line: from `start`, `slope` a cell, up to `total`
-  };
   struct Extent {
     std::uint16_t begin = 0, end = 0;
   };
   struct Axis {
-    std::unique_ptr<Outside[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
-    std::unique_ptr<Step[]> steps;
+    std::unique_ptr<OutsideCell[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
+    std::unique_ptr<GridStep[]> steps;
     std::vector<std::uint8_t> traced;  // per line: outside is known
     std::vector<Extent> current;       // per line: where steps are up to date
   };
@@ -75,7 +70,8 @@ class OutsideGrid {
   template <class Visit>
   void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
-  void refresh(std::size_t axis, int v, std::span<const int> us, Extent needed);
+  // A line whose steps are about to be made, from needed.begin to needed.end.
+  OpenLine open_line(std::size_t axis, int u, int v, Extent needed);
   template <class Visit>
   void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
   template <class Visit>

@@ -8,6 +8,7 @@
 #include <morula/geometry/scale.hpp>
 #include <vector>
 
+#include "geometry/enclosing/farthest.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
@@ -89,15 +90,22 @@ Sphere smallest_of_few(std::span<const Vec3> absolute, Support& best_support) {
   return best;
 }
 
-std::size_t farthest(const Vec3& center, std::span<const Vec3> points, double& squared) {
-  std::size_t index = 0;
-  squared = -1;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double d = squared_distance(center, points[i]);
-    if (d > squared) squared = d, index = i;
+class Columns {
+ public:
+  explicit Columns(std::span<const Vec3> points) : count_(points.size()), numbers_(3 * points.size()) {
+    for (std::size_t i = 0; i < count_; ++i)
+      numbers_[i] = points[i].x, numbers_[count_ + i] = points[i].y, numbers_[2 * count_ + i] = points[i].z;
   }
-  return index;
-}
+  /// The first of the farthest.
+  std::size_t farthest_from(const Vec3& center) const {
+    const double* const x = numbers_.data();
+    return farthest_kernels().from_in_double({x, x + count_, x + 2 * count_, count_}, center);
+  }
+
+ private:
+  std::size_t count_;
+  std::vector<double> numbers_;
+};
 
 // Squares in this range come from lengths whose fourth powers, which circumspheres take, are normal numbers, down to
 // parts of 2^-52 of them.
@@ -110,17 +118,16 @@ Vec3 times_power_of_two(const Vec3& v, int exponent) {
 }
 
 // start: a point that is far from another.
-Sphere by_pivots(std::span<const Vec3> points, const Vec3& start) {
+Sphere by_pivots(std::span<const Vec3> points, const Columns& columns, const Vec3& start) {
   Support support;
   support.points[support.count++] = start;
   Sphere sphere{support.points[0], 0};
   // Take in the farthest point, keep what supports the sphere. The radius grows with every pivot, so it ends; the cap
   // only guards against rounding, and the final radius is measured anyway.
-  double squared = 0;
   constexpr int most_pivots = 100;
   for (int pivot = 0; pivot < most_pivots; ++pivot) {
-    const std::size_t next = farthest(sphere.center, points, squared);
-    if (squared <= sphere.radius * sphere.radius * (1 + 1e-13)) break;
+    const std::size_t next = columns.farthest_from(sphere.center);
+    if (squared_distance(sphere.center, points[next]) <= sphere.radius * sphere.radius * (1 + 1e-13)) break;
     std::array<Vec3, 5> few;
     for (int i = 0; i < support.count; ++i) few[i] = support.points[i];
     few[support.count] = points[next];
@@ -143,8 +150,8 @@ Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
   const int exponent = -1 - std::ilogb(half_extent);
   std::vector<Vec3> scaled;
   for (const Vec3& p : points) scaled.push_back(times_power_of_two(p * 0.5 - points[0] * 0.5, exponent));
-  double squared = 0;
-  const Sphere sphere = by_pivots(scaled, scaled[farthest({}, scaled, squared)]);
+  const Columns columns(scaled);
+  const Sphere sphere = by_pivots(scaled, columns, scaled[columns.farthest_from({})]);
   const Vec3 center = points[0] + times_power_of_two(sphere.center, 1 - exponent);
   return {center, farthest_distance(center, points)};
 }
@@ -164,10 +171,10 @@ double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
 Sphere enclosing_sphere(std::span<const Vec3> points) {
   const StandardFloats standard;
   if (points.empty()) return {};
-  double squared = 0;
-  const std::size_t opposite = farthest(points[0], points, squared);
-  if (!is_ordinary(squared)) return enclosing_sphere_of_extremes(points);
-  Sphere sphere = by_pivots(points, points[opposite]);
+  const Columns columns(points);
+  const Vec3& opposite = points[columns.farthest_from(points[0])];
+  if (!is_ordinary(squared_distance(points[0], opposite))) return enclosing_sphere_of_extremes(points);
+  Sphere sphere = by_pivots(points, columns, opposite);
   sphere.radius = farthest_distance(sphere.center, points);
   return sphere;
 }

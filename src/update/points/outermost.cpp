@@ -8,7 +8,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <vector>
 
-#include "geometry/enclosing/farthest_along.hpp"
+#include "geometry/enclosing/farthest.hpp"
 
 namespace morula::detail {
 
@@ -36,7 +36,7 @@ void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t
   }
   std::replace(farthest_points.begin(), farthest_points.end(), none, owned.front());  // there were fewer
   const std::span<std::uint32_t> along = core.first(directions.size());
-  farthest_along(directions, {x, y, z}, along);
+  farthest_along(directions, {x.data(), y.data(), z.data(), x.size()}, along);
   for (std::uint32_t& p : along) p = owned[p];
 }
 

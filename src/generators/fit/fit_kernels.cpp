@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/fit/fit_kernels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "simd/float4.hpp"
+#include "simd/processors.hpp"
+
+namespace morula::detail {
+namespace {
+
+// Cells whose middle lies within `half` of `middle`: [begin, end). Positions are not far below zero, so truncation
+// serves as floor; balls that are proposed may reach far beyond the grid.
+struct Middles {
+  int begin, end;
+};
+
+/// What the others have to reproduce.
+namespace plain {
+
+Middles middles_within(float middle, float half, int count) {
+  const float lower = middle - half + 0.5F, upper = middle + half + 0.5F, last = static_cast<float>(count);
+  return {lower > 0 ? static_cast<int>(std::min(last, lower)) : 0,
+          upper > 0 ? static_cast<int>(std::min(last, upper)) : 0};
+}
+
+float outside(const GridLines& lines, const LineBall& ball) {
+  std::array<float, 4> sums{};
+  const float last_cell = static_cast<float>(lines.along - 1);
+  const Middles rows = middles_within(ball.row, ball.radius, lines.rows);
+  for (int v = rows.begin; v < rows.end; ++v) {
+    const float dv = static_cast<float>(v) + 0.5F - ball.row;
+    const float in_row = ball.radius * ball.radius - dv * dv;
+    if (!(in_row > 0)) continue;
+    const Middles row = middles_within(ball.across, std::sqrt(in_row), lines.across);
+    // Lines come by fours; those past the end have no chord.
+    const int end = row.begin + (row.end - row.begin + 3) / 4 * 4;
+    for (int u = row.begin; u < end; ++u) {
+      const GridStep* const line = lines.steps + (static_cast<std::size_t>(v) * static_cast<std::size_t>(lines.across) +
+                                                  static_cast<std::size_t>(u)) *
+                                                     static_cast<std::size_t>(lines.along);
+      const float du = static_cast<float>(u) + 0.5F - ball.across;
+      const float chord = std::sqrt(std::max(in_row - du * du, 0.0F));
+      const auto up_to = [&](float w) {
+        const float cell = std::trunc(std::min(std::max(w, 0.0F), last_cell));
+        const GridStep& step = line[static_cast<int>(cell)];
+        return std::min(step.before + step.slope * std::max(w - cell - step.start, 0.0F), step.after);
+      };
+      sums[static_cast<std::size_t>(u - row.begin) % 4] += up_to(ball.along + chord) - up_to(ball.along - chord);
+    }
+  }
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+void make_steps(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
+                float taken) {
+  for (std::size_t k = 0; k < count; ++k) {
+    float sum = 0;
+    for (std::size_t w = begin; w < end; ++w) {
+      const OutsideCell& cell = lines[k].cells[w];
+      const float counts = lines[k].over[w * over_step] != 0 ? taken : 1.0F, after = sum + cell.total * counts;
+      lines[k].steps[w] = {sum, cell.start, cell.slope * counts, after};
+      sum = after;
+    }
+  }
+}
+
+void offer_to(const PointColumns& points, std::size_t i, const Vec3f& center, float square, std::uint32_t number,
+              const PowerOwners& owners) {
+  const float dx = points.x[i] - center.x, dy = points.y[i] - center.y, dz = points.z[i] - center.z;
+  const float power = dx * dx + dy * dy + dz * dz - square;
+  if (!(power < owners.power[i] || (power == owners.power[i] && number < owners.owner[i]))) return;
+  owners.power[i] = power;
+  owners.owner[i] = number;
+}
+
+void offer(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,
+           const PowerOwners& owners) {
+  for (std::size_t i = 0; i < points.count; ++i) offer_to(points, i, center, square, number, owners);
+}
+
+void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t* bits) {
+  for (std::size_t word = 0; 64 * word < count; ++word) bits[word] = 0;
+  for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(numbers[i] <= limit) << (i % 64);
+}
+
+void with_less_power(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits) {
+  for (std::size_t word = 0; 64 * word < balls.count; ++word) bits[word] = 0;
+  for (std::size_t i = 0; i < balls.count; ++i)
+    for (std::size_t c = 0; c < count; ++c) {
+      const double dx = balls.x[i] - corners[c][0], dy = balls.y[i] - corners[c][1], dz = balls.z[i] - corners[c][2];
+      const bool less = dx * dx + dy * dy + dz * dz - balls.square[i] < corners[c][3];
+      bits[i / 64] |= static_cast<std::uint64_t>(less) << (i % 64);
+    }
+}
+
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, with_less_power};
+
+}  // namespace plain
+
+#define MORULA_KERNELS "generators/fit/fit_kernels.inl"
+#include "simd/every_processor.inl"
+
+constexpr KernelTable<FitKernels> table{MORULA_EVERY_KIND(kernels)};
+
+}  // namespace
+
+std::span<const FitKernels> all_fit_kernels() {
+  return table.runnable();
+}
+
+const FitKernels& fit_kernels() {
+  return table.widest();
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The loops of a fit that wide registers speed up: lines of OutsideGrid, who owns which point by power, what a seed
+// reaches. One source, fit_kernels.inl, compiled for each kind of processor and chosen at run time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <morula/geometry/vector.hpp>
+#include <span>
+
+#include "geometry/enclosing/farthest.hpp"
+
+namespace morula::detail {
+
+/// Empty space along a line up to w into a cell: min(before + slope · max(0, w − start), after).
+struct alignas(16) GridStep {
+  float before, start, slope, after;
+};
+
+/// Empty space on a cell's middle line: from `start`, `slope` a cell, up to `total`.
+struct OutsideCell {
+  float start, slope, total;
+};
+
+/// The lines of an axis, row by row. Line u of row v has its first cell at (v · across + u) · along.
+struct GridLines {
+  const GridStep* steps;  // 3 · along more than the last line ends at may be read
+  int along, across, rows;
+};
+/// A ball in the axes of GridLines; cells.
+struct LineBall {
+  float along, across, row, radius;
+};
+
+/// A line whose steps are to be made.
+struct OpenLine {
+  const OutsideCell* cells;  // one float more than the last cell needed may be read
+  const std::uint8_t* over;  // not 0 where balls have the cell; over_step apart
+  GridStep* steps;
+};
+
+/// Who has the least power at each point, so far.
+struct PowerOwners {
+  float* power;
+  std::uint32_t* owner;
+};
+
+/// Balls in columns. count: a multiple of ball_columns_step.
+struct BallColumns {
+  const double* x;
+  const double* y;
+  const double* z;
+  const double* square;  // of the radius
+  std::size_t count;
+};
+inline constexpr std::size_t ball_columns_step = 8;
+
+struct FitKernels {
+  /// Empty space that a ball takes in along all lines: four sums, over every fourth line of each row, row by row.
+  float (*outside)(const GridLines& lines, const LineBall& ball);
+  /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have.
+  void (*make_steps)(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin,
+                     std::size_t end, float taken);
+  /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
+  /// a higher number.
+  void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,
+                const PowerOwners& owners);
+  /// Bit i of words of 64: numbers[i] is at most `limit`. Bits from `count` on are none.
+  void (*at_most)(const float* numbers, std::size_t count, float limit, std::uint64_t* bits);
+  /// Bit i of words of 64: somewhere ball i has less power than one that is given. corners: x, y, z and that power.
+  void (*with_less_power)(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits);
+};
+
+/// Those that this processor can run, narrowest first. All give the same bits.
+std::span<const FitKernels> all_fit_kernels();
+/// The widest.
+const FitKernels& fit_kernels();
+
+}  // namespace morula::detail

@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The source of fit_kernels.cpp, on registers of wide.inl.
+
+typedef std::int32_t WideInts __attribute__((vector_size(4 * lanes), may_alias));
+typedef std::int32_t FourInts __attribute__((vector_size(16), may_alias));
+typedef std::int32_t LooseInts __attribute__((vector_size(4 * lanes), aligned(4), may_alias));
+typedef std::int32_t LooseFourInts __attribute__((vector_size(16), aligned(4), may_alias));
+typedef float LooseFour __attribute__((vector_size(16), aligned(4), may_alias));
+typedef std::uint8_t WideBytes __attribute__((vector_size(lanes), may_alias));
+constexpr int quarters = lanes / 4;
+
+// One for each four lanes.
+inline WideInts spread_ints(const std::int32_t* numbers) {
+#if MORULA_LANES == 4
+  return WideInts{} + numbers[0];
+#else
+  return __builtin_bit_cast(WideInts, spread(reinterpret_cast<const float*>(numbers)));
+#endif
+}
+inline Wide counting() {
+  Wide result;
+  for (int k = 0; k < lanes; ++k) result[k] = static_cast<float>(k);
+  return result;
+}
+inline Wide counting_to_three() {
+  Wide result;
+  for (int k = 0; k < lanes; ++k) result[k] = static_cast<float>(k % 4);
+  return result;
+}
+inline Wide truncated(Wide a, WideInts& whole) {
+  whole = __builtin_convertvector(a, WideInts);
+  return __builtin_convertvector(whole, Wide);
+}
+inline Four quarter(Wide a, int k) {
+#if MORULA_LANES == 16
+  switch (k) {
+    case 0:
+      return __builtin_shufflevector(a, a, 0, 1, 2, 3);
+    case 1:
+      return __builtin_shufflevector(a, a, 4, 5, 6, 7);
+    case 2:
+      return __builtin_shufflevector(a, a, 8, 9, 10, 11);
+    default:
+      return __builtin_shufflevector(a, a, 12, 13, 14, 15);
+  }
+#elif MORULA_LANES == 8
+  return k == 0 ? __builtin_shufflevector(a, a, 0, 1, 2, 3) : __builtin_shufflevector(a, a, 4, 5, 6, 7);
+#else
+  static_cast<void>(k);
+  return a;
+#endif
+}
+
+// Four registers whose quarters are what stands at these places, four floats each: columns() and last_column() take
+// them apart, four places by four.
+template <class At>
+inline Wide quarters_at(const At& at, int first) {
+#if MORULA_LANES == 4
+  return *reinterpret_cast<const LooseFour*>(at(first));
+#else
+  const __m256 ab =
+      _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(first))), _mm_loadu_ps(at(first + 4)), 1);
+#if MORULA_LANES == 8
+  return ab;
+#else
+  const __m512 abc = _mm512_insertf32x4(_mm512_castps256_ps512(ab), _mm_loadu_ps(at(first + 8)), 2);
+  return _mm512_insertf32x4(abc, _mm_loadu_ps(at(first + 12)), 3);
+#endif
+#endif
+}
+template <class At>
+inline Rows rows_at(const At& at) {
+  return {quarters_at(at, 0), quarters_at(at, 1), quarters_at(at, 2), quarters_at(at, 3)};
+}
+
+struct IntRange {
+  int begin, end;
+};
+inline int cut_off(float position, float last) {
+  return position > 0 ? static_cast<int>(position < last ? position : last) : 0;
+}
+
+// Lines of a row come by fours, and fours of several rows share a register. A ball's rows are written down first, so
+// that no branch waits for the width of a row.
+struct Fours {
+  static constexpr int most = 128, slack = 8;
+  alignas(64) float in_row[most + slack];  // the square of the ball's half width there
+  alignas(64) float first[most + slack];   // from its middle to the first of the four
+  alignas(64) std::int32_t line[most + slack];
+};
+
+__attribute__((always_inline)) inline Wide empty_up_to(const GridStep* steps, Wide w, Wide last_cell, WideInts lines) {
+  const Wide none{};
+  WideInts cell;
+  const Wide floor = truncated(min(max(w, none), last_cell), cell);
+  // Of the steps' floats. Read back from memory: taken out of the register one by one, they cost more than all the
+  // rest.
+  alignas(64) std::uint32_t place[lanes];
+  *reinterpret_cast<WideInts*>(place) = 4 * (lines + cell);
+  asm("" : "+m"(place));
+  const Rows rows = rows_at([&](int k) { return &steps->before + place[k]; });
+  const WidePoints p = columns(rows);  // before, start, slope
+  return min(p.x + p.z * max(w - floor - p.y, none), last_column(rows));
+}
+
+__attribute__((noinline)) Four add_fours(const GridLines& lines, const LineBall& ball, Fours& fours, int count,
+                                         Four total) {
+  const Wide none{}, middle = all(ball.along), last_cell = all(static_cast<float>(lines.along - 1));
+  const Wide across = counting_to_three();
+  const WideInts in_four = __builtin_convertvector(across, WideInts) * lines.along;
+  // Fours past the end have no chord: both ends are the same place, and nothing is between them.
+  for (int k = 0; k < quarters; ++k) fours.in_row[count + k] = 0, fours.first[count + k] = 0, fours.line[count + k] = 0;
+  for (int i = 0; i < count; i += quarters) {
+    const Wide du = spread(fours.first + i) + across;
+    const Wide chord = root(max(spread(fours.in_row + i) - du * du, none));
+    const WideInts line = spread_ints(fours.line + i) + in_four;
+    const Wide between = empty_up_to(lines.steps, middle + chord, last_cell, line) -
+                         empty_up_to(lines.steps, middle - chord, last_cell, line);
+    for (int k = 0; k < quarters; ++k) total = total + quarter(between, k);
+  }
+  return total;
+}
+
+// The sums are those of the plain loop, which adds each line to one of four by its place in the row. That du is taken
+// from the first of a row on changes no bit: the ball is inside the grid, so its middle is at least a radius from the
+// grid's border, and all distances between it and middles of cells within the radius are multiples of the last place of
+// that coordinate and less than it: exact, however they are added up.
+float outside(const GridLines& lines, const LineBall& ball) {
+  Fours fours;
+  int count = 0;
+  Four total{};
+  const float squared_radius = ball.radius * ball.radius, last_row = static_cast<float>(lines.rows);
+  const IntRange rows{cut_off(ball.row - ball.radius + 0.5F, last_row),
+                      cut_off(ball.row + ball.radius + 0.5F, last_row)};
+  const Wide none{}, across = all(ball.across), last = all(static_cast<float>(lines.across));
+  const FourInts steps_to{0, 4 * lines.along, 8 * lines.along, 12 * lines.along};
+  const Four places{0, 4, 8, 12};
+  for (int v = rows.begin; v < rows.end; v += lanes) {
+    const Wide dv = (static_cast<float>(v) + counting()) + 0.5F - ball.row;
+    const Wide in_row = squared_radius - dv * dv, half = root(max(in_row, none));
+    // Rows that the ball does not meet begin where they end.
+    alignas(64) std::int32_t begin[lanes], end[lanes];
+    alignas(64) float square[lanes];
+    WideInts whole;
+    truncated(max(min(across - half + 0.5F, last), none), whole);
+    *reinterpret_cast<WideInts*>(begin) = whole;
+    truncated(max(min(across + half + 0.5F, last), none), whole);
+    *reinterpret_cast<WideInts*>(end) = whole;
+    store(in_row, square);
+    const int here = rows.end - v < lanes ? rows.end - v : lanes;
+    for (int k = 0; k < here; ++k) {
+      Four first = places + (static_cast<float>(begin[k]) + 0.5F - ball.across);
+      FourInts line = steps_to + ((v + k) * lines.across + begin[k]) * lines.along;
+      // Four fours at a time, though most rows have fewer.
+      for (int left = (end[k] - begin[k] + 3) >> 2; left > 0; left -= 4) {
+        *reinterpret_cast<LooseFour*>(fours.first + count) = first;
+        *reinterpret_cast<LooseFour*>(fours.in_row + count) = square[k] - Four{};
+        *reinterpret_cast<LooseFourInts*>(fours.line + count) = line;
+        count += left < 4 ? left : 4;
+        if (count > Fours::most) total = add_fours(lines, ball, fours, count, total), count = 0;
+        first = first + 16.0F, line = line + 16 * lines.along;
+      }
+    }
+  }
+  total = add_fours(lines, ball, fours, count, total);
+  return (total[0] + total[1]) + (total[2] + total[3]);
+}
+
+// Sums run along lines and wait for each other, so as many lines as there are lanes go side by side: each as if it were
+// alone, in the same order. Lanes without a line of their own do the last one again.
+void make_steps(const OpenLine* open, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
+                float taken) {
+  if (count == 1) {
+    plain::make_steps(open, count, over_step, begin, end, taken);
+    return;
+  }
+  for (std::size_t from = 0; from < count; from += lanes) {
+    const OutsideCell* cells_of[lanes];
+    const std::uint8_t* over_of[lanes];
+    GridStep* steps_of[lanes];
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const OpenLine& line = open[from + k < count ? from + k : count - 1];
+      cells_of[k] = line.cells, over_of[k] = line.over, steps_of[k] = line.steps;
+    }
+    Wide sum{};
+    for (std::size_t w = begin; w < end; ++w) {
+      const WidePoints cells = columns(rows_at([&](int k) { return reinterpret_cast<const float*>(cells_of[k] + w); }));
+      alignas(16) std::uint8_t over[lanes];
+      for (int k = 0; k < lanes; ++k) over[k] = over_of[k][w * over_step];
+      const WideInts has_balls = __builtin_convertvector(*reinterpret_cast<const WideBytes*>(over), WideInts);
+      const Wide counts = has_balls != 0 ? all(taken) : all(1.0F);
+      const Wide before = sum;
+      sum = sum + cells.z * counts;
+      const Rows steps{before, cells.x, cells.y * counts, sum};
+      const WidePoints first_three = columns(steps);
+      const Wide last = last_column(steps);
+      for (int k = 0; k < quarters; ++k) {
+        const auto put = [&](int line, Wide rows) {
+          *reinterpret_cast<Four*>(steps_of[4 * k + line] + w) = quarter(rows, k);
+        };
+        put(0, first_three.x), put(1, first_three.y), put(2, first_three.z), put(3, last);
+      }
+    }
+  }
+}
+
+// The last lanes of the points are those that end with them: who is offered a ball twice takes it once.
+void offer(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,
+           const PowerOwners& owners) {
+  const std::size_t count = points.count;
+  if (count < lanes) {
+    plain::offer(points, center, square, number, owners);
+    return;
+  }
+  const Wide x = all(center.x), y = all(center.y), z = all(center.z);
+  const WideInts own = WideInts{} + static_cast<std::int32_t>(number);
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const std::size_t first = i + lanes <= count ? i : count - lanes;
+    const Wide dx = load(points.x + first) - x, dy = load(points.y + first) - y, dz = load(points.z + first) - z;
+    const Wide power = dx * dx + dy * dy + dz * dz - square, least = load(owners.power + first);
+    LooseInts& owner = *reinterpret_cast<LooseInts*>(owners.owner + first);
+    const WideInts before = owner;
+    const WideInts takes = (power < least) | ((power == least) & (own < before));
+    store(takes ? power : least, owners.power + first);
+    owner = takes ? own : before;
+  }
+}
+
+void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t* bits) {
+  const Wide most = all(limit);
+  std::size_t i = 0;
+  std::uint64_t word = 0;
+  for (; i + lanes <= count; i += lanes) {
+    word |= static_cast<std::uint64_t>(lanes_at_most(load(numbers + i), most)) << (i % 64);
+    if ((i + lanes) % 64 == 0) bits[i / 64] = word, word = 0;
+  }
+  for (std::size_t k = i; k < count; ++k) word |= static_cast<std::uint64_t>(numbers[k] <= limit) << (k % 64);
+  if (count % 64 != 0) bits[count / 64] = word;
+}
+
+void with_less_power(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits) {
+  for (std::size_t word = 0; 64 * word < balls.count; ++word) bits[word] = 0;
+  for (std::size_t i = 0; i < balls.count; i += doubles) {
+    const auto of = [&](const double* column) -> Doubles { return *reinterpret_cast<const LooseDoubles*>(column + i); };
+    const Doubles x = of(balls.x), y = of(balls.y), z = of(balls.z), square = of(balls.square);
+    unsigned less = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+      const Doubles dx = x - corners[c][0], dy = y - corners[c][1], dz = z - corners[c][2];
+      less |= greater(corners[c][3] - Doubles{}, dx * dx + dy * dy + dz * dz - square);
+    }
+    bits[i / 64] |= static_cast<std::uint64_t>(less) << (i % 64);
+  }
+}
+
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, with_less_power};
