@@ -10,8 +10,8 @@ cmake_minimum_required(VERSION 3.24)
 
 # ground
 set(height_parallel 0)
+set(height_simd 0)
 set(height_geometry 1)
-set(height_simd 2)
 # shape
 set(height_query 3)
 set(height_medial 4)

@@ -11,13 +11,21 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
-#include <morula/geometry/vector.hpp>
 
 #include "simd/instructions.hpp"
 
 namespace morula::detail {
+
+/// What has three coordinates in float: a vector of the library's, which lies above this folder.
+template <class Vector>
+concept HasThreeFloats = requires(const Vector& v) {
+  { v.x } -> std::convertible_to<const float&>;
+  { v.y } -> std::convertible_to<const float&>;
+  { v.z } -> std::convertible_to<const float&>;
+};
 
 /// A point about the frame's origin. Sixteen bytes, so that one load fetches it.
 struct alignas(16) LocalPoint {
@@ -60,7 +68,7 @@ class ScalarFloat4 {
  public:
   ScalarFloat4() = default;
   explicit ScalarFloat4(float all) : lane_{all, all, all, all} {}
-  explicit ScalarFloat4(const Vec3f& v) : lane_{v.x, v.y, v.z, 0.0f} {}
+  explicit ScalarFloat4(const HasThreeFloats auto& v) : lane_{v.x, v.y, v.z, 0.0f} {}
   ScalarFloat4(float a, float b, float c, float d) : lane_{a, b, c, d} {}
   static ScalarFloat4 counting() { return {0.0f, 1.0f, 2.0f, 3.0f}; }
   static ScalarFloat4 load(const float* four) { return {four[0], four[1], four[2], four[3]}; }
@@ -212,7 +220,7 @@ class VectorFloat4 {
 
   VectorFloat4() = default;
   explicit VectorFloat4(float all) : v_{all, all, all, all} {}
-  explicit VectorFloat4(const Vec3f& v) : v_{v.x, v.y, v.z, 0.0f} {}
+  explicit VectorFloat4(const HasThreeFloats auto& v) : v_{v.x, v.y, v.z, 0.0f} {}
   explicit VectorFloat4(Register v) : v_(v) {}
   VectorFloat4(float a, float b, float c, float d) : v_{a, b, c, d} {}
   static VectorFloat4 counting() { return {0.0f, 1.0f, 2.0f, 3.0f}; }
