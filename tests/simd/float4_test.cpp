@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <morula/geometry/random.hpp>
+#include <morula/geometry/vector.hpp>
 #include <simd/float4.hpp>
 #include <simd/processors.hpp>
 #include <vector>
