@@ -6,6 +6,7 @@
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
 #include <numeric>
+#include <type_traits>
 
 #include "parallel/float_environment.hpp"
 #include "query/wide_tree.hpp"
@@ -26,21 +27,65 @@ using wide::Node;
 // to here.
 constexpr double too_far = 0x1p200;
 
-// A child waiting to be looked at: a node, or the slots of a leaf.
+// A child waiting to be looked at: a node, or the slots of a leaf. Its squared distance is in the tree's Units.
+template <class Scalar>
 struct Waiting {
-  double squared_distance;
-  std::uint32_t first, count;
+  Scalar squared_distance;
+  std::uint32_t first, count, leaf;
 };
 
 // Nearest last, so that it is popped first. Children at the same distance keep their order.
-void push_by_distance(const Node& node, const double* distances, double limit, Waiting* stack, int& top) {
+template <class Scalar>
+void push_by_distance(const Node& node, const Scalar* distances, Scalar limit, Waiting<Scalar>* stack, int& top) {
   const int bottom = top;
   for (int k = node.size; k-- > 0;) {
     if (!(distances[k] <= limit)) continue;
     int at = top++;
     for (; at > bottom && stack[at - 1].squared_distance < distances[k]; --at) stack[at] = stack[at - 1];
-    stack[at] = {distances[k], node.first[k], node.count[k]};
+    stack[at] = {distances[k], node.first[k], node.count[k], node.leaf[k]};
   }
+}
+
+struct Nearest {
+  static constexpr std::uint32_t none = 0xffffffffu;
+  TrianglePoint point{};
+  std::uint32_t facet = none;
+};
+
+// What is exactly as far as the best is still looked at: it may hold a facet of lower index.
+template <class Distances>
+Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Distances& to) {
+  using Scalar = typename Distances::Scalar;
+  const double square = tree.units.scale * tree.units.scale;
+  Nearest best;
+  Scalar limit_in_units = to.limit(limit * square), distances[wide::width];
+  Waiting<Scalar> stack[wide::stack_size];
+  int top = 0;
+  stack[top++] = {0, 0, 0, 0};
+  while (top > 0) {
+    const Waiting<Scalar> next = stack[--top];
+    if (!(next.squared_distance <= limit_in_units)) continue;
+    if (next.count == 0) {
+      to(tree.nodes[next.first].boxes, distances);
+      push_by_distance(tree.nodes[next.first], distances, limit_in_units, stack, top);
+      continue;
+    }
+    // Where the point is in the leaf's box, it is in most of the facets' as well: they are not worth reading.
+    const bool is_apart = next.squared_distance > 0;
+    if (is_apart) to(tree.boxes[next.leaf], distances);
+    for (std::uint32_t k = 0; k < next.count; ++k) {
+      if (is_apart && !(distances[k] <= limit_in_units)) continue;
+      const std::uint32_t slot = next.first + k;
+      const TrianglePoint found = morula::closest_point(tree.triangles[slot], p);
+      const bool nearer = found.squared_distance < limit;
+      const bool as_near = found.squared_distance == limit && tree.facets[slot] < best.facet;
+      if (!nearer && !as_near) continue;
+      limit = found.squared_distance;
+      limit_in_units = to.limit(limit * square);
+      best = {found, tree.facets[slot]};
+    }
+  }
+  return best;
 }
 
 // ∫ (x − p)·n / |x − p|³ over each cluster, expanded about its centroid to first order: with R = centroid − p, area
@@ -85,37 +130,10 @@ std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, doubl
   const StandardFloats standard;
   if (!(max_distance >= 0) || !(max_norm(p) < too_far)) return std::nullopt;
   const wide::Tree& tree = data_->tree;
-  constexpr std::uint32_t none = 0xffffffffu;
-  double limit = max_distance * max_distance;
-  TrianglePoint best{};
-  std::uint32_t best_facet = none;
-
-  // What is exactly as far as the best is still looked at: it may hold a facet of lower index.
-  Waiting stack[wide::stack_size];
-  int top = 0;
-  stack[top++] = {0, 0, 0};
-  while (top > 0) {
-    const Waiting next = stack[--top];
-    if (!(next.squared_distance <= limit)) continue;
-    if (next.count == 0) {
-      double distances[wide::width];
-      wide::squared_distances(tree.nodes[next.first], p, distances);
-      wide::raise_to_slabs(tree.slabs[next.first], p, distances);
-      push_by_distance(tree.nodes[next.first], distances, limit, stack, top);
-      continue;
-    }
-    for (std::uint32_t slot = next.first; slot < next.first + next.count; ++slot) {
-      const TrianglePoint found = morula::closest_point(tree.triangles[slot], p);
-      const bool nearer = found.squared_distance < limit;
-      const bool as_near = found.squared_distance == limit && tree.facets[slot] < best_facet;
-      if (!nearer && !as_near) continue;
-      limit = found.squared_distance;
-      best = found;
-      best_facet = tree.facets[slot];
-    }
-  }
-  if (best_facet == none) return std::nullopt;
-  return ClosestFacetPoint{{best_facet, best.barycentric, best.point}, best.squared_distance};
+  const Nearest best =
+      with_distances(tree.units, p, [&](const auto& to) { return nearest(tree, p, max_distance * max_distance, to); });
+  if (best.facet == Nearest::none) return std::nullopt;
+  return ClosestFacetPoint{{best.facet, best.point.barycentric, best.point.point}, best.point.squared_distance};
 }
 
 void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const {
@@ -130,21 +148,25 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
     return;
   }
   const double limit = ball.radius * ball.radius;
-  std::uint32_t stack[wide::stack_size];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Node& node = tree.nodes[stack[--top]];
-    double distances[wide::width];
-    wide::squared_distances(node, ball.center, distances);
-    for (int k = 0; k < node.size; ++k) {
-      if (!(distances[k] <= limit)) continue;
-      if (node.count[k] == 0) stack[top++] = node.first[k];
-      for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
-        if (morula::closest_point(tree.triangles[slot], ball.center).squared_distance <= limit)
-          facets.push_back(tree.facets[slot]);
+  with_distances(tree.units, ball.center, [&](const auto& to) {
+    using Scalar = typename std::decay_t<decltype(to)>::Scalar;
+    const Scalar limit_in_units = to.limit(limit * tree.units.scale * tree.units.scale);
+    Scalar distances[wide::width];
+    std::uint32_t stack[wide::stack_size];
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const Node& node = tree.nodes[stack[--top]];
+      to(node.boxes, distances);
+      for (int k = 0; k < node.size; ++k) {
+        if (!(distances[k] <= limit_in_units)) continue;
+        if (node.count[k] == 0) stack[top++] = node.first[k];
+        for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
+          if (morula::closest_point(tree.triangles[slot], ball.center).squared_distance <= limit)
+            facets.push_back(tree.facets[slot]);
+      }
     }
-  }
+  });
   std::sort(facets.begin(), facets.end());
 }
 

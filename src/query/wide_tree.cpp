@@ -104,10 +104,8 @@ Summary joined(const Summary* parts, int count) {
   return s;
 }
 
-void set_child(Node& node, Clusters& clusters, int k, const Summary& s) {
+void set_cluster(Clusters& clusters, int k, const Summary& s) {
   for (int axis = 0; axis < 3; ++axis) {
-    node.lower[axis][k] = s.box.lower[axis];
-    node.upper[axis][k] = s.box.upper[axis];
     clusters.centroid[axis][k] = s.centroid[axis];
     clusters.area_vector[axis][k] = s.area_vector[axis];
   }
@@ -115,26 +113,8 @@ void set_child(Node& node, Clusters& clusters, int k, const Summary& s) {
   clusters.radius[k] = s.radius;
 }
 
-// Only clusters of a few facets are flat.
-constexpr std::uint32_t largest_slab = 128;
-
-void set_slab(Slabs& slabs, int k, const Summary& s, std::span<const Triangle> triangles) {
-  const double size = length(s.area_vector);
-  constexpr double least_size = 1e-140;  // below, squares lose digits and the normal is not a unit
-  if (triangles.size() > largest_slab || !(size > least_size)) return;
-  const Vec3 normal = s.area_vector / size;
-  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-  for (const Triangle& t : triangles)
-    for (const Vec3& corner : t) {
-      const double height = dot(corner, normal);
-      lower = std::min(lower, height);
-      upper = std::max(upper, height);
-    }
-  const double pad = 0x1p-44 * std::max(max_norm(s.box.lower), max_norm(s.box.upper));
-  for (int axis = 0; axis < 3; ++axis) slabs.normal[axis][k] = normal[axis];
-  slabs.lower[k] = lower - pad;
-  slabs.upper[k] = upper + pad;
-}
+// Only patches of a few facets are flat.
+constexpr std::uint32_t largest_patch = 512;
 
 class Builder {
  public:
@@ -162,8 +142,8 @@ class Builder {
  private:
   struct Subtree {
     std::vector<Node> nodes;
-    std::vector<Slabs> slabs;
     std::vector<Clusters> clusters;
+    std::vector<OrientedBoxes> boxes;
     Summary summary;
   };
   // A node still to be made, and the child slot that will point to it.
@@ -188,6 +168,7 @@ class Builder {
     const Vec3 center = whole.center();
     const double size = max_norm(whole.extent());
     const double scale = size > 1e-300 ? 1 / size : 0;
+    tree_.units = Units(whole);
     parallel_for(workers_, count, facet_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         Box box;
@@ -230,22 +211,21 @@ class Builder {
   // Joins the subtrees behind the top nodes and closes the top from its last node up to the root.
   void append(const std::vector<Subtree>& subtrees) {
     const std::size_t top_count = tree_.nodes.size();
-    tree_.slabs.resize(top_count);
     tree_.clusters.resize(top_count);
     std::vector<std::array<Summary, width>> summaries(top_count);
-    std::size_t node_count = top_count;
-    for (const Subtree& subtree : subtrees) node_count += subtree.nodes.size();
+    std::size_t node_count = top_count, leaf_count = 0;
+    for (const Subtree& subtree : subtrees) node_count += subtree.nodes.size(), leaf_count += subtree.boxes.size();
     tree_.nodes.reserve(node_count);
-    tree_.slabs.reserve(node_count);
     tree_.clusters.reserve(node_count);
+    tree_.boxes.reserve(leaf_count);
     for (std::size_t i = 0; i < subtrees.size(); ++i) {
       const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
+      const auto first_leaf = static_cast<std::uint32_t>(tree_.boxes.size());
       for (Node node : subtrees[i].nodes) {
-        for (int k = 0; k < node.size; ++k)
-          if (node.count[k] == 0) node.first[k] += offset;
+        for (int k = 0; k < node.size; ++k) (node.count[k] == 0 ? node.first[k] += offset : node.leaf[k] += first_leaf);
         tree_.nodes.push_back(node);
       }
-      tree_.slabs.insert(tree_.slabs.end(), subtrees[i].slabs.begin(), subtrees[i].slabs.end());
+      tree_.boxes.insert(tree_.boxes.end(), subtrees[i].boxes.begin(), subtrees[i].boxes.end());
       tree_.clusters.insert(tree_.clusters.end(), subtrees[i].clusters.begin(), subtrees[i].clusters.end());
       if (pending_[i].parent == no_parent) continue;
       tree_.nodes[pending_[i].parent].first[pending_[i].child] = offset;
@@ -253,11 +233,16 @@ class Builder {
     }
     for (std::size_t n = top_count; n-- > 0;) {
       Node& node = tree_.nodes[n];
+      Box all;
       for (int k = 0; k < node.size; ++k) {
         Summary& s = summaries[n][static_cast<std::size_t>(k)];
         if (node.first[k] < top_count) s = joined(summaries[node.first[k]].data(), tree_.nodes[node.first[k]].size);
-        set_child(node, tree_.clusters[n], k, s);
+        set_cluster(tree_.clusters[n], k, s);
+        all.add(s.box);
       }
+      BoxMaker maker(tree_.units, all);
+      for (int k = 0; k < node.size; ++k) maker.set(k, summaries[n][static_cast<std::size_t>(k)].box);
+      node.boxes = maker.boxes();
     }
   }
 
@@ -266,26 +251,34 @@ class Builder {
     assert(depth < largest_depth);
     const std::size_t index = subtree.nodes.size();
     subtree.nodes.emplace_back();
-    subtree.slabs.emplace_back();
     subtree.clusters.emplace_back();
     Range ranges[width];
     const int count = split_node(range, depth, ranges);
     subtree.nodes[index].size = count;
     Summary summaries[width];
+    Box all;
     for (int k = 0; k < count; ++k) {
       const bool is_leaf = ranges[k].count() <= largest_leaf;
       const auto next = static_cast<std::uint32_t>(subtree.nodes.size());
-      summaries[k] = is_leaf ? build_leaf(ranges[k]) : build_node(subtree, ranges[k], depth + 1);
-      subtree.nodes[index].first[k] = is_leaf ? ranges[k].begin : next;
-      subtree.nodes[index].count[k] = is_leaf ? ranges[k].count() : 0;
-      set_child(subtree.nodes[index], subtree.clusters[index], k, summaries[k]);
-      set_slab(subtree.slabs[index], k, summaries[k],
-               std::span(tree_.triangles).subspan(ranges[k].begin, ranges[k].count()));
+      summaries[k] = is_leaf ? build_leaf(subtree, ranges[k]) : build_node(subtree, ranges[k], depth + 1);
+      Node& node = subtree.nodes[index];
+      node.first[k] = is_leaf ? ranges[k].begin : next;
+      node.count[k] = is_leaf ? ranges[k].count() : 0;
+      node.leaf[k] = is_leaf ? static_cast<std::uint32_t>(subtree.boxes.size() - 1) : 0;
+      set_cluster(subtree.clusters[index], k, summaries[k]);
+      all.add(summaries[k].box);
     }
+    BoxMaker maker(tree_.units, all);
+    for (int k = 0; k < count; ++k)
+      if (ranges[k].count() > largest_patch)
+        maker.set(k, summaries[k].box);
+      else
+        maker.set(k, std::span(tree_.triangles).subspan(ranges[k].begin, ranges[k].count()), summaries[k].area_vector);
+    subtree.nodes[index].boxes = maker.boxes();
     return joined(summaries, count);
   }
 
-  Summary build_leaf(const Range& range) {
+  Summary build_leaf(Subtree& subtree, const Range& range) {
     Summary summaries[largest_leaf];
     for (std::uint32_t slot = range.begin; slot < range.end; ++slot) {
       const std::uint32_t facet = references_[slot].facet();
@@ -294,7 +287,14 @@ class Builder {
       tree_.triangles[slot] = mesh_.corners(facet);
       summaries[slot - range.begin] = summary_of(tree_.triangles[slot]);
     }
-    return joined(summaries, static_cast<int>(range.count()));
+    const auto count = static_cast<int>(range.count());
+    const Summary whole = joined(summaries, count);
+    BoxMaker maker(tree_.units, whole.box);
+    for (int k = 0; k < count; ++k)
+      maker.set(k, std::span(&tree_.triangles[range.begin + static_cast<std::uint32_t>(k)], 1),
+                summaries[k].area_vector);
+    subtree.boxes.push_back(maker.boxes());
+    return whole;
   }
 
   // Cuts a range into up to `width` parts. Parts that would do as a leaf are cut too while there is room: a tighter box
