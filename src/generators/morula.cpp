@@ -16,6 +16,7 @@
 #include <memory>
 #include <morula/geometry/sampling.hpp>
 #include <morula/medial/medial_balls.hpp>
+#include <mutex>
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
@@ -98,20 +99,24 @@ class OwnDivider {
     for (BuildNode& n : nodes) n.seed = seeds.next();
     const RegionPoints points =
         region_points(input_, node, static_cast<std::size_t>(run_.branching), effort_.fit.spacing);
-    std::vector<NodeFit::Exact> results(starts);
+    // Only the tightest is kept: at the root each start holds all facets. Of equals the first.
+    NodeFit::Exact tightest;
+    std::size_t tightest_start = starts;
+    std::mutex choosing;
     const auto fit = [&](std::size_t k) {
       run_.throw_if_stopped();
-      results[k] = attempt(nodes[k], points, level, k);
+      NodeFit::Exact exact = attempt(nodes[k], points, level, k);
+      const std::lock_guard lock(choosing);
+      const bool is_better =
+          tightest_start == starts || exact.cost < tightest.cost || (exact.cost == tightest.cost && k < tightest_start);
+      if (is_better) tightest = std::move(exact), tightest_start = k;
     };
     // Only the root has the workers to itself.
     if (node.level == 0)
       workers_.run(starts, fit);
     else
       for (std::size_t k = 0; k < starts; ++k) fit(k);
-    std::size_t least = 0;
-    for (std::size_t k = 1; k < starts; ++k)
-      if (results[k].cost < results[least].cost) least = k;
-    return division_of(std::move(results[least]));
+    return division_of(std::move(tightest));
   }
 
  private:
