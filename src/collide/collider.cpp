@@ -28,12 +28,19 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
   facet_end_.assign(tree.node_count(), 0);
 
   // Patches are in depth-first order of leaves: so are the lists, and an inner node's is one range.
-  std::vector<std::uint32_t> leaves;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
-    if (tree.is_leaf(node)) leaves.push_back(node);
-  std::stable_sort(leaves.begin(), leaves.end(),
+    if (tree.is_leaf(node)) leaves_.push_back(node);
+  std::stable_sort(leaves_.begin(), leaves_.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return cover.region_begin[a] < cover.region_begin[b]; });
-  for (const std::uint32_t leaf : leaves) {
+  list_facets();
+}
+
+void Collider::list_facets() {
+  const SphereTree& tree = *pose_->tree;
+  const Cover& cover = *cover_;
+  dealing_ = pose_->dealing;
+  facets_.clear();
+  for (const std::uint32_t leaf : leaves_) {
     const auto begin = static_cast<std::ptrdiff_t>(facets_.size());
     facets_.insert(facets_.end(), cover.patch_facet.begin() + cover.region_begin[leaf],
                    cover.patch_facet.begin() + cover.region_end[leaf]);
@@ -47,6 +54,10 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
     facet_begin_[node] = facet_begin_[tree.first_child[node]];
     facet_end_[node] = facet_end_[tree.first_child[node] + tree.child_count[node] - 1];
   }
+}
+
+void Collider::follow_ownership() {
+  if (!has_current_ownership()) list_facets();
 }
 
 void Collider::place(const RigidTransform& placement) {

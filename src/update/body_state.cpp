@@ -19,6 +19,7 @@ void Body::State::show() noexcept {
   posed.spheres = spheres;
   posed.origin = origin;
   posed.ownership = ownership;
+  posed.dealing = reowning ? reowning->dealing() : 0;
   posed.frame = frames;
   posed.current = current;
   posed.complete = !lazy;
@@ -33,6 +34,30 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   else if (!moved_positions.empty())
     posed.positions = PositionView(moved_positions);
   return status;
+}
+
+// The only one: a body that reowns follows `exact` on all levels.
+ExactRule& Body::State::exact_engine() const noexcept {
+  return static_cast<ExactRule&>(engines[0]);
+}
+
+void Body::State::reown(std::size_t most_tests) noexcept {
+  ExactRule& exact = exact_engine();
+  const auto changed = reowning->exchange({local.points(), spheres, exact.walk().squared_reaches()}, most_tests);
+  if (changed.empty()) return;
+  const auto points_of = [&](std::uint32_t leaf) { return reowning->points_of(leaf); };
+  exact.deal({.origin = origin, .points = local.points()}, changed, points_of, spheres);
+  work.points_tested = exact.tested_points();
+}
+
+void Body::State::give_back() noexcept {
+  if (!reowning) return;
+  if (reowning->dealing() != 0) {
+    exact_engine().take_ownership(*dealt_home);
+    work.points_tested = exact_engine().tested_points();
+    followed = false;  // spheres are those of what was owned
+  }
+  reowning->give_back();
 }
 
 // Nodes that look at no other sphere first, then level by level upwards those that read their children. Radii are

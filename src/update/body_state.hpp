@@ -7,8 +7,10 @@
 #include <optional>
 
 #include "update/points/local_points.hpp"
+#include "update/reown/reowning.hpp"
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
+#include "update/rules/exact.hpp"
 #include "update/rules/modal.hpp"
 #include "update/rules/skin_poser.hpp"
 
@@ -30,10 +32,12 @@ struct Body::State {
   RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
-  PosedTree posed{};         // what queries read; show() brings it up to date
-  std::uint64_t frames = 0;  // good updates
-  bool current = true;       // the last update was good
-  bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
+  std::optional<detail::Reowning> reowning{};             // of a body whose patches may change hands: all `exact`
+  std::shared_ptr<const detail::ExactRule> dealt_home{};  // its engine, with what the tree says
+  PosedTree posed{};                                      // what queries read; show() brings it up to date
+  std::uint64_t frames = 0;                               // good updates
+  bool current = true;                                    // the last update was good
+  bool followed = true;  // all spheres are those of the points: the last update was good, and not lazy
   // After a lazy update, until all is reached: one flag per node that belongs to its frame, how many do not, and the
   // coordinates if it was by modes.
   bool lazy = false;
@@ -47,6 +51,11 @@ struct Body::State {
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
+
+  // Of a body that reowns, after a good update: patches change hands until so many distances were taken.
+  void reown(std::size_t most_tests) noexcept;
+  void give_back() noexcept;
+  const Cover& cover() const { return reowning ? reowning->cover() : built->cover; }
 
   // After every change: what queries see. positions: of an update that was given some.
   UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
@@ -64,6 +73,7 @@ struct Body::State {
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;
 
  private:
+  detail::ExactRule& exact_engine() const noexcept;
   UpdateStatus refused_positions(const PositionView& positions) const noexcept;
   UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
   UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;

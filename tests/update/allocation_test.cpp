@@ -107,6 +107,23 @@ TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   EXPECT_GT(body.report().checks, 4u);
 }
 
+// Nor do patches that change hands.
+TEST(Allocation, reowning_allocates_nothing) {
+  for (const test::Specimen& b : test::specimens()) {
+    RebuiltBody body(b.mesh, b.built, {.reown_tests = 100'000, .thread = RebuildThread::none});
+    std::vector<std::vector<Vec3>> frames;
+    for (std::uint64_t frame = 0; frame < 12; ++frame)
+      frames.push_back(frame == 8 ? b.mesh.positions
+                                  : test::noisy(test::motions()[4].apply(b.mesh.positions), 0.1, frame));
+    const std::size_t before = allocations;
+    bool ok = true;
+    for (const auto& positions : frames) ok = body.update(positions) && ok;
+    const std::size_t after = allocations;
+    EXPECT_TRUE(ok);
+    EXPECT_EQ(after - before, 0u) << b.name;
+  }
+}
+
 // Nor a change to the tree of a known pose and back.
 TEST(Allocation, known_poses_allocate_nothing) {
   const test::Specimen& b = test::specimens()[2];

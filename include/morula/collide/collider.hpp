@@ -29,6 +29,13 @@ class Collider {
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
   explicit Collider(const PosedTree& pose);
 
+  /// Reads again what the leaves own, where patches have changed hands since (RebuildOptions::reown_tests): once a
+  /// frame then, after the update. Queries that look at facets refuse until that is done. Fronts go on. Nothing to do,
+  /// and nothing done, for other bodies. Cost: as making one, without allocation but for the first few times.
+  void follow_ownership();
+  /// Are facets() those that leaves own now?
+  bool has_current_ownership() const { return !has_surface() || dealing_ == pose_->dealing; }
+
   /// Where the body is from now on, on top of its deformation: x ↦ placement(x). Throws std::invalid_argument unless
   /// all is finite and deviation_from_rigid(placement) ≤ largest_rigid_deviation; nothing has changed then.
   void place(const RigidTransform& placement);
@@ -81,7 +88,9 @@ class Collider {
   RigidTransform placement_{};
   std::optional<PositionView> rest_{}, given_{};
   std::uint64_t given_frame_ = 0;
-  std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
+  void list_facets();
+  std::uint64_t dealing_ = 0;
+  std::vector<std::uint32_t> facets_, facet_begin_, facet_end_, leaves_;
 };
 
 /// May queries that look at facets ask this body? ok, or one of the faults of bodies.

@@ -11,6 +11,9 @@
 #include <morula/update/rules.hpp>
 
 namespace morula {
+namespace detail {
+struct ReownedBody;
+}
 
 /// Refused, or the work done: the same on every run; all 0 when nothing was changed.
 struct UpdateStatus : Status {
@@ -165,7 +168,12 @@ class Body {
   std::size_t vertex_count() const;
 
  private:
+  friend struct detail::ReownedBody;
   struct State;
+  // reowns: patches may change hands.
+  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options, Workers& workers,
+       bool reowns);
+
   std::unique_ptr<State> state_;
 };
 

@@ -46,6 +46,11 @@ struct RebuildOptions {
   /// RebuildThread::caller.
   double processor_share = 1.0;
 
+  /// Not 0: in every frame, patches change hands between neighbouring leaves where that makes spheres tighter, until so
+  /// many distances to corners were taken. Nodes keep their numbers, parents and children, so epoch() stays and fronts
+  /// go on; what leaves own changes, so that Collider::follow_ownership is due after each update.
+  std::size_t reown_tests = 0;
+
   RebuildThread thread = RebuildThread::background;
   /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
   /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
@@ -83,7 +88,8 @@ struct RebuildStatus {
 /// level covers in every frame, whatever happens in the background; swaps change only how tightly.
 ///
 /// At rest exactly, the home ownership serves: the spheres are then those of rest bit for bit, whatever came before.
-/// Memory: mesh, and up to three bodies, and one for each known pose.
+/// Memory: mesh, and up to three bodies, and one for each known pose. With reown_tests spheres also depend on the
+/// frames since the last rest or change of trees.
 class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without

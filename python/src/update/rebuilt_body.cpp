@@ -53,7 +53,7 @@ void bind_rebuilt_body(nb::module_& m) {
           [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, std::string_view method,
              std::string_view quality, std::string_view still_quality, std::uint64_t seed, double looser_by,
              int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
-             std::string_view thread, std::size_t sample_count, Threads* workers) {
+             std::size_t reown_tests, std::string_view thread, std::size_t sample_count, Threads* workers) {
             RebuildOptions options;
             options.method = method_of(method);
             options.quality = quality_of(quality);
@@ -65,6 +65,7 @@ void bind_rebuilt_body(nb::module_& m) {
             options.gain = gain;
             options.look_ahead_frames = look_ahead_frames;
             options.processor_share = processor_share;
+            options.reown_tests = reown_tests;
             options.thread = choice<RebuildThread>(thread, "thread",
                                                    {{"background", RebuildThread::background},
                                                     {"caller", RebuildThread::caller},
@@ -80,8 +81,9 @@ void bind_rebuilt_body(nb::module_& m) {
           nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("quality") = "draft",
           nb::arg("still_quality") = "fast", nb::arg("seed") = 1, nb::arg("looser_by") = 1.25,
           nb::arg("check_every") = 4, nb::arg("rebuild_every") = 0, nb::arg("gain") = 0.05,
-          nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("thread") = "background",
-          nb::arg("sample_count") = LoosenessEstimator::default_samples, nb::arg("workers") = nb::none(),
+          nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("reown_tests") = 0,
+          nb::arg("thread") = "background", nb::arg("sample_count") = LoosenessEstimator::default_samples,
+          nb::arg("workers") = nb::none(),
           with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
                                                         {"still_quality", doc::RebuildOptions_still_quality},
                                                         {"looser_by", doc::RebuildOptions_looser_by},
@@ -90,6 +92,7 @@ void bind_rebuilt_body(nb::module_& m) {
                                                         {"gain", doc::RebuildOptions_gain},
                                                         {"look_ahead_frames", doc::RebuildOptions_look_ahead_frames},
                                                         {"processor_share", doc::RebuildOptions_processor_share},
+                                                        {"reown_tests", doc::RebuildOptions_reown_tests},
                                                         {"thread", "background, caller or none"}})
               .c_str())
       .def(

@@ -80,9 +80,11 @@ void LeafSurfaces::take_shares() {
 void LeafSurfaces::start(const Collider& collider) {
   collider_ = &collider;
   const std::size_t nodes = collider.tree().node_count();
-  if (ownership_ != collider.pose().ownership || share_.size() != collider.facets(0).size()) {
+  if (ownership_ != collider.pose().ownership || dealing_ != collider.pose().dealing ||
+      share_.size() != collider.facets(0).size()) {
     take_shares();
     ownership_ = collider.pose().ownership;
+    dealing_ = collider.pose().dealing;
   }
   if (stamp_.size() < nodes) stamp_.resize(nodes, now_), leaf_.resize(nodes);
   if (++now_ == 0) {

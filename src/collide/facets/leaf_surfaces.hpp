@@ -45,7 +45,7 @@ class LeafSurfaces {
   void take_shares();
 
   const Collider* collider_ = nullptr;
-  std::uint64_t ownership_ = 0;
+  std::uint64_t ownership_ = 0, dealing_ = 0;
   std::vector<float> share_;  // of each facet of each leaf, in the order of the collider's lists
   std::vector<std::uint32_t> stamp_;
   std::vector<Leaf> leaf_;

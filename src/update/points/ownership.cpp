@@ -130,7 +130,7 @@ LeafOrder depth_first_leaves(const SphereTree& tree) {
 }
 
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points, double tolerance) {
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance, bool all_cut_points) {
   constexpr std::uint32_t none = 0xffffffffu;
   Ownership result;
   result.begin.push_back(0);
@@ -169,12 +169,17 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
         result.vertices.push_back(v);
       }
 
-  for (const bool on_edge : {true, false})
-    for (const std::uint32_t c : cuts)
-      if (number[c] == none && is_on_edge(cover.cut_points[c - cover.vertex_count]) == on_edge) {
-        number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
-        result.cut_points.push_back(c - cover.vertex_count);
-      }
+  for (const bool on_edge : {true, false}) {
+    const auto give_number = [&](std::uint32_t c) {
+      if (number[c] != none || is_on_edge(cover.cut_points[c - cover.vertex_count]) != on_edge) return;
+      number[c] = static_cast<std::uint32_t>(result.vertices.size() + result.cut_points.size());
+      result.cut_points.push_back(c - cover.vertex_count);
+    };
+    for (const std::uint32_t c : cuts) give_number(c);
+    if (!all_cut_points) continue;
+    for (const std::uint32_t c : cover.corners)
+      if (c >= cover.vertex_count) give_number(c);
+  }
 
   std::vector<std::uint32_t> merged, merged_begin{0};
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {

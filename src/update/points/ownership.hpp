@@ -40,8 +40,9 @@ struct Ownership {
 };
 bool is_on_edge(const CutPoint& cut_point);
 /// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether. tolerance: of
-/// FacetHull::surround; whoever gives one has it in the error budget.
+/// FacetHull::surround; whoever gives one has it in the error budget. all_cut_points: every one has a number, those
+/// that no leaf has to test behind the others of their kind.
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points, double tolerance);
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance, bool all_cut_points = false);
 
 }  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 #include "update/rebuild/rebuild_job.hpp"
 #include "update/rebuild/relative_looseness.hpp"
+#include "update/reowned_body.hpp"
 
 namespace morula {
 using namespace detail;
@@ -53,6 +54,8 @@ std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   return used;
 }
 
+// Of the lengths from one estimate to the next, where none has changed but by rounding.
+constexpr double still_strain = 1e-5;
 // Shares by which figures of one ownership may differ for the pose to count as the same.
 constexpr double still = 1e-3, as_built = 0.05;
 
@@ -86,6 +89,7 @@ struct RebuiltBody::State {
   double cost_of(double per_level) const noexcept {
     return per_level * static_cast<double>(threshold.size() - first_counted_level(threshold.size()));
   }
+  UpdateStatus follow(Epoch& ownership, bool resting, const PositionView& positions, Workers& workers) noexcept;
   bool at_rest(const PositionView& positions) const noexcept;
   Epoch* choose(const PositionView& positions) noexcept;
   double cost_of_strain(const Epoch& ownership) const noexcept;
@@ -98,6 +102,7 @@ struct RebuiltBody::State {
   std::size_t estimate_steps() const noexcept;
   void finish_estimate() noexcept;
   bool has_grown() const noexcept;
+  bool has_kept_its_shape() noexcept;
   bool is_off_build() const noexcept;
   bool may_start() const noexcept;
   void request_rebuild(const PositionView& positions, Workers& workers);
@@ -119,9 +124,10 @@ struct RebuiltBody::State {
   std::vector<Epoch> known;     // for known poses
   std::unique_ptr<Epoch> away;  // rebuilt; kept as long as no other comes
   Epoch* present;
-  std::vector<float> lengths;     // at this frame's positions
-  double strain_cost = 0;         // expected: by how much a unit of strain raises the score of an ownership
-  double strain_at_estimate = 0;  // of the present ownership
+  std::vector<float> lengths;         // at this frame's positions
+  std::vector<float> lengths_before;  // at the estimate before
+  double strain_cost = 0;             // expected: by how much a unit of strain raises the score of an ownership
+  double strain_at_estimate = 0;      // of the present ownership
   double score_at_estimate = 0;
   double strain_now = 0;          // when the estimate under way was begun
   std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
@@ -157,20 +163,23 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       rest(mesh.positions),
       used(used_vertices(mesh)),
       // Whether they belong together is what Body asks, so it comes first.
-      home{Body(mesh, without_poses(built), {}, workers), {}, {}, {}},
+      home{ReownedBody::make(mesh, without_poses(built), workers, options.reown_tests > 0), {}, {}, {}},
       gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
       present(&home),
       lengths(gauge->length_count()),
+      lengths_before(gauge->length_count()),
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), gauge)) {
+                                       built.tree.level_count(), gauge, options.reown_tests > 0)) {
   home = epoch_of(mesh, std::move(home.body), threshold.size());
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
-    known.push_back(epoch_of(posed, Body(posed, pose.built, {}, workers), threshold.size()));
+    Body body = options.reown_tests > 0 ? ReownedBody::make(posed, *pose.built, workers, true)
+                                        : Body(posed, pose.built, {}, workers);
+    known.push_back(epoch_of(posed, std::move(body), threshold.size()));
   }
   calibrate(built, workers);
   report.looseness = home.looseness_at_build;
@@ -227,8 +236,9 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     chosen = choose(positions);
     if (arrived && job->finished() != nullptr && takes_over(*job->finished())) chosen = job->finished();
   }
-  RebuildStatus status{.update = chosen->body.update(positions, workers)};
-  if (!status && chosen != present) status.update = (chosen = present)->body.update(positions, workers);
+  if (resting || chosen != present) ReownedBody::give_back(chosen->body);
+  RebuildStatus status{.update = follow(*chosen, resting, positions, workers)};
+  if (!status && chosen != present) status.update = follow(*(chosen = present), resting, positions, workers);
   if (!status) return status;
 
   const std::uint64_t before = epoch;
@@ -250,6 +260,12 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   }
   status.swapped = epoch != before;
   return status;
+}
+
+// At rest the home ownership serves as it is.
+UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const PositionView& positions,
+                                        Workers& workers) noexcept {
+  return ReownedBody::update(ownership.body, positions, resting ? 0 : options.reown_tests, workers);
 }
 
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
@@ -293,6 +309,14 @@ bool RebuiltBody::State::takes_over(const Epoch& candidate) const noexcept {
   double least = expected_score(*present);
   for (const Epoch& ownership : known) least = std::min(least, expected_score(ownership));
   return expected_score(candidate) < (1 - options.gain) * std::min(least, expected_score(home));
+}
+
+// Where patches change hands, figures go on changing after the body has stopped.
+bool RebuiltBody::State::has_kept_its_shape() noexcept {
+  if (options.reown_tests == 0) return false;
+  const bool kept = StrainGauge::strain(lengths, lengths_before) < still_strain;
+  lengths_before = lengths;
+  return kept;
 }
 
 bool RebuiltBody::State::has_grown() const noexcept {
@@ -342,12 +366,13 @@ std::size_t RebuiltBody::State::estimate_steps() const noexcept {
 }
 
 void RebuiltBody::State::finish_estimate() noexcept {
-  is_still = all_within(still, estimated, report.looseness);
+  is_still = all_within(still, estimated, report.looseness) || has_kept_its_shape();
   settled = settled && is_still;
   report.looseness = estimated;
   score_at_estimate = relative_looseness(estimated, home.looseness_at_build);
   strain_at_estimate = strain_now;
-  if (!(strain_at_estimate > least_strain)) return;
+  // What patches that changed hands have brought is not what the ownership would be like as it was made.
+  if (!(strain_at_estimate > least_strain) || present->body.pose().dealing != 0) return;
   present->looseness_elsewhere = estimated;
   present->strain_elsewhere = strain_at_estimate;
   strain_cost = cost_of_strain(*present);

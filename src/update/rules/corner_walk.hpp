@@ -38,6 +38,16 @@ class CornerWalk {
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                             std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
 
+  /// Makes room for deal(): so many points in all.
+  void reserve(std::size_t most_points);
+  /// The leaves, by their order and ascending, own something else now: points_of(leaf), each once, in any order. All
+  /// that hangs on them is measured. No allocation after reserve().
+  template <class PointsOf>
+  void deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of, std::span<const LocalPoint> points,
+            std::span<const Spheref> spheres) noexcept;
+  /// What leaves own in another walk, of the same tree. Nothing is measured.
+  void take_lists(const CornerWalk& other) noexcept;
+
   /// The nodes that are measured, ascending.
   std::span<const std::uint32_t> nodes() const { return nodes_; }
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
@@ -63,6 +73,12 @@ class CornerWalk {
             chain_.data(), chain_begin_.data(), nodes_.data()};
   }
   float farthest(std::size_t k) const noexcept;
+  void begin_lists() noexcept;
+  void append_list(std::size_t leaf) noexcept;
+  void append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept;
+  void take_spare_lists() noexcept;
+  void measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
+                      std::span<const Spheref> spheres) noexcept;
   std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   std::vector<std::uint32_t> nodes_;
@@ -71,6 +87,9 @@ class CornerWalk {
   // whole groups.
   std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
+  // Of lists that are written anew.
+  std::vector<std::uint32_t> spare_run_begin_, spare_point_begin_, spare_points_;
+  std::vector<PointRun> spare_runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
   // How far the leaf's points reach from a node, parallel to chain_, as measured when the node's path was path_then_;
   // of points that have moved since, path_then_ is unknown. Of the leaf's own node always measured.
@@ -81,5 +100,20 @@ class CornerWalk {
   std::vector<double> path_;          // of each node's centre, through all updates since all was measured
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
+
+template <class PointsOf>
+void CornerWalk::deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of,
+                      std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept {
+  begin_lists();
+  auto next = leaves.begin();
+  for (std::uint32_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    if (next == leaves.end() || *next != leaf)
+      append_list(leaf);
+    else
+      append_list(leaf, points_of(*next++));
+  }
+  take_spare_lists();
+  measure_leaves(leaves, points, spheres);
+}
 
 }  // namespace morula::detail

@@ -195,6 +195,16 @@ void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Sp
   sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
 }
 
+void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
+  for (std::size_t begin = 0; begin < walk_.nodes().size(); begin += 4 * nodes_per_chunk)
+    set_radii(begin, std::min(walk_.nodes().size(), begin + 4 * nodes_per_chunk), spheres);
+}
+
+void ExactRule::take_ownership(const ExactRule& other) noexcept {
+  walk_.take_lists(other.walk_);
+  dealt_ = other.dealt_;
+}
+
 std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {
   auto engine = std::make_unique<ExactRule>(binding);
   engine->update(binding.rest, binding.spheres.size(), binding.spheres, binding.workers);

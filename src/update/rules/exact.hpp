@@ -29,15 +29,31 @@ class ExactRule final : public RuleEngine {
   std::size_t tested_points(std::size_t node_end) const override;
 
   /// Where every leaf follows the rule.
-  bool follows_changes() const override { return true; }
+  bool follows_changes() const override { return !dealt_; }
   std::size_t update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
                              std::span<Spheref> spheres) noexcept override;
+
+  /// Makes room for deal(): so many points in all.
+  void reserve(std::size_t most_points) { walk_.reserve(most_points); }
+  /// The leaves, by their order, own something else now: points_of(leaf). The spheres of the frame follow, their
+  /// centres stay, and go on to be pulled towards what the tree says, which was tried to be as good as anything. Where
+  /// every node follows the rule. No allocation after reserve().
+  template <class PointsOf>
+  void deal(const RuleFrame& frame, std::span<const std::uint32_t> leaves, const PointsOf& points_of,
+            std::span<Spheref> spheres) noexcept {
+    walk_.deal(leaves, points_of, frame.points, spheres);
+    set_radii_of_all(spheres);
+    dealt_ = true;
+  }
+  /// What everyone owns in another engine of the same body. Spheres stay as they are until the next update.
+  void take_ownership(const ExactRule& other) noexcept;
 
   const Anchors& anchors() const { return anchors_; }
   const CornerWalk& walk() const { return walk_; }
 
  private:
   void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
+  void set_radii_of_all(std::span<Spheref> spheres) const noexcept;
   void find_dependents(const Binding& binding);
   // How many nodes of the walk come before a node of the tree.
   std::size_t place_of(std::size_t node) const noexcept;
@@ -59,7 +75,8 @@ class ExactRule final : public RuleEngine {
   BlockLists nodes_of_block_;   // nodes whose centres look at it
   std::vector<std::uint8_t> leaf_changed_;
   std::vector<float> moved_;
-  Rounding rounding_;  // of the last update
+  Rounding rounding_;   // of the last update
+  bool dealt_ = false;  // some leaf owns something else than the tree says
 };
 
 }  // namespace morula::detail
