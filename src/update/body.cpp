@@ -132,7 +132,9 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
   const std::vector<std::uint8_t> measured = leaves_measured(built.tree, order, rule_of_node, options.conservative);
-  const Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance, reowns);
+  Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance, reowns);
+  // Where patches change hands, all nodes look at all that their leaves own.
+  if (!reowns) share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
   assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
   state_ =
       std::make_unique<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});

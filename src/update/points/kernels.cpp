@@ -56,7 +56,7 @@ void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t
   for (std::size_t k = 0; k < nodes_at_once; ++k) {
     const float enough = most_growth * rest_radii[k];
     std::array<std::uint32_t, core_size> core;
-    for (std::size_t i = 0; i < core_size; ++i) core[i] = cores[core_size * k + (i < core_count ? i : 0)];
+    for (std::size_t i = 0; i < core_size; ++i) core[i] = cores[nodes_at_once * (i < core_count ? i : 0) + k];
     const Pull one{core.data(), enough * enough, rest_radii[k]};
     const Vec3f center = pull(points, one, {centers[k].x, centers[k].y, centers[k].z});
     centers[k] = {center.x, center.y, center.z, 0};
@@ -100,7 +100,7 @@ void farthest_of_leaves(const LocalPoint* points, const LeafLists& lists, std::s
     for (std::uint32_t e = lists.chain_begin[leaf]; e < lists.chain_begin[leaf + 1]; ++e)
       if (lists.chain[e] < count)
         farthest(points, {lists.runs + lists.run_begin[leaf], lists.runs + lists.run_begin[leaf + 1]},
-                 {lists.points + lists.point_begin[leaf], lists.points + lists.point_begin[leaf + 1]},
+                 {lists.points + lists.point_begin[leaf], lists.points + lists.point_end[e]},
                  {&spheres[lists.nodes[lists.chain[e]]].center, 1}, squared + e);
 }
 

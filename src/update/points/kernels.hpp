@@ -63,11 +63,12 @@ struct RadiusAllowances {
 /// How many vertices ahead of the one at work are fetched.
 inline constexpr std::size_t narrow_ahead = 96;
 
-/// What leaves look at. Leaf k has runs [run_begin[k], run_begin[k + 1]), points likewise, and its chain: itself and
-/// the nodes above it that are measured, from the top, each as its place in `nodes`.
+/// What leaves look at. Leaf k has runs [run_begin[k], run_begin[k + 1]), and its chain: itself and the nodes above it
+/// that are measured, from the top, each as its place in `nodes`. Entry e of the chain looks at all runs and at the
+/// points [point_begin[k], point_end[e]), whole groups; those below look at as many or more.
 struct LeafLists {
   const PointRun* runs;
-  const std::uint32_t *run_begin, *points, *point_begin, *chain, *chain_begin, *nodes;
+  const std::uint32_t *run_begin, *points, *point_begin, *point_end, *chain, *chain_begin, *nodes;
 };
 
 /// A centre on its way: see pull.
@@ -87,9 +88,8 @@ struct Kernels {
   /// The centre moved towards the farthest point of its core, up to pull_steps times: the best place on the way
   /// [badoiu2003], so never one farther from the core than it was.
   Vec3f (*pull)(const LocalPoint* points, const Pull& pull, const Vec3f& center);
-  /// The same for nodes_at_once centres, in place, each with its own core (core_size points after those of the node
-  /// before) and radius. enough: most_growth times the radius, squared.
-  /// Only the first core_count points of each core count.
+  /// The same for nodes_at_once centres, in place, each with its own radius and core of core_count points: point i of
+  /// centre k is cores[nodes_at_once * i + k]. enough: most_growth times the radius, squared.
   void (*pull_many)(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count,
                     const float* rest_radii, LocalPoint* centers);
   /// sums[k] = the sum of a node's anchors by weight, those with even numbers and those with odd ones first summed by
@@ -101,7 +101,7 @@ struct Kernels {
   void (*carry)(const LocalPoint* points, const Remainders& remainders, std::size_t begin, std::size_t end,
                 LocalPoint* moves);
   /// For the leaves [begin, end), and the nodes of their chains whose place is below `count`: squared[e] = largest
-  /// squared distance from the centre of node chain[e] to a point of the leaf.
+  /// squared distance from the centre of node chain[e] to a point of the leaf that it looks at.
   void (*farthest_of_leaves)(const LocalPoint* points, const LeafLists& lists, std::size_t begin, std::size_t end,
                              std::size_t count, const Spheref* spheres, float* squared);
   /// radii[i] = Rounding::covering_radius of squared[i], about a centre whose largest |coordinate| is norms[i].

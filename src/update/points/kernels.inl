@@ -80,48 +80,103 @@ Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   }
 }
 
+// The farthest of the points that each lane has looked at: the first among equals. In registers of sixteen its
+// coordinates, since a choice there is cheap; else its place in the core, and coordinates are fetched once for all
+// steps through the core.
+typedef std::int32_t WideInt __attribute__((vector_size(4 * lanes)));
+struct FarthestOfLanes {
+  Wide most;
+#if MORULA_LANES == 16
+  Wide x, y, z;
+  void begin() {
+    most = all(-1.0f), x = y = z = Wide{};
+  }
+  void look_at(const WidePoints& p, Wide squared, WideInt) {
+    x = squared > most ? p.x : x, y = squared > most ? p.y : y, z = squared > most ? p.z : z;
+    most = max(squared, most);
+  }
+  WidePoints point(const LocalPoint*, const std::uint32_t*) const {
+    return {x, y, z};
+  }
+#else
+  WideInt place;
+  void begin() {
+    most = all(-1.0f), place = WideInt{};
+  }
+  void look_at(const WidePoints&, Wide squared, WideInt here) {
+    place = squared > most ? here : place;
+    most = max(squared, most);
+  }
+  WidePoints point(const LocalPoint* points, const std::uint32_t* cores) const {
+    std::uint32_t index[lanes];
+    for (int k = 0; k < lanes; ++k)
+      index[k] = cores[nodes_at_once * static_cast<std::size_t>(place[k]) + static_cast<std::size_t>(k)];
+    return columns(gather(points, index));
+  }
+#endif
+};
+
 // A node in each lane. What a lane does is what pull does for its node: a lane that has enough stays where it is, so it
-// finds the same distance again, which is no better.
+// finds the same distance again, which is no better. Where a register has not all of nodes_at_once, two are at work in
+// turn: each step ends in roots and quotients that wait for each other.
+constexpr int pulled_at_once = lanes < static_cast<int>(nodes_at_once) ? 2 : 1;
+
 void pull_lanes(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
                 LocalPoint* centers) {
-  WidePoints core[core_size];
+  constexpr int n = pulled_at_once;
+  WidePoints core[core_size][n];
   for (std::size_t k = 0; k < core_count; ++k)
-    core[k] = columns(gather<static_cast<int>(core_size)>(points, cores + k));
-  const Wide rest = load(rest_radii), reach = all(most_growth) * rest, enough = reach * reach;
-  const auto row = [&](int k) { return points_in_rows(centers + k); };
-  const WidePoints start = columns(Rows{row(0), row(1), row(2), row(3)});
-  Wide x = start.x, y = start.y, z = start.z;
-  Wide best_x = x, best_y = y, best_z = z, least{};
-  for (int step = 0;; ++step) {
-    Wide most = all(-1.0f), far_x{}, far_y{}, far_z{};
-    for (std::size_t k = 0; k < core_count; ++k) {
-      const WidePoints& p = core[k];
-      const Wide d = squared_distance(p, x, y, z);
-      far_x = d > most ? p.x : far_x, far_y = d > most ? p.y : far_y, far_z = d > most ? p.z : far_z;
-      most = max(d, most);
-    }
-    if (step == 0) {
-      least = most;
-    } else {
-      best_x = most < least ? x : best_x, best_y = most < least ? y : best_y, best_z = most < least ? z : best_z;
-      least = min(most, least);
-    }
-    if (step == pull_steps || lanes_at_most(most, enough) == (1u << lanes) - 1) break;
-    const Wide distance = root(most);
-    const Wide along = all(0.15f) * distance / all(static_cast<float>(step + 1));
-    const Wide excess = all(0.8f) * (root(least) - rest);
-    const Wide share = most <= enough ? Wide{} : min(along, excess) / distance;
-    x += share * (far_x - x), y += share * (far_y - y), z += share * (far_z - z);
+    for (int r = 0; r < n; ++r) core[k][r] = columns(gather(points, cores + nodes_at_once * k + r * lanes));
+  Wide rest[n], enough[n], x[n], y[n], z[n], best_x[n], best_y[n], best_z[n], least[n];
+  for (int r = 0; r < n; ++r) {
+    rest[r] = load(rest_radii + r * lanes);
+    const Wide reach = all(most_growth) * rest[r];
+    enough[r] = reach * reach;
+    const auto row = [&](int k) { return points_in_rows(centers + r * lanes + k); };
+    const WidePoints start = columns(Rows{row(0), row(1), row(2), row(3)});
+    best_x[r] = x[r] = start.x, best_y[r] = y[r] = start.y, best_z[r] = z[r] = start.z;
+    least[r] = Wide{};
   }
-  float out[3][lanes];
-  store(best_x, out[0]), store(best_y, out[1]), store(best_z, out[2]);
-  for (int k = 0; k < lanes; ++k) centers[k] = LocalPoint{out[0][k], out[1][k], out[2][k], 0};
+  for (int step = 0;; ++step) {
+    FarthestOfLanes far[n];
+    for (int r = 0; r < n; ++r) far[r].begin();
+    WideInt place{};
+    for (std::size_t k = 0; k < core_count; ++k, place += 1)
+      for (int r = 0; r < n; ++r) far[r].look_at(core[k][r], squared_distance(core[k][r], x[r], y[r], z[r]), place);
+    bool all_have_enough = true;
+    for (int r = 0; r < n; ++r) {
+      const Wide most = far[r].most;
+      if (step == 0) {
+        least[r] = most;
+      } else {
+        best_x[r] = most < least[r] ? x[r] : best_x[r], best_y[r] = most < least[r] ? y[r] : best_y[r];
+        best_z[r] = most < least[r] ? z[r] : best_z[r];
+        least[r] = min(most, least[r]);
+      }
+      all_have_enough = all_have_enough && lanes_at_most(most, enough[r]) == (1u << lanes) - 1;
+    }
+    if (step == pull_steps || all_have_enough) break;
+    for (int r = 0; r < n; ++r) {
+      const Wide most = far[r].most;
+      const WidePoints farthest = far[r].point(points, cores + r * lanes);
+      const Wide distance = root(most);
+      const Wide along = all(0.15f) * distance / all(static_cast<float>(step + 1));
+      const Wide excess = all(0.8f) * (root(least[r]) - rest[r]);
+      const Wide share = most <= enough[r] ? Wide{} : min(along, excess) / distance;
+      x[r] += share * (farthest.x - x[r]), y[r] += share * (farthest.y - y[r]), z[r] += share * (farthest.z - z[r]);
+    }
+  }
+  for (int r = 0; r < n; ++r) {
+    float out[3][lanes];
+    store(best_x[r], out[0]), store(best_y[r], out[1]), store(best_z[r], out[2]);
+    for (int k = 0; k < lanes; ++k) centers[r * lanes + k] = LocalPoint{out[0][k], out[1][k], out[2][k], 0};
+  }
 }
 
 void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
                LocalPoint* centers) {
-  for (std::size_t k = 0; k < nodes_at_once; k += lanes)
-    pull_lanes(points, cores + core_size * k, core_count, rest_radii + k, centers + k);
+  for (std::size_t k = 0; k < nodes_at_once; k += pulled_at_once * lanes)
+    pull_lanes(points, cores + k, core_count, rest_radii + k, centers + k);
 }
 
 void weighted_sums(const LocalPoint* points, const std::uint32_t* index, const float* weight,
@@ -194,6 +249,20 @@ void carry(const LocalPoint* points, const Remainders& remainders, std::size_t b
   }
 }
 
+// Up to the end of each entry's points in turn: entry `first` and those below it, which look at more.
+template <int count, int first>
+[[gnu::always_inline]] inline void measure_by_entry(const LocalPoint* points, const std::uint32_t* index,
+                                                    std::uint32_t i, const std::uint32_t* ends, const Centers<count>& c,
+                                                    Wide (&farthest)[4]) {
+  if constexpr (first < count) {
+    for (; i != ends[first]; i += lanes) {
+      const WidePoints p = columns(gather(points, index + i));
+      for (int k = first; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
+    }
+    measure_by_entry<count, first + 1>(points, index, i, ends, c, farthest);
+  }
+}
+
 template <int count>
 [[gnu::always_inline]] inline void farthest_of_leaf(const LocalPoint* points, const LeafLists& lists, std::size_t leaf,
                                                     std::size_t entry, const Spheref* spheres, float* squared) {
@@ -203,13 +272,12 @@ template <int count>
     const Spheref& s = spheres[lists.nodes[lists.chain[entry + k]]];
     c.x[k] = all(s.center.x), c.y[k] = all(s.center.y), c.z[k] = all(s.center.z);
   }
-  const auto walk = [&](const WidePoints& p) {
-    for (int k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
-  };
   for (std::uint32_t r = lists.run_begin[leaf]; r != lists.run_begin[leaf + 1]; ++r)
-    for (std::uint32_t i = lists.runs[r].begin; i != lists.runs[r].end; i += lanes) walk(columns(load_run(points + i)));
-  for (std::uint32_t i = lists.point_begin[leaf]; i != lists.point_begin[leaf + 1]; i += lanes)
-    walk(columns(gather(points, lists.points + i)));
+    for (std::uint32_t i = lists.runs[r].begin; i != lists.runs[r].end; i += lanes) {
+      const WidePoints p = columns(load_run(points + i));
+      for (int k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
+    }
+  measure_by_entry<count, 0>(points, lists.points, lists.point_begin[leaf], lists.point_end + entry, c, farthest);
   const Four most = largest_lanes(farthest[0], farthest[1], farthest[2], farthest[3]);
   for (int k = 0; k < count; ++k) squared[entry + k] = most[k];
 }
@@ -323,7 +391,6 @@ inline Wide loose_triples(const float* packed, const std::uint32_t* vertices) {
 
 std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, std::size_t count, const Vec3f& origin,
                             LocalPoint* out) {
-  typedef std::int32_t WideInt __attribute__((vector_size(4 * lanes)));
   constexpr std::size_t at_once = lanes / 4;
   Wide at{};
   WideInt three{}, most{};  // all bits of a point's coordinates
@@ -354,7 +421,6 @@ std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, 
 }
 
 std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
-  typedef std::int32_t WideInt __attribute__((vector_size(4 * lanes)));
   constexpr std::size_t at_once = lanes / 4;
   const Four one{origin.x, origin.y, origin.z, 0};
 #if MORULA_LANES == 16

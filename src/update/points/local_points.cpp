@@ -90,8 +90,7 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
     }
   const Frame frame = finished_frame(positions);
   if (!frame.finite) return frame;
-  for (const std::uint32_t block : changed_blocks())
-    for (const std::uint32_t cut : cuts_of_block_.of(block)) move_cut_point(cut);
+  for (const std::uint32_t block : changed_blocks()) move_listed_cuts(cuts_of_block_.of(block));
   return frame;
 }
 
@@ -150,9 +149,18 @@ void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
                             &points_[vertex_count_ + edge_cuts_.size() + begin]);
 }
 
-void LocalPoints::move_cut_point(std::size_t cut) noexcept {
-  if (cut < edge_cuts_.size()) return move_edge_cuts(cut, cut + 1);
-  move_inner_cuts(cut - edge_cuts_.size(), cut - edge_cuts_.size() + 1);
+// Ascending; those that follow each other at once.
+void LocalPoints::move_listed_cuts(std::span<const std::uint32_t> cuts) noexcept {
+  const auto edge_cuts = static_cast<std::uint32_t>(edge_cuts_.size());
+  for (std::size_t i = 0; i < cuts.size();) {
+    const std::uint32_t begin = cuts[i];
+    std::uint32_t end = begin + 1;
+    while (++i < cuts.size() && cuts[i] == end && end != edge_cuts) ++end;
+    if (begin < edge_cuts)
+      move_edge_cuts(begin, end);
+    else
+      move_inner_cuts(begin - edge_cuts, end - edge_cuts);
+  }
 }
 
 // The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.

@@ -74,7 +74,7 @@ class LocalPoints {
   void narrow_block(const PositionView& positions, std::size_t block) noexcept;
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
-  void move_cut_point(std::size_t cut) noexcept;
+  void move_listed_cuts(std::span<const std::uint32_t> cuts) noexcept;
   void move_edge_cuts(std::size_t begin, std::size_t end) noexcept;
   void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
 

@@ -38,17 +38,21 @@ std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::
   return p;
 }
 
-// Finds the cut corners that a leaf has to test.
+// Finds the cut corners that a node has to test.
 class NeededCuts {
  public:
   NeededCuts(const Mesh& mesh, const Cover& cover, double tolerance)
       : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
 
-  // owns(v): whether the leaf owns a vertex. Each is named once.
-  template <class Owns>
-  const std::vector<std::uint32_t>& of(std::uint32_t leaf, const Owns& owns) {
+  // owns(v): whether the node owns a vertex. asks_for(c): whether a cut corner has to be surrounded; those that are
+  // needed are of these. Each is named once.
+  template <class Owns, class AsksFor>
+  const std::vector<std::uint32_t>& of(std::uint32_t node, const Owns& owns, const AsksFor& asks_for) {
     patches_.clear();
-    for (std::uint32_t p = cover_.region_begin[leaf]; p < cover_.region_end[leaf]; ++p) patches_.push_back(p);
+    const auto is_cut = [&](std::uint32_t corner) { return corner >= cover_.vertex_count; };
+    for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
+      if (const auto corners = cover_.patch(p); std::any_of(corners.begin(), corners.end(), is_cut))
+        patches_.push_back(p);
     std::sort(patches_.begin(), patches_.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::tie(cover_.patch_facet[a], a) < std::tie(cover_.patch_facet[b], b);
     });
@@ -59,13 +63,13 @@ class NeededCuts {
       points_.clear();
       for (; i < patches_.size() && cover_.patch_facet[patches_[i]] == f; ++i)
         for (const std::uint32_t c : cover_.patch(patches_[i])) {
-          if (c < cover_.vertex_count) continue;
+          if (c < cover_.vertex_count || !asks_for(c)) continue;
           if (const auto p = in_facet(cover_, facet, c))
             points_.push_back(*p);
           else
             needed_.push_back(c);
         }
-      if (points_.empty()) continue;
+      if (points_.empty() || (std::all_of(facet.begin(), facet.end(), owns) && lie_in_facet())) continue;
       for (const std::uint32_t v : facet)
         if (owns(v)) points_.push_back(*in_facet(cover_, facet, v));
       for (const FacetPoint& p : hull_.surround(points_, tolerance_))
@@ -77,6 +81,17 @@ class NeededCuts {
   }
 
  private:
+  // Whether all corners of a facet lie within the tolerance of it: where its vertices are owned, no hull has to be
+  // found. One that is outside comes in along x or y by as much as each of its weights is negative, and then by what
+  // the sum of the two is too large. That rounds, so it is nothing for who allows for nothing.
+  bool lie_in_facet() const {
+    if (!(tolerance_ > 0)) return false;
+    return std::all_of(points_.begin(), points_.end(), [&](const FacetPoint& p) {
+      const double x = std::max(p.x, 0.0), y = std::max(p.y, 0.0);
+      return (x - p.x) + (y - p.y) + std::max(x + y - 1, 0.0) <= tolerance_;
+    });
+  }
+
   const Mesh& mesh_;
   const Cover& cover_;
   double tolerance_;
@@ -147,7 +162,8 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
     for (const std::uint32_t c : corners)
       if (c < cover.vertex_count && owner[c] != k) owner[c] = k, vertices.push_back(c);
     if (needs_cut_points[k]) {
-      const auto& needed = needed_cuts.of(order.leaves[k], [&](std::uint32_t v) { return owner[v] == k; });
+      const auto& needed = needed_cuts.of(
+          order.leaves[k], [&](std::uint32_t v) { return owner[v] == k; }, [](std::uint32_t) { return true; });
       cuts.insert(cuts.end(), needed.begin(), needed.end());
     }
     cut_begin.push_back(static_cast<std::uint32_t>(cuts.size()));
@@ -192,6 +208,42 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
   result.points = std::move(merged);
   result.begin = std::move(merged_begin);
   return result;
+}
+
+void share_levels(const Mesh& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
+                  double tolerance, Ownership& ownership) {
+  constexpr std::uint32_t none = 0xffffffffu;
+  // Points by corner, and the node that has last seen a point.
+  std::vector<std::uint32_t> point_of(mesh.vertex_count() + cover.cut_points.size(), none);
+  for (std::uint32_t i = 0; i < ownership.vertices.size(); ++i) point_of[ownership.vertices[i]] = i;
+  const auto vertex_count = static_cast<std::uint32_t>(ownership.vertices.size());
+  for (std::uint32_t i = 0; i < ownership.cut_points.size(); ++i)
+    point_of[cover.vertex_count + ownership.cut_points[i]] = vertex_count + i;
+  std::vector<std::uint32_t> seen_by(vertex_count + ownership.cut_points.size(), none), needed_by = seen_by;
+  NeededCuts needed_cuts(mesh, cover, tolerance);
+
+  std::vector<std::uint32_t>& from = ownership.tested_from;
+  from.assign(ownership.points.size(), none);
+  // From the deepest level up, so that the uppermost is what stays.
+  for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
+    const std::uint32_t level = tree.level_of(node);
+    const std::uint32_t begin = ownership.begin[order.begin[node]], end = ownership.begin[order.end[node]];
+    if (tree.is_leaf(node)) {
+      std::fill(&from[begin], &from[end], level);
+      continue;
+    }
+    for (std::uint32_t i = begin; i < end; ++i) seen_by[ownership.points[i]] = node;
+    const auto is_seen = [&](std::uint32_t corner) {
+      return point_of[corner] != none && seen_by[point_of[corner]] == node;
+    };
+    for (const std::uint32_t c : needed_cuts.of(node, is_seen, is_seen)) needed_by[point_of[c]] = node;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const std::uint32_t p = ownership.points[i];
+      if (seen_by[p] != node || (p >= vertex_count && needed_by[p] != node)) continue;
+      from[i] = level;
+      seen_by[p] = none;  // in the first leaf alone
+    }
+  }
 }
 
 }  // namespace morula::detail

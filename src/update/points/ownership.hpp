@@ -33,9 +33,16 @@ struct Ownership {
   /// contains these contains it, as far as facet_hull.hpp says.
   std::vector<std::uint32_t> begin;
   std::vector<std::uint32_t> points;
+  /// Of each of `points`: the uppermost level of the tree whose node above the leaf looks at it there; so do all nodes
+  /// between that one and the leaf. Empty where all nodes look at all that their leaves own (see share_levels).
+  std::vector<std::uint32_t> tested_from{};
 
   std::span<const std::uint32_t> of_leaf(std::size_t k) const {
     return std::span(points).subspan(begin[k], begin[k + 1] - begin[k]);
+  }
+  std::span<const std::uint32_t> tested_from_of_leaf(std::size_t k) const {
+    if (tested_from.empty()) return {};
+    return std::span(tested_from).subspan(begin[k], begin[k + 1] - begin[k]);
   }
 };
 bool is_on_edge(const CutPoint& cut_point);
@@ -44,5 +51,11 @@ bool is_on_edge(const CutPoint& cut_point);
 /// that no leaf has to test behind the others of their kind.
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance, bool all_cut_points = false);
+/// Fills tested_from: a node looks at each point once, in the first leaf below it that owns it, and only at those cut
+/// points that surround the others which its leaves look at, within the tolerance of FacetHull::surround. What it owns
+/// then lies within twice the tolerance of the hull of what it looks at: leaves leave out within one, this within
+/// another, and the distance to a hull is a convex function, so no corner of a patch is farther off.
+void share_levels(const Mesh& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
+                  double tolerance, Ownership& ownership);
 
 }  // namespace morula::detail

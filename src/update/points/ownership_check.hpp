@@ -10,14 +10,14 @@
 
 namespace morula::detail {
 
-/// Every violated promise, in words; empty when, for every leaf that needs cut points and every facet, each corner that
-/// the leaf owns lies within `tolerance` (in |x| + |y| of the facet's weights) of the convex hull of the corners that
-/// it tests, and every node looks at all leaves below it, so that the same holds for ancestors. Debug builds ask this
-/// of every body.
+/// Every violated promise, in words; empty when, for every node whose leaves need cut points and every facet, each
+/// corner that the node owns lies within `tolerance` (in |x| + |y| of the facet's weights; twice that above leaves) of
+/// the convex hull of the corners that it tests, and every node looks at all leaves below it. Debug builds ask this of
+/// every body.
 ///
 /// A corner outside a hull is separated from it by a line: the direction from the nearest vertex of the hull, or
 /// perpendicular to its nearest edge. So all these directions are tried, between all pairs of tested corners, in
-/// extended precision. Cost per leaf, facet and corner left out: the cube of the corners that the leaf tests there.
+/// extended precision. Cost per node, facet and corner left out: the cube of the corners that the node tests there.
 std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tree, const Cover& cover,
                                           const LeafOrder& order, const Ownership& ownership,
                                           std::span<const std::uint8_t> needs_cut_points, double tolerance);

@@ -10,10 +10,9 @@
 
 namespace morula::detail {
 
-/// Appends the points that a leaf owns, ascending: whole groups of consecutive ones as runs, the rest to a list that is
-/// padded to whole groups.
-inline void append_in_runs(std::span<const std::uint32_t> owned, std::vector<PointRun>& runs,
-                           std::vector<std::uint32_t>& points) {
+/// Appends points, ascending: whole groups of consecutive ones as runs, the rest to a list.
+inline void append_runs(std::span<const std::uint32_t> owned, std::vector<PointRun>& runs,
+                        std::vector<std::uint32_t>& points) {
   for (std::size_t i = 0; i < owned.size();) {
     std::size_t end = i + 1;
     while (end < owned.size() && owned[end] == owned[end - 1] + 1) ++end;
@@ -23,6 +22,12 @@ inline void append_in_runs(std::span<const std::uint32_t> owned, std::vector<Poi
     points.insert(points.end(), rest.begin(), rest.end());
     i = end;
   }
+}
+
+/// The same of the points that a leaf owns, where the list is padded to whole groups.
+inline void append_in_runs(std::span<const std::uint32_t> owned, std::vector<PointRun>& runs,
+                           std::vector<std::uint32_t>& points) {
+  append_runs(owned, runs, points);
   while (points.size() % points_per_group != 0) points.push_back(owned.back());
 }
 

@@ -11,8 +11,9 @@
 //                   products 4/3 e M, two sums 2 e M                                           6 e M
 //                   With the narrowing: 7 e M, as a length below 12.2 e M. Allowed with hulls: 2^-20 M = 16 e M.
 //   hulls           corners that are left out lie within hull_tolerance = 2^-30 (and 2^-50 for finding that out) in
-//                   |x| + |y| of the hull of those tested (facet_hull.hpp); x and y are weights of two edges, no longer
-//                   than 2 sqrt(3) M each, so below 3.5 x 2^-30 M = 0.06 e M, 12.3 e M with the line above
+//                   |x| + |y| of the hull of those tested (facet_hull.hpp), twice that for nodes above leaves
+//                   (share_levels); x and y are weights of two edges, no longer than 2 sqrt(3) M each, so below
+//                   2 x 3.5 x 2^-30 M = 0.11 e M, 12.4 e M with the line above
 //   distance        squared in float: differences e, products e, two sums; (1 + e)^5 in all, so 2.5 e of the distance,
 //                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
 //   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more:

@@ -28,7 +28,6 @@ Vec3f carried(const CenterTie& tie, std::span<const LocalPoint> points) {
 void Anchors::tie(const Vec3f& center, float radius, std::span<const LocalPoint> rest_points,
                   std::span<const std::uint32_t> candidates) {
   CenterTie tie;
-  tie.rest_center = center;
   const AnchorChoice choice = choose_anchors(Vec3(center), static_cast<double>(radius), rest_points, candidates);
   tie.begin = static_cast<std::uint32_t>(points_.size());
   points_.insert(points_.end(), choice.points.begin(), choice.points.end());
@@ -36,10 +35,10 @@ void Anchors::tie(const Vec3f& center, float radius, std::span<const LocalPoint>
   tie.end = static_cast<std::uint32_t>(points_.size());
   tie.degenerate = choice.degenerate;
   tie.axes = choice.axes;
-  tie.rest_sum = weighted_sum(tie, rest_points);
+  at_rest_.push_back({center, weighted_sum(tie, rest_points)});
 
   if (!choice.reproduces && !choice.points.empty()) {
-    const Vec3 remainder = Vec3(center) - Vec3(tie.rest_sum);
+    const Vec3 remainder = Vec3(center) - Vec3(at_rest_.back().sum);
     tie.carries = length(remainder) > 1e-7 * static_cast<double>(radius);
     tie.in_axes = axes_of(tie, rest_points).coordinates(remainder);
     tie.rest_carried = carried(tie, rest_points);
@@ -54,6 +53,7 @@ void Anchors::append(const Anchors& others) {
     tie.end += offset;
     ties_.push_back(tie);
   }
+  at_rest_.insert(at_rest_.end(), others.at_rest_.begin(), others.at_rest_.end());
   points_.insert(points_.end(), others.points_.begin(), others.points_.end());
   weights_.insert(weights_.end(), others.weights_.begin(), others.weights_.end());
 }
@@ -119,7 +119,7 @@ Vec3f Anchors::weighted_sum(const CenterTie& tie, std::span<const LocalPoint> po
 
 Vec3f Anchors::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
   const CenterTie& tie = ties_[k];
-  Vec3f center = tie.rest_center + (weighted_sum(tie, points) - tie.rest_sum);
+  Vec3f center = at_rest_[k].center + (weighted_sum(tie, points) - at_rest_[k].sum);
   if (tie.carries) center = center + (carried(tie, points) - tie.rest_carried);
   return center;
 }
@@ -131,7 +131,8 @@ void Anchors::centers(std::size_t begin, std::size_t end, std::span<const LocalP
                           std::span(group_begin_).subspan(begin / nodes_per_group, groups + 1), centers);
   for (std::size_t k = begin; k < end; ++k) {
     LocalPoint& center = centers[k - begin];
-    (Float4(ties_[k].rest_center) + (Float4::load(center) - Float4(ties_[k].rest_sum))).store(center);
+    const AtRest& rest = at_rest_[k];
+    (Float4(rest.center) + (Float4::load(center) - Float4(rest.sum))).store(center);
   }
   const auto place = [&](std::size_t k) {
     return static_cast<std::size_t>(std::lower_bound(carrying_.begin(), carrying_.end(), k) - carrying_.begin());

@@ -19,8 +19,6 @@ namespace morula::detail {
 /// Where it is not, e = c0 - sum w x0 is carried by axes of three anchors, so that at least a rigid one does. The
 /// axes are built anew from positions alone; nothing remembers the frame before.
 struct CenterTie {
-  Vec3f rest_center;
-  Vec3f rest_sum;                    ///< sum w x0, by the very routine that runs per frame
   std::uint32_t begin = 0, end = 0;  ///< range in points and weights, of which the next is `step` entries on
   std::uint32_t step = 1;
   bool carries = false;                 ///< e is not zero
@@ -49,7 +47,7 @@ class Anchors {
   void each_point(std::size_t k, const Visit& visit) const {
     for (std::uint32_t i = ties_[k].begin; i < ties_[k].end; i += ties_[k].step) visit(points_[i]);
   }
-  /// Where centre k is now. At rest exactly rest_center, because both differences are.
+  /// Where centre k is now. At rest exactly where it was tied, because both differences are.
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
   /// The same, bit for bit, for centres begin … end - 1, where begin is a multiple of nodes_per_group. centers has room
   /// for whole groups; those beyond the last centre are of no use.
@@ -60,6 +58,11 @@ class Anchors {
   Vec3f weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept;
 
   std::vector<CenterTie> ties_;
+  // Of each tie, apart from what few frames read: c0, and sum w x0 by the very routine that runs per frame.
+  struct AtRest {
+    Vec3f center, sum;
+  };
+  std::vector<AtRest> at_rest_;
   std::vector<std::uint32_t> points_;
   std::vector<float> weights_;
   // When packed: the ties that carry a remainder, with what a kernel reads of them, and where the groups of

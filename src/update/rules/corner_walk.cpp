@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "update/points/point_runs.hpp"
 
@@ -13,15 +14,13 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 16;
-constexpr double unknown = -1;
 constexpr float unknown_no_more = -1;  // in place of a bound
 
 // What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
 // (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
-// distance in float 3.5 e, a distance of centres the same, a way since less: each step is taken in double and narrowed,
-// e, steps are added up upwards, and their sum is narrowed, e. Two sums e each, the product e. Together below
-// 10 e. Allowed: 2^-20 = 16 e. Squares below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed:
-// 2^-60.
+// distance in float 3.5 e, a way since less: each step is taken in double and narrowed, e, steps are added up upwards,
+// and their sum is narrowed, e. Two sums e each, the product e. Together below 10 e. Allowed: 2^-20 = 16 e. Squares
+// below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed: 2^-60.
 constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
 
 }  // namespace
@@ -38,7 +37,7 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
     below_.push_back({order.begin[node], order.end[node], above[node]});
   }
 
-  std::vector<std::uint32_t> chain;
+  std::vector<std::uint32_t> chain, levels;
   run_begin_.push_back(0);
   point_begin_.push_back(0);
   chain_begin_.push_back(0);
@@ -48,12 +47,12 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
       if (measured[node] != 0) chain.push_back(number[node]);
     chain_.insert(chain_.end(), chain.rbegin(), chain.rend());
     chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
-    const auto owned = ownership.of_leaf(k);
-    owned_by_leaf_.push_back(static_cast<std::uint32_t>(owned.size()));
     if (!chain.empty()) {
+      levels.clear();
+      for (auto node = chain.rbegin(); node != chain.rend(); ++node) levels.push_back(tree.level_of(nodes_[*node]));
+      const auto owned = ownership.of_leaf(k);
       owned_points_ += owned.size();
-      tested_points_ += owned.size() * chain.size();
-      append_in_runs(owned, runs_, points_);
+      list_points(owned, ownership.tested_from_of_leaf(k), levels);
     }
     run_begin_.push_back(static_cast<std::uint32_t>(runs_.size()));
     point_begin_.push_back(static_cast<std::uint32_t>(points_.size()));
@@ -65,22 +64,82 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   squared_reach_.resize(nodes_.size());
 }
 
+// levels: of the chain's nodes.
+void CornerWalk::list_points(std::span<const std::uint32_t> owned, std::span<const std::uint32_t> tested_from,
+                             std::span<const std::uint32_t> levels) {
+  const std::size_t first_run = runs_.size(), first_point = points_.size();
+  std::vector<std::uint32_t> by_entry;
+  std::vector<std::size_t> counts;
+  for (std::size_t e = 0; e < levels.size(); ++e) {
+    by_entry.clear();
+    for (std::size_t i = 0; i < owned.size(); ++i) {
+      const std::uint32_t from = tested_from.empty() ? 0 : tested_from[i];
+      if (from <= levels[e] && (e == 0 || from > levels[e - 1])) by_entry.push_back(owned[i]);
+    }
+    if (e == 0)
+      append_runs(by_entry, runs_, points_);
+    else
+      points_.insert(points_.end(), by_entry.begin(), by_entry.end());
+    counts.push_back(points_.size() - first_point);
+  }
+  std::size_t in_runs = 0;
+  for (std::size_t r = first_run; r < runs_.size(); ++r) in_runs += runs_[r].end - runs_[r].begin;
+  while (points_.size() % points_per_group != 0) points_.push_back(points_.back());
+  for (const std::size_t count : counts) {
+    const std::size_t in_groups = (count + points_per_group - 1) / points_per_group * points_per_group;
+    point_end_.push_back(static_cast<std::uint32_t>(first_point + in_groups));
+    looked_at_.push_back(static_cast<std::uint32_t>(in_runs + std::min(in_groups, counts.back())));
+    tested_points_ += looked_at_.back();
+  }
+}
+
 void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                Workers& workers) noexcept {
-  std::fill(path_.begin(), path_.end(), 0.0);
-  std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
+  if (!paths_are_zero_) {
+    std::fill(path_.begin(), path_.end(), 0.0);
+    std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
+    paths_are_zero_ = true;
+  }
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
     kernels().farthest_of_leaves(points.data(), lists(), begin, end, count, spheres.data(), squared_.data());
   });
   std::fill_n(squared_reach_.begin(), count, 0.0f);
-  for (std::size_t entry = 0; entry < chain_.size(); ++entry)
-    if (chain_[entry] < count) squared_reach_[chain_[entry]] = std::max(squared_reach_[chain_[entry]], squared_[entry]);
+  const auto raise = [&](std::uint32_t k, float squared) {
+    if (k < count) squared_reach_[k] = std::max(squared_reach_[k], squared);
+  };
+  // Most leaves follow one of the same nodes above: of four in a chain, the largest so far stay in a register.
+  constexpr std::size_t together = 4;
+  Float4 most(0.0f);
+  const std::uint32_t* above = nullptr;  // of whom: the chain of a leaf below them
+  const auto finish = [&] {
+    if (above == nullptr) return;
+    const auto squared = most.lanes();
+    for (std::size_t i = 0; i + 1 < together; ++i) raise(above[i], squared[i]);
+    above = nullptr;
+  };
+  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    const std::size_t begin = chain_begin_[leaf], end = chain_begin_[leaf + 1];
+    if (end - begin != together) {
+      for (std::size_t entry = begin; entry < end; ++entry) raise(chain_[entry], squared_[entry]);
+      continue;
+    }
+    const std::uint32_t* const chain = &chain_[begin];
+    const Float4 squared = Float4::load(&squared_[begin]);
+    if (above != nullptr && above[2] == chain[2]) {
+      most = max(most, squared);
+    } else {
+      finish();
+      above = chain, most = squared;
+    }
+    raise(chain[3], squared_[begin + 3]);
+  }
+  finish();
 }
 
 void CornerWalk::measure_one(std::size_t k, std::span<const LocalPoint> points,
                              std::span<const Spheref> spheres) noexcept {
   for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
-    walk(leaf, chain_begin_[leaf] + below_[k].slot, 1, points, spheres);
+    walk(leaf, chain_begin_[leaf] + below_[k].slot, points, spheres);
   squared_reach_[k] = farthest(k);
 }
 
@@ -100,19 +159,27 @@ void CornerWalk::append_list(std::size_t leaf) noexcept {
   spare_runs_.insert(spare_runs_.end(), runs_.begin() + run_begin_[leaf], runs_.begin() + run_begin_[leaf + 1]);
   spare_points_.insert(spare_points_.end(), points_.begin() + point_begin_[leaf],
                        points_.begin() + point_begin_[leaf + 1]);
-  spare_run_begin_.push_back(static_cast<std::uint32_t>(spare_runs_.size()));
-  spare_point_begin_.push_back(static_cast<std::uint32_t>(spare_points_.size()));
+  end_list(leaf);
 }
 
 void CornerWalk::append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept {
   spare_points_.insert(spare_points_.end(), owned.begin(), owned.end());
   while (spare_points_.size() % points_per_group != 0) spare_points_.push_back(owned.back());
+  end_list(leaf);
+  const auto count = static_cast<std::uint32_t>(owned.size());
+  for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry) {
+    const std::uint32_t before = std::exchange(looked_at_[entry], count);
+    tested_points_ += count - std::size_t{before};  // modulo 2^64, where it becomes less
+    if (entry == chain_begin_[leaf]) owned_points_ += count - std::size_t{before};
+  }
+}
+
+// All of the chain look at all of the leaf.
+void CornerWalk::end_list(std::size_t leaf) noexcept {
+  const auto end = static_cast<std::uint32_t>(spare_points_.size());
+  std::fill(point_end_.begin() + chain_begin_[leaf], point_end_.begin() + chain_begin_[leaf + 1], end);
   spare_run_begin_.push_back(static_cast<std::uint32_t>(spare_runs_.size()));
-  spare_point_begin_.push_back(static_cast<std::uint32_t>(spare_points_.size()));
-  const auto chain = static_cast<std::size_t>(chain_begin_[leaf + 1] - chain_begin_[leaf]);
-  owned_points_ += owned.size() - owned_by_leaf_[leaf];
-  tested_points_ += chain * (owned.size() - owned_by_leaf_[leaf]);  // modulo 2^64, where it becomes less
-  owned_by_leaf_[leaf] = static_cast<std::uint32_t>(owned.size());
+  spare_point_begin_.push_back(end);
 }
 
 void CornerWalk::take_spare_lists() noexcept {
@@ -122,9 +189,12 @@ void CornerWalk::take_spare_lists() noexcept {
 
 void CornerWalk::measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
                                 std::span<const Spheref> spheres) noexcept {
-  for (const std::uint32_t leaf : leaves)
-    for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; entry += most_centers)
-      walk(leaf, entry, std::min<std::size_t>(most_centers, chain_begin_[leaf + 1] - entry), points, spheres);
+  for (const std::uint32_t leaf : leaves) {
+    kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(),
+                                 squared_.data());
+    for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry)
+      path_then_[entry] = path_[chain_[entry]];
+  }
   std::fill(squared_reach_.begin(), squared_reach_.end(), 0.0f);
   for (std::size_t entry = 0; entry < chain_.size(); ++entry)
     squared_reach_[chain_[entry]] = std::max(squared_reach_[chain_[entry]], squared_[entry]);
@@ -133,13 +203,14 @@ void CornerWalk::measure_leaves(std::span<const std::uint32_t> leaves, std::span
 void CornerWalk::take_lists(const CornerWalk& other) noexcept {
   runs_ = other.runs_, run_begin_ = other.run_begin_;
   points_ = other.points_, point_begin_ = other.point_begin_;
-  owned_by_leaf_ = other.owned_by_leaf_;
+  point_end_ = other.point_end_, looked_at_ = other.looked_at_;
   owned_points_ = other.owned_points_, tested_points_ = other.tested_points_;
 }
 
 std::size_t CornerWalk::points_of(std::size_t k) const noexcept {
   std::size_t count = 0;
-  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf) count += owned_by_leaf_[leaf];
+  for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)
+    count += looked_at_[chain_begin_[leaf] + below_[k].slot];
   return count;
 }
 
@@ -151,51 +222,54 @@ float CornerWalk::farthest(std::size_t k) const noexcept {
   return farthest;
 }
 
-std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::span<const LocalPoint> points,
                              std::span<const Spheref> spheres) noexcept {
-  std::array<Vec3f, most_centers> centers;
-  for (std::size_t i = 0; i < count; ++i) centers[i] = spheres[nodes_[chain_[entry + i]]].center;
   const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
-  const auto index = std::span(points_).subspan(point_begin_[leaf], point_begin_[leaf + 1] - point_begin_[leaf]);
-  kernels().farthest(points.data(), runs, index, std::span(centers).first(count), &squared_[entry]);
-  for (std::size_t i = 0; i < count; ++i) path_then_[entry + i] = path_[chain_[entry + i]];
-  return count * owned_by_leaf_[leaf];
+  const auto index = std::span(points_).subspan(point_begin_[leaf], point_end_[entry] - point_begin_[leaf]);
+  kernels().farthest(points.data(), runs, index, std::span(&spheres[nodes_[chain_[entry]]].center, 1),
+                     &squared_[entry]);
+  path_then_[entry] = path_[chain_[entry]];
+  return looked_at_[entry];
 }
 
 std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                       std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept {
   std::size_t tested = 0;
+  paths_are_zero_ = false;
   // Rounded up, so that every move makes it longer.
   for (std::size_t k = 0; k < nodes_.size(); ++k)
     if (moved[k] >= 0)
       path_[k] = std::nextafter(path_[k] + static_cast<double>(moved[k]), std::numeric_limits<double>::infinity());
   for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
-    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
-    if (leaf_changed[leaf] == 0 && moved[chain_[own]] < 0) continue;
-    tested += walk(leaf, own, 1, points, spheres);
-    if (leaf_changed[leaf] == 0) continue;
-    for (std::uint32_t entry = chain_begin_[leaf]; entry < own; ++entry) path_then_[entry] = unknown;
-    for (std::uint32_t entry = chain_begin_[leaf]; entry <= own; ++entry)
+    const std::uint32_t begin = chain_begin_[leaf], end = chain_begin_[leaf + 1];
+    if (leaf_changed[leaf] == 0) {
+      if (moved[chain_[end - 1]] >= 0) tested += walk(leaf, end - 1, points, spheres);
+      continue;
+    }
+    // For all nodes above at once: that costs less than to find out for which of them it has to be.
+    kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(),
+                                 squared_.data());
+    for (std::uint32_t entry = begin; entry < end; ++entry) {
+      path_then_[entry] = path_[chain_[entry]];
+      tested += looked_at_[entry];
       moved[chain_[entry]] = std::max(moved[chain_[entry]], 0.0f);
+    }
   }
   for (std::size_t k = 0; k < nodes_.size(); ++k)
     if (moved[k] >= 0) tested += search(k, points, spheres);
   return tested;
 }
 
-// Walks the leaves that may hold a node's farthest point. No leaf reaches farther than its own sphere, and none that
-// has not changed farther than before plus the node's way since.
+// Walks the leaves that may hold a node's farthest point: none reaches farther than when it was walked last, which was
+// after its last change, plus the node's way since.
 std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points,
                                std::span<const Spheref> spheres) noexcept {
   const Below& below = below_[k];
-  const Vec3f& center = spheres[nodes_[k]].center;
   const auto entry = [&](std::uint32_t leaf) { return chain_begin_[leaf] + below.slot; };
   const auto is_known = [&](std::uint32_t leaf) { return path_then_[entry(leaf)] == path_[k]; };
   const auto bound = [&](std::uint32_t leaf) {
-    if (const double then = path_then_[entry(leaf)]; then != unknown)
-      return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(path_[k] - then)) * rounding + underflow;
-    const std::uint32_t own = chain_begin_[leaf + 1] - 1;
-    return (distance(center, spheres[nodes_[chain_[own]]].center) + std::sqrt(squared_[own])) * rounding + underflow;
+    const double way = path_[k] - path_then_[entry(leaf)];
+    return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(way)) * rounding + underflow;
   };
   float farthest = 0;  // known
   float highest = -1;  // of the bounds of leaves not walked
@@ -211,13 +285,13 @@ std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points
   }
   std::size_t tested = 0;
   if (most_promising != below.leaf_end && highest * highest >= farthest) {
-    tested += walk(most_promising, entry(most_promising), 1, points, spheres);
+    tested += walk(most_promising, entry(most_promising), points, spheres);
     farthest = std::max(farthest, squared_[entry(most_promising)]);
     bounds_[most_promising] = unknown_no_more;
     for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
       const float b = bounds_[leaf];
       if (b < 0 || b * b < farthest) continue;
-      tested += walk(leaf, entry(leaf), 1, points, spheres);
+      tested += walk(leaf, entry(leaf), points, spheres);
       farthest = std::max(farthest, squared_[entry(leaf)]);
     }
   }

@@ -38,7 +38,7 @@ class CornerWalk {
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                             std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
 
-  /// Makes room for deal(): so many points in all.
+  /// Makes room for deal(): so many points in all. Of an ownership in which all nodes look at all that their leaves own.
   void reserve(std::size_t most_points);
   /// The leaves, by their order and ascending, own something else now: points_of(leaf), each once, in any order. All
   /// that hangs on them is measured. No allocation after reserve().
@@ -55,7 +55,7 @@ class CornerWalk {
   float squared_reach(std::size_t k) const noexcept { return squared_reach_[k]; }
   std::span<const float> squared_reaches() const { return squared_reach_; }
 
-  /// Those that nodes()[k] owns.
+  /// Those that nodes()[k] looks at.
   std::size_t points_of(std::size_t k) const noexcept;
   std::size_t owned_points() const { return owned_points_; }
   std::size_t tested_points() const { return tested_points_; }
@@ -65,17 +65,20 @@ class CornerWalk {
   struct Below {
     std::uint32_t leaf_begin, leaf_end, slot;
   };
-  // For `count` entries of the chain of a leaf, from a place in chain_ on. Returns how many points were tested.
-  std::size_t walk(std::size_t leaf, std::size_t entry, std::size_t count, std::span<const LocalPoint> points,
+  // For the entry at a place in chain_, which is of a leaf's chain. Returns how many points were tested.
+  std::size_t walk(std::size_t leaf, std::size_t entry, std::span<const LocalPoint> points,
                    std::span<const Spheref> spheres) noexcept;
+  void list_points(std::span<const std::uint32_t> owned, std::span<const std::uint32_t> tested_from,
+                   std::span<const std::uint32_t> levels);
   LeafLists lists() const noexcept {
-    return {runs_.data(),  run_begin_.data(),   points_.data(), point_begin_.data(),
-            chain_.data(), chain_begin_.data(), nodes_.data()};
+    return {runs_.data(),      run_begin_.data(), points_.data(),      point_begin_.data(),
+            point_end_.data(), chain_.data(),     chain_begin_.data(), nodes_.data()};
   }
   float farthest(std::size_t k) const noexcept;
   void begin_lists() noexcept;
   void append_list(std::size_t leaf) noexcept;
   void append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept;
+  void end_list(std::size_t leaf) noexcept;
   void take_spare_lists() noexcept;
   void measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
                       std::span<const Spheref> spheres) noexcept;
@@ -83,21 +86,24 @@ class CornerWalk {
 
   std::vector<std::uint32_t> nodes_;
   std::vector<Below> below_;
-  // Leaf k: how many points it owns, and which, in runs where they lie one after the other, else by index, padded to
-  // whole groups.
-  std::vector<std::uint32_t> owned_by_leaf_, run_begin_, point_begin_, points_;
+  // Leaf k: its points, in runs where they lie one after the other and all of its chain looks at them, else by index;
+  // first those that the uppermost looks at, and padded to whole groups.
+  std::vector<std::uint32_t> run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
   // Of lists that are written anew.
   std::vector<std::uint32_t> spare_run_begin_, spare_point_begin_, spare_points_;
   std::vector<PointRun> spare_runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
-  // How far the leaf's points reach from a node, parallel to chain_, as measured when the node's path was path_then_;
-  // of points that have moved since, path_then_ is unknown. Of the leaf's own node always measured.
+  // Parallel to chain_: where that ends in points_ which the node looks at, and how many points it looks at.
+  std::vector<std::uint32_t> point_end_, looked_at_;
+  // How far the leaf's points, which have not moved since, reach from a node, parallel to chain_, as measured when the
+  // node's path was path_then_. Of the leaf's own node always measured.
   std::vector<float> squared_;
   std::vector<double> path_then_;
   std::vector<float> squared_reach_;  // of each node
   std::vector<float> bounds_;         // of leaves, in one search
   std::vector<double> path_;          // of each node's centre, through all updates since all was measured
+  bool paths_are_zero_ = false;       // path_ and path_then_
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "update/points/kernels.hpp"
 #include "update/points/nearby_points.hpp"
@@ -32,10 +34,8 @@ ExactRule::ExactRule(const Binding& binding)
   const Ownership& ownership = binding.ownership;
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
-  const std::size_t padded_count = (node_count + nodes_at_once - 1) / nodes_at_once * nodes_at_once;
-  core_.resize(core_size * padded_count);
-  core_radius_.resize(padded_count);
-  core_count_.resize(padded_count / nodes_at_once);
+  std::vector<std::uint32_t> cores(core_size * node_count);
+  std::vector<float> radii(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
   const NearbyPoints nearby(binding.mesh, tree, order, ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -45,7 +45,12 @@ ExactRule::ExactRule(const Binding& binding)
       const std::uint32_t node = walk_.nodes()[k];
       const std::uint32_t first = ownership.begin[order.begin[node]], last = ownership.begin[order.end[node]];
       const auto owned = std::span(ownership.points).subspan(first, last - first);
-      choose_core(k, binding, owned);
+      const std::span<std::uint32_t> core = std::span(cores).subspan(core_size * k, core_size);
+      const Vec3f& center = binding.tree_spheres[node].center;
+      outermost(binding.local.points(), owned, center, core);
+      float squared = 0;
+      kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
+      radii[k] = std::sqrt(squared);
       // What the node owns, and vertices not much farther off than its sphere reaches, so that a centre inside the body
       // finds anchors on all sides.
       constexpr double reach = 1.3;
@@ -59,30 +64,45 @@ ExactRule::ExactRule(const Binding& binding)
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
   anchors_.pack();
-  for (std::size_t k = 0; k < node_count; ++k) {
-    // Once each, in the order of the list, which is what counts among equals; the rest repeats the first.
-    const auto core = std::span(core_).subspan(core_size * k, core_size);
-    auto end = core.begin();
-    for (const std::uint32_t p : core)
-      if (std::find(core.begin(), end, p) == end) *end++ = p;
-    std::fill(end, core.end(), core.front());
-    std::uint32_t& count = core_count_[k / nodes_at_once];
-    count = std::max(count, static_cast<std::uint32_t>(end - core.begin()));
-  }
-  for (std::size_t k = node_count; k < padded_count; ++k) {
-    std::copy_n(&core_[core_size * (node_count - 1)], core_size, &core_[core_size * k]);
-    core_radius_[k] = core_radius_[node_count - 1];
-  }
+  pack_cores(binding, cores, radii);
   find_dependents(binding);
 }
 
-void ExactRule::choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned) {
-  const std::span<std::uint32_t> core = std::span(core_).subspan(core_size * k, core_size);
-  const Vec3f& center = binding.tree_spheres[walk_.nodes()[k]].center;
-  outermost(binding.local.points(), owned, center, core);
-  float squared = 0;
-  kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
-  core_radius_[k] = std::sqrt(squared);
+// cores: core_size points of each node, some of them more than once.
+void ExactRule::pack_cores(const Binding& binding, std::span<const std::uint32_t> cores, std::span<const float> radii) {
+  const std::size_t node_count = radii.size();
+  // Once each, in the order of the list, which is what counts among equals.
+  std::vector<std::vector<std::uint32_t>> core_of(node_count);
+  for (std::size_t k = 0; k < node_count; ++k)
+    for (const std::uint32_t p : cores.subspan(core_size * k, core_size))
+      if (std::find(core_of[k].begin(), core_of[k].end(), p) == core_of[k].end()) core_of[k].push_back(p);
+
+  lane_.resize(node_count);
+  core_begin_.push_back(0);
+  std::vector<std::uint32_t> order;
+  for (std::size_t begin = 0; begin < node_count; begin += nodes_per_chunk) {
+    order.resize(std::min(nodes_per_chunk, node_count - begin));
+    std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
+    // By levels first: whoever asks for upper levels alone asks for the first groups.
+    const auto key = [&](std::uint32_t k) {
+      return std::tuple(binding.built.tree.level_of(walk_.nodes()[k]), core_of[k].size(), k);
+    };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    for (std::size_t first = 0; first < order.size(); first += nodes_at_once) {
+      std::size_t count = 0;
+      for (std::size_t j = 0; j < nodes_at_once; ++j) {
+        const std::uint32_t k = order[std::min(first + j, order.size() - 1)];
+        if (first + j < order.size()) lane_[k] = static_cast<std::uint32_t>(node_of_lane_.size());
+        node_of_lane_.push_back(k);
+        core_radius_.push_back(radii[k]);
+        count = std::max(count, core_of[k].size());
+      }
+      const auto nodes = std::span(node_of_lane_).last(nodes_at_once);
+      for (std::size_t i = 0; i < count; ++i)
+        for (const std::uint32_t k : nodes) core_.push_back(core_of[k][i < core_of[k].size() ? i : 0]);
+      core_begin_.push_back(static_cast<std::uint32_t>(core_.size()));
+    }
+  }
 }
 
 void ExactRule::find_dependents(const Binding& binding) {
@@ -97,7 +117,7 @@ void ExactRule::find_dependents(const Binding& binding) {
       binding.local.each_block(p, [&](std::uint32_t block) { nodes.emplace_back(block, k); });
     };
     anchors_.each_point(k, depends_on);
-    for (std::size_t i = 0; i < core_size; ++i) depends_on(core_[core_size * k + i]);
+    each_core_point(k, [&](std::size_t, std::uint32_t p) { depends_on(p); });
   }
   leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
   nodes_of_block_ = BlockLists(std::move(nodes), binding.local.block_count());
@@ -163,9 +183,12 @@ std::size_t ExactRule::update_changed(const RuleFrame& frame, std::span<const st
 // Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
 // they were at rest are good already.
 Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
-  const float enough = most_growth * core_radius_[k];
-  return kernels().pull(points.data(), {&core_[core_size * k], enough * enough, core_radius_[k]},
-                        anchors_.center(k, points));
+  std::array<std::uint32_t, core_size> core{};
+  std::size_t count = 0;
+  each_core_point(k, [&](std::size_t i, std::uint32_t p) { core[i] = p, ++count; });
+  std::fill(core.begin() + static_cast<std::ptrdiff_t>(count), core.end(), core.front());
+  const float rest = core_radius_[lane_[k]], enough = most_growth * rest;
+  return kernels().pull(points.data(), {core.data(), enough * enough, rest}, anchors_.center(k, points));
 }
 
 void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
@@ -173,9 +196,16 @@ void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const
   static_assert(nodes_per_chunk % nodes_at_once == 0 && nodes_at_once % nodes_per_group == 0);
   std::array<LocalPoint, nodes_per_chunk> centers{};
   anchors_.centers(begin, end, points, centers.data());
-  for (std::size_t k = begin; k < end; k += nodes_at_once)
-    kernels().pull_many(points.data(), &core_[core_size * k], core_count_[k / nodes_at_once], &core_radius_[k],
-                        &centers[k - begin]);
+  for (std::size_t lane = begin; lane < end; lane += nodes_at_once) {
+    const std::size_t group = lane / nodes_at_once;
+    const std::uint32_t* const nodes = &node_of_lane_[lane];
+    std::array<LocalPoint, nodes_at_once> pulled;
+    for (std::size_t j = 0; j < nodes_at_once; ++j) pulled[j] = centers[nodes[j] - begin];
+    kernels().pull_many(points.data(), &core_[core_begin_[group]],
+                        (core_begin_[group + 1] - core_begin_[group]) / nodes_at_once, &core_radius_[lane],
+                        pulled.data());
+    for (std::size_t j = 0; j < nodes_at_once; ++j) centers[nodes[j] - begin] = pulled[j];
+  }
   for (std::size_t k = begin; k < end; ++k) {
     const LocalPoint& at = centers[k - begin];
     spheres[walk_.nodes()[k]].center = {at.x, at.y, at.z};

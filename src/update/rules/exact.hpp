@@ -52,8 +52,15 @@ class ExactRule final : public RuleEngine {
   const CornerWalk& walk() const { return walk_; }
 
  private:
-  void choose_core(std::size_t k, const Binding& binding, std::span<const std::uint32_t> owned);
   void set_radii_of_all(std::span<Spheref> spheres) const noexcept;
+  void pack_cores(const Binding& binding, std::span<const std::uint32_t> cores, std::span<const float> radii);
+  // visit(i, point) for each of the core of node k of the walk.
+  template <class Visit>
+  void each_core_point(std::size_t k, const Visit& visit) const {
+    const std::uint32_t group = lane_[k] / nodes_at_once, lane = lane_[k] % nodes_at_once;
+    const std::size_t count = (core_begin_[group + 1] - core_begin_[group]) / nodes_at_once;
+    for (std::size_t i = 0; i < count; ++i) visit(i, core_[core_begin_[group] + nodes_at_once * i + lane]);
+  }
   void find_dependents(const Binding& binding);
   // How many nodes of the walk come before a node of the tree.
   std::size_t place_of(std::size_t node) const noexcept;
@@ -66,13 +73,16 @@ class ExactRule final : public RuleEngine {
 
   CornerWalk walk_;
   Anchors anchors_;  // one tie per node of the walk
-  // core_size points of each node, its outermost, and how far they are from its centre at rest. Of whole
-  // nodes_at_once: those beyond the last node are as the last.
-  std::vector<std::uint32_t> core_;
-  std::vector<std::uint32_t> core_count_;  // of each nodes_at_once: how many of each core tell all of it
-  std::vector<float> core_radius_;
-  BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
-  BlockLists nodes_of_block_;   // nodes whose centres look at it
+  // Cores are the outermost points of nodes, once each, and the radius is how far they are from the centre at rest.
+  // Nodes of a level and a chunk with about as many points are pulled together, one in each lane: groups of
+  // nodes_at_once of them, whose points lie as Kernels::pull_many takes them. Short cores repeat their first point,
+  // which changes no maximum; lanes beyond the last node are as that one's.
+  std::vector<std::uint32_t> core_, core_begin_;
+  std::vector<float> core_radius_;           // of lanes, of groups one after the other
+  std::vector<std::uint32_t> node_of_lane_;  // nodes of the walk
+  std::vector<std::uint32_t> lane_;          // of each node of the walk
+  BlockLists leaves_of_block_;               // leaves that own a point of the block, or one that is cut from it
+  BlockLists nodes_of_block_;                // nodes whose centres look at it
   std::vector<std::uint8_t> leaf_changed_;
   std::vector<float> moved_;
   Rounding rounding_;   // of the last update

@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/generators/build.hpp>
+#include <morula/geometry/mesh_view.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/aligned.hpp>
 
 #include "../bodies.hpp"
+#include "update/points/local_points.hpp"
 #include "update/points/ownership_check.hpp"
+#include "update/rules/corner_walk.hpp"
 
 namespace morula {
 using namespace detail;
@@ -166,11 +169,16 @@ TEST(FacetHull, small_steps_do_not_add_up) {
   }
 }
 
-std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, double tolerance, bool spoil) {
+enum class Spoil { nothing, leaf, root };
+
+std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, double tolerance, Spoil spoil) {
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<std::uint8_t> all(order.leaves.size(), 1);
   Ownership owned = share_points(mesh, built.cover, order, all, tolerance);
-  if (spoil) {
+  share_levels(mesh, built.tree, built.cover, order, tolerance, owned);
+  // The root forgets the last point that it tests.
+  if (spoil == Spoil::root) *std::find(owned.tested_from.rbegin(), owned.tested_from.rend(), 0u) = 1;
+  if (spoil == Spoil::leaf) {
     // Every cut point that some leaf tests is forgotten by the last leaf that does.
     for (auto p = owned.points.end(); p-- != owned.points.begin();)
       if (*p >= owned.vertices.size()) {
@@ -182,7 +190,7 @@ std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, d
 }
 
 TEST(Ownership, of_aligned_bodies_surrounds_every_corner_for_every_leaf_and_ancestor) {
-  std::size_t trees = 0, spoilt = 0;
+  std::size_t trees = 0, spoilt = 0, spoilt_above = 0;
   for (const test::NamedMesh& body : test::aligned_bodies())
     for (const Method method : {Method::octree, Method::grid, Method::spawn, Method::morula}) {
       const bool own = method == Method::morula;
@@ -190,19 +198,71 @@ TEST(Ownership, of_aligned_bodies_surrounds_every_corner_for_every_leaf_and_ance
                                                   .depth = method == Method::octree || method == Method::grid ? 2 : 1,
                                                   .quality = own ? Quality::draft : Quality::standard});
       for (const double tolerance : {0.0, hull_tolerance}) {
-        const auto faults = faults_of(body.mesh, built, tolerance, false);
+        const auto faults = faults_of(body.mesh, built, tolerance, Spoil::nothing);
         EXPECT_TRUE(faults.empty()) << body.name << ", " << name(method) << ": " << faults.front();
         ++trees;
       }
-      spoilt += faults_of(body.mesh, built, hull_tolerance, true).empty() ? 0u : 1u;
+      spoilt += faults_of(body.mesh, built, hull_tolerance, Spoil::leaf).empty() ? 0u : 1u;
+      spoilt_above += faults_of(body.mesh, built, hull_tolerance, Spoil::root).empty() ? 0u : 1u;
     }
   EXPECT_GT(trees, 100u);
   EXPECT_GT(spoilt, 20u) << "a check that cannot fail";
+  EXPECT_GT(spoilt_above, 20u) << "a check that cannot fail";
+}
+
+// Nodes above leaves look at fewer points than their leaves. What they leave out lies in the hull of what they look at,
+// so it is no farther off than rounding.hpp allows for, wherever the vertices are.
+TEST(Ownership, nodes_above_leaves_reach_as_far_by_the_few_points_that_they_look_at) {
+  std::vector<test::Specimen> bodies = test::specimens();
+  for (const test::NamedMesh& body : test::aligned_bodies())
+    bodies.push_back({body.name, body.mesh, build(body.mesh, {.method = Method::octree, .depth = 2})});
+  const Mesh limb = sample_body("limb", 12);
+  bodies.push_back({"limb", limb, build(limb, {.depth = 3})});
+  std::size_t few_tests = 0, all_tests = 0, nodes = 0, equal = 0;
+  for (const test::Specimen& b : bodies) {
+    const LeafOrder order = depth_first_leaves(b.built.tree);
+    const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1), every_node(b.built.tree.node_count(), 1);
+    Ownership owned = share_points(b.mesh, b.built.cover, order, every_leaf, hull_tolerance);
+    CornerWalk all(b.built.tree, order, owned, every_node);
+    share_levels(b.mesh, b.built.tree, b.built.cover, order, hull_tolerance, owned);
+    CornerWalk few(b.built.tree, order, owned, every_node);
+    all_tests += all.tested_points(), few_tests += few.tested_points();
+    LocalPoints local(b.mesh, b.built.cover, owned);
+    Random random(7);
+    const auto anywhere = [&] { return Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}; };
+    for (int frame = 0; frame < 4; ++frame) {
+      std::vector<Vec3> positions = b.mesh.positions;
+      const double size = max_norm(bounding_box(b.mesh).extent());
+      for (Vec3& p : positions) {
+        if (frame > 0) p = p + anywhere() * (0.3 * size);
+        if (frame == 2) p.z *= 1e-6;
+        if (frame == 3) p = {p.x, p.x + 1e-7 * p.y, 0.25 * size};
+      }
+      const LocalPoints::Frame at = local.move(positions, serial_workers());
+      ASSERT_TRUE(at.finite);
+      std::vector<Spheref> spheres;
+      for (std::size_t node = 0; node < b.built.tree.node_count(); ++node) {
+        const LocalPoint& near = local.points()[node % local.points().size()];
+        spheres.push_back({Vec3f(Vec3{near.x, near.y, near.z} + anywhere() * (0.1 * size)), 0});
+      }
+      all.measure(local.points(), spheres, serial_workers());
+      few.measure(local.points(), spheres, serial_workers());
+      for (std::size_t k = 0; k < spheres.size(); ++k) {
+        const double far = std::sqrt(static_cast<double>(all.squared_reach(k)));
+        const double found = std::sqrt(static_cast<double>(few.squared_reach(k)));
+        EXPECT_LE(found, far);
+        EXPECT_GE(found * (1 + 0x1p-22) + 0x1p-20 * at.rounding.largest_coordinate, far) << b.name << ", node " << k;
+        ++nodes, equal += found == far;
+      }
+    }
+  }
+  EXPECT_LT(few_tests, all_tests * 4 / 5);
+  EXPECT_GT(equal, nodes * 99 / 100) << "the farthest point is hardly ever one that is left out";
 }
 
 TEST(Ownership, of_specimens_surrounds_every_corner) {
   for (const test::Specimen& s : test::specimens()) {
-    const auto faults = faults_of(s.mesh, s.built, hull_tolerance, false);
+    const auto faults = faults_of(s.mesh, s.built, hull_tolerance, Spoil::nothing);
     EXPECT_TRUE(faults.empty()) << s.name << ": " << faults.front();
   }
 }

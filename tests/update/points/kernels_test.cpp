@@ -118,19 +118,19 @@ TEST(Kernels, many_pulls_at_once_are_what_each_is_alone) {
     std::vector<LocalPoint> centers(nodes_at_once);
     for (std::size_t k = 0; k < nodes_at_once; ++k) {
       for (std::size_t i = 0; i < core_size; ++i)
-        cores[core_size * k + i] =
-            i < core_count ? static_cast<std::uint32_t>(random.uniform(0, 64)) : cores[core_size * k];
+        cores[nodes_at_once * i + k] = i < core_count ? static_cast<std::uint32_t>(random.uniform(0, 64)) : cores[k];
       rest_radii[k] = static_cast<float>(random.uniform(k % 4 == 0 ? 1.0 : 0.0, 1.2));
-      centers[k] = k == 5 ? points[cores[core_size * k]] : points[k];
+      centers[k] = k == 5 ? points[cores[k]] : points[k];
     }
     for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
       std::vector<LocalPoint> moved = centers;
       all_kernels()[kind].pull_many(points.data(), cores.data(), core_count, rest_radii.data(), moved.data());
       for (std::size_t k = 0; k < nodes_at_once; ++k) {
         const float enough = 1.01f * rest_radii[k];
-        const Vec3f expected =
-            all_kernels().front().pull(points.data(), {&cores[core_size * k], enough * enough, rest_radii[k]},
-                                       {centers[k].x, centers[k].y, centers[k].z});
+        std::array<std::uint32_t, core_size> core;
+        for (std::size_t i = 0; i < core_size; ++i) core[i] = cores[nodes_at_once * i + k];
+        const Vec3f expected = all_kernels().front().pull(points.data(), {core.data(), enough * enough, rest_radii[k]},
+                                                          {centers[k].x, centers[k].y, centers[k].z});
         EXPECT_EQ((Vec3f{moved[k].x, moved[k].y, moved[k].z}), expected) << kind_name(kind) << ", seed " << seed;
       }
     }
@@ -217,7 +217,7 @@ TEST(Kernels, all_leaves_in_one_call_reach_what_each_does_alone) {
   Random random(22);
   const auto any = [&](double end) { return static_cast<std::uint32_t>(random.uniform(0, end)); };
   std::vector<Spheref> spheres(30);
-  std::vector<std::uint32_t> nodes(30), run_begin{0}, point_begin{0}, chain_begin{0}, list, chain;
+  std::vector<std::uint32_t> nodes(30), run_begin{0}, point_begin{0}, point_end, chain_begin{0}, list, chain;
   std::iota(nodes.rbegin(), nodes.rend(), 0u);
   for (Spheref& s : spheres) s = {{points[any(400)].x, points[any(400)].y, points[any(400)].z}, 0.5f};
   std::vector<PointRun> runs;
@@ -230,12 +230,18 @@ TEST(Kernels, all_leaves_in_one_call_reach_what_each_does_alone) {
     // Chains of one node to nine, from the top, whose places ascend.
     const std::uint32_t length = 1 + leaf % 9;
     for (std::uint32_t k = 0; k < length; ++k) chain.push_back(3 * k + any(3));
+    // Those further down look at as many points or more.
+    std::uint32_t end = point_begin.back();
+    for (std::uint32_t k = 0; k < length; ++k) {
+      end += 16 * any(static_cast<double>((list.size() - end) / 16 + 1));
+      point_end.push_back(end);
+    }
     run_begin.push_back(static_cast<std::uint32_t>(runs.size()));
     point_begin.push_back(static_cast<std::uint32_t>(list.size()));
     chain_begin.push_back(static_cast<std::uint32_t>(chain.size()));
   }
-  const LeafLists lists{runs.data(),  run_begin.data(),   list.data(), point_begin.data(),
-                        chain.data(), chain_begin.data(), nodes.data()};
+  const LeafLists lists{runs.data(),      run_begin.data(), list.data(),        point_begin.data(),
+                        point_end.data(), chain.data(),     chain_begin.data(), nodes.data()};
   for (const std::size_t count : {std::size_t{0}, std::size_t{7}, std::size_t{30}})
     for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
       std::vector<float> squared(chain.size(), -1.0f);
@@ -251,7 +257,7 @@ TEST(Kernels, all_leaves_in_one_call_reach_what_each_does_alone) {
             expected = 0;
             for (std::uint32_t r = run_begin[leaf]; r < run_begin[leaf + 1]; ++r)
               for (std::uint32_t i = runs[r].begin; i < runs[r].end; ++i) see(points[i]);
-            for (std::uint32_t i = point_begin[leaf]; i < point_begin[leaf + 1]; ++i) see(points[list[i]]);
+            for (std::uint32_t i = point_begin[leaf]; i < point_end[e]; ++i) see(points[list[i]]);
           }
           EXPECT_EQ(squared[e], expected) << kind_name(kind) << ", leaf " << leaf << ", entry " << e;
         }
