@@ -222,4 +222,9 @@ void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, 
   }
 }
 
+void settle(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
+  Exchange level(input, nodes);
+  for (int round = 0; round < rounds; ++round) level.refit(workers);
+}
+
 }  // namespace morula::detail
