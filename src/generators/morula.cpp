@@ -252,7 +252,11 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
-      if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
+      // Siblings have shared demand out evenly: level 1 keeps what it owns.
+      if (nodes[0].level >= 2)
+        exchange(input, nodes, rounds, workers);
+      else
+        settle(input, nodes, rounds, workers);
     });
   };
   if (is_flat_set(run)) {

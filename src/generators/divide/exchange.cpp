@@ -9,9 +9,9 @@
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 
-#include "generators/fit/ball_fit.hpp"
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/fit_kernels.hpp"
+#include "generators/fit/free_space.hpp"
 
 namespace morula::detail {
 namespace {
@@ -21,6 +21,42 @@ bool contains(const Sphere& sphere, std::span<const Vec3> corners) {
   const double radius = sphere.radius * (1 - 1e-9);
   return std::all_of(corners.begin(), corners.end(),
                      [&](const Vec3& p) { return squared_distance(sphere.center, p) <= radius * radius; });
+}
+
+// Where the ball around the points takes in least of the space: a compass search from its middle or, where that is
+// better, from `start`. radius: of the ball about the middle.
+Vec3f best_center(const FreeSpace& space, const GroupPoints& points, const Vec3f& start, float radius) {
+  // On a tube a centre that is 2 % of a radius off the axis costs more than all else that a thin slab takes in.
+  constexpr float first_step = 0.06F, last_step = 0.005F;
+  // Of two balls without free space the smaller is better.
+  constexpr float whole_volume_share = 1e-4F;
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const auto cost = [&](const Vec3f& center, float enough) {
+    const float r = farthest_from(points, center);
+    const float extra = whole_volume_share * r * r * r;
+    return space.is_inside(center, r) ? space.cost(center, r, enough - extra) + extra : infinity;
+  };
+  Vec3f best{0, 0, 0};
+  float least = cost(best, infinity);
+  if (const float c = cost(start, least); c < least) least = c, best = start;
+  constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
+                                            Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
+  std::size_t first = 0;
+  for (float step = first_step; step > last_step; step *= 0.5F) {
+    std::size_t back = directions.size();  // leads to where the last move of this length came from: known, and worse
+    for (int moves = 0; moves < 12; ++moves) {
+      bool improved = false;
+      for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
+        const std::size_t d = (first + k) % directions.size();
+        if (d == back) continue;
+        const Vec3f trial = best + directions[d] * (step * radius);
+        if (const float c = cost(trial, least); c < least)
+          least = c, best = trial, first = d, back = d ^ 1, improved = true;
+      }
+      if (!improved) break;
+    }
+  }
+  return best;
 }
 
 // What one node gives to whom, itself included.
@@ -155,21 +191,18 @@ class Exchange {
     corner_positions(mesh_, node.region, corners);
     const double radius = farthest_distance(node.sphere.center, corners);
     if (!(radius > 0)) return node.sphere;
-    Box box;
-    const double room = 1.6 * radius;
-    box.add(node.sphere.center - Vec3{room, room, room});
-    box.add(node.sphere.center + Vec3{room, room, room});
-    OutsideGrid grid(lines_, box, radius / 4);
+    // Nodes of a level overlap, on a tube by nearly all they have: what counts is the space that no other has.
+    constexpr double room = 1.3, lines_per_radius = 4;
+    const Sphere around{node.sphere.center, room * radius};
+    std::vector<Sphere> others;
     for (std::size_t j = 0; j < nodes_.size(); ++j) {
       const Sphere& other = nodes_[j].sphere;
-      if (j == i) continue;
-      if (distance(other.center, node.sphere.center) < other.radius + room)
-        grid.add({grid.to_grid(other.center), static_cast<float>(other.radius / grid.cell())});
+      if (j != i && distance(other.center, around.center) < other.radius + around.radius) others.push_back(other);
     }
-    const std::array<Vec3f, 2> starts{grid.to_grid(node.sphere.center), grid.to_grid(enclosing_sphere(corners).center)};
-    constexpr float taken = 0.15F;
-    const GroupBall fitted = fit_ball(grid, extremes(corners, grid), starts, taken, 0.06F);
-    const Vec3 center = grid.from_grid(fitted.center);
+    const FreeSpace space(lines_, around, radius / lines_per_radius, std::move(others));
+    const Vec3f smallest = space.to_cells(enclosing_sphere(corners).center);
+    const auto in_cells = static_cast<float>(radius / space.cell());
+    const Vec3 center = space.from_cells(best_center(space, extremes(corners, space), smallest, in_cells));
     return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, max_norm(center)))};
   }
 
@@ -187,6 +220,11 @@ void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, 
     level.trade(workers);
     level.refit(workers);
   }
+}
+
+void settle(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
+  Exchange level(input, nodes);
+  for (int round = 0; round < rounds; ++round) level.refit(workers);
 }
 
 }  // namespace morula::detail

@@ -12,5 +12,8 @@ namespace morula::detail {
 /// ancestor changes. Then each sphere is fitted to what it owns now. No node loses everything.
 /// Same bits for any number of workers.
 void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
+/// The second half of it alone: nothing changes hands, each sphere is fitted to what it owns, beside those of all
+/// others.
+void settle(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
 
 }  // namespace morula::detail

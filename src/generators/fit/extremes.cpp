@@ -8,18 +8,20 @@
 #include "geometry/enclosing/farthest.hpp"
 
 namespace morula::detail {
+namespace {
 
-GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
+template <class Narrow>
+GroupPoints farthest_out(std::span<const Vec3> points, const Narrow& narrow) {
   // Corners of many patches repeat and lie close together: an even choice decides nearly as well, and radii are taken
   // from all of them in the end.
   constexpr std::size_t most = 1200, few_enough = 200, direction_count = 96;
   GroupPoints all;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) all.push_back(grid.to_grid(points[i]));
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) all.push_back(narrow(points[i]));
   if (all.size() <= few_enough) return all;
   static const std::vector<Vec3f> directions = [] {
-    std::vector<Vec3f> narrow;
-    for (const Vec3& d : fibonacci_directions(direction_count)) narrow.emplace_back(d);
-    return narrow;
+    std::vector<Vec3f> result;
+    for (const Vec3& d : fibonacci_directions(direction_count)) result.emplace_back(d);
+    return result;
   }();
   std::vector<std::uint32_t> chosen(directions.size());
   farthest_along(directions, all.columns(), chosen);
@@ -28,6 +30,16 @@ GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
   GroupPoints few;
   for (const std::uint32_t i : chosen) few.push_back(all[i]);
   return few;
+}
+
+}  // namespace
+
+GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid) {
+  return farthest_out(points, [&](const Vec3& p) { return grid.to_grid(p); });
+}
+
+GroupPoints extremes(std::span<const Vec3> points, const FreeSpace& space) {
+  return farthest_out(points, [&](const Vec3& p) { return space.to_cells(p); });
 }
 
 }  // namespace morula::detail

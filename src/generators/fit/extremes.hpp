@@ -6,10 +6,12 @@
 #include <span>
 
 #include "generators/fit/ball_fit.hpp"
+#include "generators/fit/free_space.hpp"
 
 namespace morula::detail {
 
-/// Points farthest out in directions spread over the sphere; all of them when they are few. Coordinates of the grid.
+/// Points farthest out in directions spread over the sphere; all of them when they are few. In the grid's coordinates.
 GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid);
+GroupPoints extremes(std::span<const Vec3> points, const FreeSpace& space);
 
 }  // namespace morula::detail
