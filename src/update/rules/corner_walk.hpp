@@ -38,7 +38,8 @@ class CornerWalk {
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                             std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
 
-  /// Makes room for deal(): so many points in all. Of an ownership in which all nodes look at all that their leaves own.
+  /// Makes room for deal(): so many points in all. Of an ownership in which all nodes look at all that their leaves
+  /// own.
   void reserve(std::size_t most_points);
   /// The leaves, by their order and ascending, own something else now: points_of(leaf), each once, in any order. All
   /// that hangs on them is measured. No allocation after reserve().
