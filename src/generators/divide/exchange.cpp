@@ -9,6 +9,7 @@
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 
+#include "generators/fit/compass_search.hpp"
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/free_space.hpp"
@@ -31,32 +32,18 @@ Vec3f best_center(const FreeSpace& space, const GroupPoints& points, const Vec3f
   // Of two balls without free space the smaller is better.
   constexpr float whole_volume_share = 1e-4F;
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  const auto cost = [&](const Vec3f& center, float enough) {
+  struct Trial {
+    Vec3f center;
+    float cost;
+  };
+  const auto evaluate = [&](const Vec3f& center, float enough) {
     const float r = farthest_from(points, center);
     const float extra = whole_volume_share * r * r * r;
-    return space.is_inside(center, r) ? space.cost(center, r, enough - extra) + extra : infinity;
+    return Trial{center, space.is_inside(center, r) ? space.cost(center, r, enough - extra) + extra : infinity};
   };
-  Vec3f best{0, 0, 0};
-  float least = cost(best, infinity);
-  if (const float c = cost(start, least); c < least) least = c, best = start;
-  constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
-                                            Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
-  std::size_t first = 0;
-  for (float step = first_step; step > last_step; step *= 0.5F) {
-    std::size_t back = directions.size();  // leads to where the last move of this length came from: known, and worse
-    for (int moves = 0; moves < 12; ++moves) {
-      bool improved = false;
-      for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
-        const std::size_t d = (first + k) % directions.size();
-        if (d == back) continue;
-        const Vec3f trial = best + directions[d] * (step * radius);
-        if (const float c = cost(trial, least); c < least)
-          least = c, best = trial, first = d, back = d ^ 1, improved = true;
-      }
-      if (!improved) break;
-    }
-  }
-  return best;
+  Trial best = evaluate({0, 0, 0}, infinity);
+  if (const Trial other = evaluate(start, best.cost); other.cost < best.cost) best = other;
+  return compass_search(best, radius, first_step, last_step, evaluate).center;
 }
 
 // What one node gives to whom, itself included.

@@ -3,10 +3,11 @@
 #include "generators/fit/ball_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "generators/fit/compass_search.hpp"
 
 namespace morula::detail {
 namespace {
@@ -58,24 +59,7 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   GroupBall best = evaluate(middle, infinity);
   for (const Vec3f& start : starts)
     if (const GroupBall other = evaluate(start, best.cost); other.cost < best.cost) best = other;
-
-  constexpr std::array<Vec3f, 6> directions{Vec3f{1, 0, 0},  Vec3f{-1, 0, 0}, Vec3f{0, 1, 0},
-                                            Vec3f{0, -1, 0}, Vec3f{0, 0, 1},  Vec3f{0, 0, -1}};
-  std::size_t first = 0;
-  for (float step = first_step; step > last_step; step *= 0.5F) {
-    std::size_t back = directions.size();  // leads to where the last move of this length came from: known, and worse
-    for (int moves = 0; moves < 12; ++moves) {
-      bool improved = false;
-      for (std::size_t k = 0; k < directions.size() && !improved; ++k) {
-        const std::size_t d = (first + k) % directions.size();
-        if (d == back) continue;
-        const GroupBall trial = evaluate(best.center + directions[d] * (step * smallest), best.cost);
-        if (trial.cost < best.cost) best = trial, first = d, back = d ^ 1, improved = true;
-      }
-      if (!improved) break;
-    }
-  }
-  return best;
+  return compass_search(best, smallest, first_step, last_step, evaluate);
 }
 
 }  // namespace morula::detail
