@@ -189,12 +189,7 @@ void CornerWalk::take_spare_lists() noexcept {
 
 void CornerWalk::measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
                                 std::span<const Spheref> spheres) noexcept {
-  for (const std::uint32_t leaf : leaves) {
-    kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(),
-                                 squared_.data());
-    for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry)
-      path_then_[entry] = path_[chain_[entry]];
-  }
+  for (const std::uint32_t leaf : leaves) measure_leaf(leaf, points, spheres);
   std::fill(squared_reach_.begin(), squared_reach_.end(), 0.0f);
   for (std::size_t entry = 0; entry < chain_.size(); ++entry)
     squared_reach_[chain_[entry]] = std::max(squared_reach_[chain_[entry]], squared_[entry]);
@@ -232,6 +227,14 @@ std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::span<cons
   return looked_at_[entry];
 }
 
+// For all nodes above at once: that costs less than to find out for which of them it has to be.
+void CornerWalk::measure_leaf(std::size_t leaf, std::span<const LocalPoint> points,
+                              std::span<const Spheref> spheres) noexcept {
+  kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(), squared_.data());
+  for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry)
+    path_then_[entry] = path_[chain_[entry]];
+}
+
 std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                       std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept {
   std::size_t tested = 0;
@@ -246,11 +249,8 @@ std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::s
       if (moved[chain_[end - 1]] >= 0) tested += walk(leaf, end - 1, points, spheres);
       continue;
     }
-    // For all nodes above at once: that costs less than to find out for which of them it has to be.
-    kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(),
-                                 squared_.data());
+    measure_leaf(leaf, points, spheres);
     for (std::uint32_t entry = begin; entry < end; ++entry) {
-      path_then_[entry] = path_[chain_[entry]];
       tested += looked_at_[entry];
       moved[chain_[entry]] = std::max(moved[chain_[entry]], 0.0f);
     }

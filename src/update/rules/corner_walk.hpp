@@ -83,6 +83,7 @@ class CornerWalk {
   void take_spare_lists() noexcept;
   void measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
                       std::span<const Spheref> spheres) noexcept;
+  void measure_leaf(std::size_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
   std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   std::vector<std::uint32_t> nodes_;
