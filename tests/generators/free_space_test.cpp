@@ -5,18 +5,15 @@
 
 #include <generators/fit/free_space.hpp>
 #include <generators/fit/union_lines.hpp>
-#include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/sphere_volume.hpp>
+
+#include "on_capsule.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-struct OnCapsule {
-  Mesh mesh = sample_body("capsule", 24);
-  SignedDistance shape{mesh};
-  ObjectLines lines{mesh, shape, 400, serial_workers()};
-
+struct Beside : test::OnCapsule {
   // What `ball` takes in beside the others, asked of the space about `around`; every line of the lattice.
   double beside(const Sphere& ball, const std::vector<Sphere>& others, const Sphere& around) const {
     const FreeSpace space(lines, around, lines.cell(), others);
@@ -37,7 +34,7 @@ struct OnCapsule {
 };
 
 TEST(FreeSpace, beside_no_other_is_what_is_outside_the_object) {
-  const OnCapsule on;
+  const Beside on;
   // On the axis, one that is little but the layer between it and the facets; beside it; across the end; far out.
   for (const Sphere& s :
        {Sphere{{0.1, 0, 0}, 0.51}, Sphere{{0.3, 0.4, 0.1}, 0.3}, Sphere{{1.4, 0.1, 0}, 0.4}, Sphere{{0, 3, 0}, 0.7}}) {
@@ -48,7 +45,7 @@ TEST(FreeSpace, beside_no_other_is_what_is_outside_the_object) {
 }
 
 TEST(FreeSpace, is_what_a_union_grows_by) {
-  const OnCapsule on;
+  const Beside on;
   // Slabs of a tube, which share nearly all they have; one that lies in it; one apart; one far away.
   const std::vector<Sphere> others{{{-0.06, 0.003, 0}, 0.515}, {{0.05, 0, -0.004}, 0.514}, {{0.1, 0, 0}, 0.2},
                                    {{0.2, 0.62, 0}, 0.05},     {{0, 5, 0}, 0.5},           {{0, -0.58, 0.05}, 0.1}};
@@ -60,7 +57,7 @@ TEST(FreeSpace, is_what_a_union_grows_by) {
 }
 
 TEST(FreeSpace, is_asked_for_no_more_than_it_was_made_for) {
-  const OnCapsule on;
+  const Beside on;
   const FreeSpace space(on.lines, {{0, 0, 0}, 0.5}, 0.1, {});
   const auto cells = [&](double length) { return static_cast<float>(length / on.lines.cell()); };
   EXPECT_TRUE(space.is_inside(space.to_cells({0.1, 0, 0}), cells(0.39)));

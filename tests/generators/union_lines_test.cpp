@@ -4,18 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <generators/fit/union_lines.hpp>
-#include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/sphere_volume.hpp>
+
+#include "on_capsule.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-struct OnCapsule {
-  Mesh mesh = sample_body("capsule", 24);
-  SignedDistance shape{mesh};
-  ObjectLines lines{mesh, shape, 400, serial_workers()};
-};
+using test::OnCapsule;
 
 TEST(UnionLines, of_one_sphere_are_its_outside_volume) {
   const OnCapsule on;

@@ -13,20 +13,17 @@
 #include <morula/update/rebuilt_body.hpp>
 
 #include "../bodies.hpp"
+#include "limb.hpp"
 #include "update/rebuild/strain_gauge.hpp"
 
 namespace morula {
 namespace {
 
+using test::limb;
+using test::stretched_limb;
+
 const RebuildOptions known_only{.thread = RebuildThread::none};
 
-const Mesh& posed_limb() {
-  static const Mesh mesh = sample_body("limb", 16);
-  return mesh;
-}
-std::vector<Vec3> stretched_limb(double t) {
-  return deform(posed_limb(), {Stretch{2}}, t);
-}
 std::vector<NamedPose> frames_of_stretch() {
   std::vector<NamedPose> poses;
   for (int i = 1; i <= 8; ++i) poses.push_back({"frame " + std::to_string(i), stretched_limb(i / 8.0)});
@@ -36,8 +33,8 @@ const KnownPoseOptions quick_poses{.quality = Quality::draft, .looser_by = 1.5, 
 
 const CoveredTree& home_with_poses() {
   static const CoveredTree built = [] {
-    CoveredTree tree = build(posed_limb(), {.depth = 2, .quality = Quality::draft});
-    add_known_poses(posed_limb(), tree, frames_of_stretch(), quick_poses);
+    CoveredTree tree = build(limb(), {.depth = 2, .quality = Quality::draft});
+    add_known_poses(limb(), tree, frames_of_stretch(), quick_poses);
     return tree;
   }();
   return built;
@@ -97,10 +94,10 @@ TEST(KnownPoses, cover_in_every_frame_of_any_motion_on_every_specimen) {
 }
 
 TEST(KnownPoses, at_a_known_pose_the_spheres_are_those_of_its_own_tree) {
-  RebuiltBody body(posed_limb(), home_with_poses(), known_only);
+  RebuiltBody body(limb(), home_with_poses(), known_only);
   ASSERT_FALSE(home_with_poses().poses.empty());
   for (const KnownPose& pose : home_with_poses().poses) {
-    Body own({pose.positions, posed_limb().facets}, *pose.built);
+    Body own({pose.positions, limb().facets}, *pose.built);
     ASSERT_TRUE(own.update(pose.positions));
     ASSERT_TRUE(body.update(pose.positions));
     EXPECT_EQ(body.body().hash(), own.hash()) << pose.name;
@@ -110,27 +107,27 @@ TEST(KnownPoses, at_a_known_pose_the_spheres_are_those_of_its_own_tree) {
 }
 
 TEST(KnownPoses, rest_is_rest_bit_for_bit_after_any_of_them) {
-  Body plain(posed_limb(), bare(home_with_poses()));
-  RebuiltBody body(posed_limb(), home_with_poses(), known_only);
+  Body plain(limb(), bare(home_with_poses()));
+  RebuiltBody body(limb(), home_with_poses(), known_only);
   EXPECT_EQ(body.body().hash(), plain.hash());
   EXPECT_EQ(body.body().frame(), 0u);
-  ASSERT_TRUE(plain.update(posed_limb().positions));
+  ASSERT_TRUE(plain.update(limb().positions));
   for (const KnownPose& pose : home_with_poses().poses) {
     ASSERT_TRUE(body.update(pose.positions));
-    ASSERT_TRUE(body.update(posed_limb().positions));
+    ASSERT_TRUE(body.update(limb().positions));
     EXPECT_TRUE(body.is_home());
     EXPECT_EQ(body.body().hash(), plain.hash());
   }
 }
 
 TEST(KnownPoses, are_tighter_than_one_tree_over_the_motion) {
-  RebuiltBody body(posed_limb(), home_with_poses(), known_only);
-  Body fixed(posed_limb(), bare(home_with_poses()));
+  RebuiltBody body(limb(), home_with_poses(), known_only);
+  Body fixed(limb(), bare(home_with_poses()));
   for (const double t : {0.4, 0.7, 1.0}) {
     ASSERT_TRUE(body.update(stretched_limb(t)));
     ASSERT_TRUE(fixed.update(stretched_limb(t)));
-    EXPECT_LT(estimate_looseness(posed_limb(), body.body(), stretched_limb(t)).back(),
-              0.8 * estimate_looseness(posed_limb(), fixed, stretched_limb(t)).back())
+    EXPECT_LT(estimate_looseness(limb(), body.body(), stretched_limb(t)).back(),
+              0.8 * estimate_looseness(limb(), fixed, stretched_limb(t)).back())
         << t;
   }
 }
@@ -140,8 +137,8 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
   for (auto& run : hashes) {
     Workers workers(&run == hashes ? 1 : 3);
     CoveredTree built = bare(home_with_poses());
-    add_known_poses(posed_limb(), built, frames_of_stretch(), quick_poses, workers);
-    RebuiltBody body(posed_limb(), built, known_only, workers);
+    add_known_poses(limb(), built, frames_of_stretch(), quick_poses, workers);
+    RebuiltBody body(limb(), built, known_only, workers);
     for (int frame = 0; frame <= 24; ++frame) {
       ASSERT_TRUE(body.update(stretched_limb(std::min(1.0, frame / 20.0)), workers));
       run.push_back(body.body().hash());
@@ -152,12 +149,12 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
 }
 
 TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
-  RebuiltBody body(posed_limb(), home_with_poses(), known_only);
+  RebuiltBody body(limb(), home_with_poses(), known_only);
   ASSERT_TRUE(body.update(stretched_limb(1)));
   const std::uint64_t hash = body.body().hash(), epoch = body.epoch();
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e30}) {
     // Near rest, where another tree would serve.
-    for (std::size_t v = 0; v < posed_limb().vertex_count(); v += 7) {
+    for (std::size_t v = 0; v < limb().vertex_count(); v += 7) {
       std::vector<Vec3> positions = stretched_limb(0.01);
       positions[v].x = bad;
       EXPECT_FALSE(body.update(positions));
@@ -181,26 +178,25 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
     EXPECT_EQ(count, worst.size());
     worst.push_back(growth);
   };
-  const KnownPosesReport report = add_known_poses(posed_limb(), built, frames_of_stretch(), options);
+  const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
   EXPECT_EQ(report.added, built.poses.size());
   EXPECT_EQ(report.worst, worst.back());
   EXPECT_GT(worst.front(), 1.5);
   EXPECT_TRUE(report.worst <= 1.5 || report.added == 8u) << report.worst;
-  EXPECT_TRUE(validate(posed_limb(), built).empty());
+  EXPECT_TRUE(validate(limb(), built).empty());
   const std::size_t before = built.poses.size();
-  EXPECT_EQ(
-      add_known_poses(posed_limb(), built, frames_of_stretch(), {.method = Method::octree, .looser_by = 100}).added,
-      0u);
+  EXPECT_EQ(add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .looser_by = 100}).added,
+            0u);
   EXPECT_EQ(built.poses.size(), before);
 }
 
 TEST(KnownPoses, of_principal_strains_keep_the_volume_and_reach_twice_the_size) {
-  const std::vector<NamedPose> poses = principal_strains(posed_limb());
-  const Vec3 extent = bounding_box(posed_limb()).extent();
+  const std::vector<NamedPose> poses = principal_strains(limb());
+  const Vec3 extent = bounding_box(limb()).extent();
   Vec3 most;
   for (const NamedPose& pose : poses) {
-    const MeshView posed{pose.positions, posed_limb().facets};
-    EXPECT_NEAR(signed_volume(posed), signed_volume(posed_limb()), 1e-9 * signed_volume(posed_limb())) << pose.name;
+    const MeshView posed{pose.positions, limb().facets};
+    EXPECT_NEAR(signed_volume(posed), signed_volume(limb()), 1e-9 * signed_volume(limb())) << pose.name;
     most = max(most, bounding_box(posed).extent());
   }
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(most[axis], 2 * extent[axis], 1e-9 * extent[axis]);
@@ -211,11 +207,11 @@ TEST(KnownPoses, of_principal_strains_keep_the_volume_and_reach_twice_the_size) 
 
 TEST(KnownPoses, follow_their_mesh_when_vertices_are_renumbered) {
   const auto order = leaf_order(home_with_poses());
-  const Mesh mesh = renumbered(posed_limb(), order);
+  const Mesh mesh = renumbered(limb(), order);
   const CoveredTree built = renumbered(home_with_poses(), mesh, order);
   EXPECT_TRUE(validate(mesh, built).empty());
-  RebuiltBody body(mesh, built, known_only), before(posed_limb(), home_with_poses(), known_only);
-  ASSERT_TRUE(body.update(renumbered(Mesh{stretched_limb(1), posed_limb().facets}, order).positions));
+  RebuiltBody body(mesh, built, known_only), before(limb(), home_with_poses(), known_only);
+  ASSERT_TRUE(body.update(renumbered(Mesh{stretched_limb(1), limb().facets}, order).positions));
   ASSERT_TRUE(before.update(stretched_limb(1)));
   EXPECT_EQ(body.body().rest_tree().spheres.size(), before.body().rest_tree().spheres.size());
   EXPECT_FALSE(body.is_home());
@@ -223,33 +219,33 @@ TEST(KnownPoses, follow_their_mesh_when_vertices_are_renumbered) {
 
 TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
   const auto refused = [](CoveredTree built) {
-    EXPECT_THROW(RebuiltBody(posed_limb(), built, known_only), std::invalid_argument);
+    EXPECT_THROW(RebuiltBody(limb(), built, known_only), std::invalid_argument);
   };
   CoveredTree built = home_with_poses();
   built.poses[0].positions.pop_back();
-  EXPECT_FALSE(validate(posed_limb(), built).empty());
+  EXPECT_FALSE(validate(limb(), built).empty());
   refused(built);
   built = home_with_poses();
   built.poses[0].built = nullptr;
-  EXPECT_FALSE(validate(posed_limb(), built).empty());
+  EXPECT_FALSE(validate(limb(), built).empty());
   refused(built);
   built = home_with_poses();
   built.poses[0].positions[0].x += 0.5;  // no longer those that the tree was made for
-  EXPECT_FALSE(validate(posed_limb(), built).empty());
+  EXPECT_FALSE(validate(limb(), built).empty());
   refused(built);
   std::vector<NamedPose> poses{{"short", std::vector<Vec3>(2)}};
-  EXPECT_THROW(add_known_poses(posed_limb(), built, poses), std::invalid_argument);
-  EXPECT_THROW(add_known_poses(posed_limb(), built, frames_of_stretch(), {.looser_by = 1}), std::invalid_argument);
-  EXPECT_THROW(principal_strains(posed_limb(), 1), std::invalid_argument);
+  EXPECT_THROW(add_known_poses(limb(), built, poses), std::invalid_argument);
+  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.looser_by = 1}), std::invalid_argument);
+  EXPECT_THROW(principal_strains(limb(), 1), std::invalid_argument);
 }
 
 TEST(StrainGauge, feels_no_rigid_motion_and_every_stretch) {
-  const detail::StrainGauge gauge(posed_limb(), home_with_poses());
+  const detail::StrainGauge gauge(limb(), home_with_poses());
   std::vector<float> rest(gauge.length_count()), now(gauge.length_count());
-  gauge.measure(posed_limb().positions, rest);
+  gauge.measure(limb().positions, rest);
   std::vector<Vec3> turned;
   const RigidTransform place = RigidTransform::from_axis({1, 2, 3}, 0.7, {10, -20, 5});
-  for (const Vec3& p : posed_limb().positions) turned.push_back(place(p));
+  for (const Vec3& p : limb().positions) turned.push_back(place(p));
   gauge.measure(turned, now);
   EXPECT_LT(detail::StrainGauge::strain(now, rest), 1e-5);
   double before = 0;
@@ -260,7 +256,7 @@ TEST(StrainGauge, feels_no_rigid_motion_and_every_stretch) {
     before = strain;
   }
   // All lengths twice as long: half of 2 − ½.
-  gauge.measure(test::scaled(posed_limb().positions, 2), now);
+  gauge.measure(test::scaled(limb().positions, 2), now);
   EXPECT_NEAR(detail::StrainGauge::strain(now, rest), 0.75, 1e-6);
   EXPECT_LT(detail::StrainGauge::strain(rest, now), 0.5) << "what shrinks is less loose";
   EXPECT_GT(detail::StrainGauge::strain(rest, now), 0.3);

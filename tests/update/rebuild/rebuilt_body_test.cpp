@@ -11,31 +11,24 @@
 #include <thread>
 
 #include "../bodies.hpp"
+#include "limb.hpp"
 
 namespace morula {
 namespace {
 
+using test::limb;
+using test::limb_tree;
 using test::Specimen;
+using test::stretched_limb;
 using Job = std::function<void()>;
 
 constexpr double always = -1e9;  // gain
 
-const Mesh& limb() {
-  static const Mesh mesh = sample_body("limb", 16);
-  return mesh;
-}
-const CoveredTree& home() {
-  static const CoveredTree built = build(limb(), {.depth = 2, .quality = Quality::fast});
-  return built;
-}
 // A rebuild in every frame, run by the test, and every result taken.
 RebuildOptions hosted(std::function<void(Job)> executor) {
   RebuildOptions options{.rebuild_every = 1, .gain = always, .look_ahead_frames = 0, .thread = RebuildThread::host};
   options.executor = std::move(executor);
   return options;
-}
-std::vector<Vec3> stretched(double t) {
-  return deform(limb(), {Stretch{2}}, t);
 }
 
 void expect_cover(const RebuiltBody& body, const PositionView& positions, const std::string& where) {
@@ -62,7 +55,7 @@ TEST(RebuiltBody, covers_in_every_frame_when_every_frame_swaps) {
 }
 
 TEST(RebuiltBody, covers_under_random_vertex_noise_while_rebuilding) {
-  RebuiltBody body(limb(), home(), {.check_every = 1, .thread = RebuildThread::caller});
+  RebuiltBody body(limb(), limb_tree(), {.check_every = 1, .thread = RebuildThread::caller});
   for (std::uint64_t frame = 0; frame < 12; ++frame) {
     const auto positions = test::noisy(limb().positions, 0.02 * static_cast<double>(frame % 5), frame);
     ASSERT_TRUE(body.update(positions));
@@ -71,18 +64,18 @@ TEST(RebuiltBody, covers_under_random_vertex_noise_while_rebuilding) {
 }
 
 TEST(RebuiltBody, is_much_tighter_than_fixed_ownership_after_a_stretch) {
-  RebuiltBody body(limb(), home(), {.thread = RebuildThread::caller});
-  Body fixed(limb(), home());
+  RebuiltBody body(limb(), limb_tree(), {.thread = RebuildThread::caller});
+  Body fixed(limb(), limb_tree());
   for (int frame = 1; frame <= 24; ++frame) {
-    const std::vector<Vec3> positions = stretched(frame / 24.0);
+    const std::vector<Vec3> positions = stretched_limb(frame / 24.0);
     ASSERT_TRUE(body.update(positions));
     ASSERT_TRUE(fixed.update(positions));
     expect_cover(body, positions, "frame " + std::to_string(frame));
   }
   EXPECT_GT(body.report().swapped, 0u);
   EXPECT_FALSE(body.is_home());
-  const double ours = estimate_looseness(limb(), body.body(), stretched(1)).back();
-  EXPECT_LT(ours, 0.5 * estimate_looseness(limb(), fixed, stretched(1)).back());
+  const double ours = estimate_looseness(limb(), body.body(), stretched_limb(1)).back();
+  EXPECT_LT(ours, 0.5 * estimate_looseness(limb(), fixed, stretched_limb(1)).back());
   EXPECT_NEAR(body.report().looseness.back(), ours, 1e-6 * ours);
 }
 
@@ -91,7 +84,7 @@ TEST(RebuiltBody, has_the_same_bits_on_every_run_on_the_callers_thread) {
     std::vector<std::uint64_t> hashes[2];
     for (auto& run : hashes) {
       Workers workers(&run == hashes ? 1 : 3);
-      RebuiltBody body(limb(), home(), {.rebuild_every = every, .thread = RebuildThread::caller});
+      RebuiltBody body(limb(), limb_tree(), {.rebuild_every = every, .thread = RebuildThread::caller});
       for (int frame = 0; frame < 20; ++frame) {
         ASSERT_TRUE(body.update(deform(limb(), {Twist{180}}, frame / 20.0), workers));
         run.push_back(body.body().hash());
@@ -105,9 +98,9 @@ TEST(RebuiltBody, has_the_same_bits_on_every_run_on_the_callers_thread) {
 TEST(RebuiltBody, is_home_at_rest_bit_for_bit_after_any_excursion) {
   std::vector<Vec3f> narrow_rest, narrow_away;
   for (const Vec3& p : limb().positions) narrow_rest.emplace_back(p);
-  for (const Vec3& p : stretched(1)) narrow_away.emplace_back(p);
-  Body plain(limb(), home());
-  RebuiltBody body(limb(), home(), {.rebuild_every = 1, .gain = always, .thread = RebuildThread::caller});
+  for (const Vec3& p : stretched_limb(1)) narrow_away.emplace_back(p);
+  Body plain(limb(), limb_tree());
+  RebuiltBody body(limb(), limb_tree(), {.rebuild_every = 1, .gain = always, .thread = RebuildThread::caller});
   for (const bool narrow : {false, true}) {
     const PositionView rest = narrow ? PositionView(narrow_rest) : PositionView(limb().positions);
     ASSERT_TRUE(plain.update(rest));
@@ -124,21 +117,21 @@ TEST(RebuiltBody, is_home_at_rest_bit_for_bit_after_any_excursion) {
 }
 
 TEST(RebuiltBody, returns_home_near_rest_when_home_is_tighter) {
-  RebuiltBody body(limb(), home(), {.check_every = 1, .thread = RebuildThread::caller});
-  for (int frame = 1; frame <= 8; ++frame) ASSERT_TRUE(body.update(stretched(1)));
+  RebuiltBody body(limb(), limb_tree(), {.check_every = 1, .thread = RebuildThread::caller});
+  for (int frame = 1; frame <= 8; ++frame) ASSERT_TRUE(body.update(stretched_limb(1)));
   ASSERT_FALSE(body.is_home());
-  for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(body.update(stretched(0.001)));
+  for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(body.update(stretched_limb(0.001)));
   EXPECT_LT(body.report().looseness.back(),
-            1.3 * estimate_looseness(limb(), Body(limb(), home()), limb().positions).back());
+            1.3 * estimate_looseness(limb(), Body(limb(), limb_tree()), limb().positions).back());
 }
 
 TEST(RebuiltBody, keeps_the_last_good_spheres_when_positions_are_bad_also_during_a_rebuild) {
   Job waiting;
-  RebuiltBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
-  ASSERT_TRUE(body.update(stretched(0.5)));
+  RebuiltBody body(limb(), limb_tree(), hosted([&](Job job) { waiting = std::move(job); }));
+  ASSERT_TRUE(body.update(stretched_limb(0.5)));
   ASSERT_TRUE(body.is_rebuilding());
   const std::uint64_t before = body.body().hash();
-  std::vector<Vec3> bad = stretched(0.6);
+  std::vector<Vec3> bad = stretched_limb(0.6);
   bad[7].y = std::numeric_limits<double>::quiet_NaN();
   for (const bool finished : {false, true}) {
     if (finished) waiting();
@@ -149,24 +142,24 @@ TEST(RebuiltBody, keeps_the_last_good_spheres_when_positions_are_bad_also_during
     EXPECT_FALSE(body.update(std::vector<Vec3>(3)));
     EXPECT_EQ(body.body().hash(), before);
   }
-  EXPECT_TRUE(body.update(stretched(0.6)).swapped);
-  expect_cover(body, stretched(0.6), "after bad positions");
+  EXPECT_TRUE(body.update(stretched_limb(0.6)).swapped);
+  expect_cover(body, stretched_limb(0.6), "after bad positions");
 }
 
 TEST(RebuiltBody, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_gone) {
   std::vector<Job> jobs;
   const RebuildOptions options = hosted([&](Job job) { jobs.push_back(std::move(job)); });
   {
-    RebuiltBody first(limb(), home(), options);
-    ASSERT_TRUE(first.update(stretched(0.5)));
+    RebuiltBody first(limb(), limb_tree(), options);
+    ASSERT_TRUE(first.update(stretched_limb(0.5)));
     RebuiltBody body = std::move(first);
-    ASSERT_TRUE(body.update(stretched(0.6)));
+    ASSERT_TRUE(body.update(stretched_limb(0.6)));
     ASSERT_EQ(jobs.size(), 1u) << "one at a time";
     jobs[0]();
     jobs[0]();
-    EXPECT_TRUE(body.update(stretched(0.7)).swapped);
+    EXPECT_TRUE(body.update(stretched_limb(0.7)).swapped);
     EXPECT_EQ(body.report().rebuild_frames, 2u);
-    expect_cover(body, stretched(0.7), "late");
+    expect_cover(body, stretched_limb(0.7), "late");
     ASSERT_EQ(jobs.size(), 2u);
   }
   jobs[1]();  // stops at once
@@ -174,11 +167,11 @@ TEST(RebuiltBody, hosts_may_run_the_job_late_never_twice_or_after_the_body_is_go
 
 TEST(RebuiltBody, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   Job waiting;
-  RebuiltBody body(limb(), home(), hosted([&](Job job) { waiting = std::move(job); }));
-  ASSERT_TRUE(body.update(stretched(0.5)));
+  RebuiltBody body(limb(), limb_tree(), hosted([&](Job job) { waiting = std::move(job); }));
+  ASSERT_TRUE(body.update(stretched_limb(0.5)));
   ASSERT_TRUE(body.update(limb().positions));
   waiting();
-  ASSERT_TRUE(body.update(stretched(0.1)));
+  ASSERT_TRUE(body.update(stretched_limb(0.1)));
   EXPECT_EQ(body.report().stopped, 1u);
   EXPECT_EQ(body.report().finished, 0u);
 }
@@ -187,8 +180,8 @@ TEST(RebuiltBody, pauses_between_rebuilds_as_long_as_the_share_says) {
   RebuildOptions options{.rebuild_every = 1, .look_ahead_frames = 0, .processor_share = 1e-9};
   options.thread = RebuildThread::host;
   options.executor = [](const Job& job) { job(); };
-  RebuiltBody body(limb(), home(), options);
-  for (int frame = 1; frame <= 10; ++frame) ASSERT_TRUE(body.update(stretched(frame / 10.0)));
+  RebuiltBody body(limb(), limb_tree(), options);
+  for (int frame = 1; frame <= 10; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 10.0)));
   EXPECT_EQ(body.report().started, 1u);
   EXPECT_EQ(body.report().finished, 1u);
 }
@@ -199,11 +192,11 @@ TEST(RebuiltBody, looks_ahead_to_where_the_motion_will_be) {
     Job waiting;
     RebuildOptions options{.check_every = 1, .look_ahead_frames = ahead, .thread = RebuildThread::host};
     options.executor = [&](Job job) { waiting = std::move(job); };
-    RebuiltBody body(limb(), home(), options);
-    for (int frame = 1; frame <= 17; ++frame) ASSERT_TRUE(body.update(stretched(frame / 40.0)));
+    RebuiltBody body(limb(), limb_tree(), options);
+    for (int frame = 1; frame <= 17; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 40.0)));
     ASSERT_TRUE(waiting);
     waiting();
-    ASSERT_TRUE(body.update(stretched(18 / 40.0)));
+    ASSERT_TRUE(body.update(stretched_limb(18 / 40.0)));
     EXPECT_EQ(body.report().swapped, 1u);
     off[ahead > 0] = body.report().looseness.back();
   }
@@ -211,8 +204,8 @@ TEST(RebuiltBody, looks_ahead_to_where_the_motion_will_be) {
 }
 
 TEST(RebuiltBody, settles_once_where_the_motion_ends_and_then_leaves_it_be) {
-  RebuiltBody body(limb(), home(), {.looser_by = 100, .check_every = 1, .thread = RebuildThread::caller});
-  for (int frame = 0; frame < 10; ++frame) ASSERT_TRUE(body.update(stretched(1)));
+  RebuiltBody body(limb(), limb_tree(), {.looser_by = 100, .check_every = 1, .thread = RebuildThread::caller});
+  for (int frame = 0; frame < 10; ++frame) ASSERT_TRUE(body.update(stretched_limb(1)));
   EXPECT_EQ(body.report().started, 1u);
   EXPECT_EQ(body.report().swapped, 1u);
 }
@@ -223,16 +216,16 @@ TEST(RebuiltBody, refuses_options_out_of_range) {
         RebuildOptions{.gain = 1}, RebuildOptions{.look_ahead_frames = -1}, RebuildOptions{.processor_share = 0},
         RebuildOptions{.processor_share = 1.1}, RebuildOptions{.thread = RebuildThread::host},
         RebuildOptions{.thread = RebuildThread::caller, .sample_count = 1}})
-    EXPECT_THROW(RebuiltBody(limb(), home(), bad), std::invalid_argument);
+    EXPECT_THROW(RebuiltBody(limb(), limb_tree(), bad), std::invalid_argument);
 }
 
 #ifdef MORULA_THREADS
 
 TEST(RebuiltBodyThreads, swaps_in_what_the_background_built_and_covers_all_along) {
-  RebuiltBody body(limb(), home(), {.check_every = 1});
+  RebuiltBody body(limb(), limb_tree(), {.check_every = 1});
   bool seen = false;
   for (int frame = 1; frame <= 4000 && !seen; ++frame) {
-    const std::vector<Vec3> positions = stretched(std::min(1.0, frame / 50.0));
+    const std::vector<Vec3> positions = stretched_limb(std::min(1.0, frame / 50.0));
     const RebuildStatus status = body.update(positions);
     ASSERT_TRUE(status);
     expect_cover(body, positions, "frame " + std::to_string(frame));
@@ -257,7 +250,7 @@ TEST(RebuiltBodyThreads, a_body_may_die_at_any_moment_of_a_rebuild) {
 #else
 
 TEST(RebuiltBodyThreads, are_refused_where_there_are_none) {
-  EXPECT_THROW(RebuiltBody(limb(), home()), std::invalid_argument);
+  EXPECT_THROW(RebuiltBody(limb(), limb_tree()), std::invalid_argument);
 }
 
 #endif

@@ -14,27 +14,20 @@
 #include <morula/update/rebuilt_body.hpp>
 
 #include "../bodies.hpp"
+#include "limb.hpp"
 
 namespace morula {
 namespace {
 
+using test::limb;
+using test::limb_tree;
 using test::Specimen;
+using test::stretched_limb;
 
 constexpr std::size_t plenty = 1'000'000;
 
-const Mesh& tube() {
-  static const Mesh mesh = sample_body("limb", 16);
-  return mesh;
-}
-const CoveredTree& its_tree() {
-  static const CoveredTree built = build(tube(), {.depth = 2, .quality = Quality::fast});
-  return built;
-}
 RebuildOptions reowning(std::size_t tests = plenty) {
   return {.reown_tests = tests, .thread = RebuildThread::none};
-}
-std::vector<Vec3> longer(double t) {
-  return deform(tube(), {Stretch{2}}, t);
 }
 
 // Every piece, as often as it is owned.
@@ -95,23 +88,23 @@ TEST(Reowning, covers_aligned_and_coarse_bodies_far_from_the_origin) {
 
 TEST(Reowning, is_tighter_than_a_fixed_ownership) {
   for (const auto& [motion, at_most] : {std::pair<Deformation, double>{Stretch{2}, 0.6}, {Twist{180}, 0.9}}) {
-    RebuiltBody body(tube(), its_tree(), reowning());
-    Body fixed(tube(), its_tree());
+    RebuiltBody body(limb(), limb_tree(), reowning());
+    Body fixed(limb(), limb_tree());
     std::vector<Vec3> positions;
     for (int frame = 1; frame <= 24; ++frame) {
-      positions = deform(tube(), {motion}, frame / 24.0);
+      positions = deform(limb(), {motion}, frame / 24.0);
       ASSERT_TRUE(body.update(positions));
     }
     ASSERT_TRUE(fixed.update(positions));
-    const double ours = estimate_looseness(tube(), body.body(), positions).back();
-    EXPECT_LT(ours, at_most * estimate_looseness(tube(), fixed, positions).back()) << describe(motion);
+    const double ours = estimate_looseness(limb(), body.body(), positions).back();
+    EXPECT_LT(ours, at_most * estimate_looseness(limb(), fixed, positions).back()) << describe(motion);
   }
 }
 
 TEST(Reowning, does_not_make_nodes_above_leaves_reach_farther) {
-  RebuiltBody body(tube(), its_tree(), reowning());
+  RebuiltBody body(limb(), limb_tree(), reowning());
   for (int frame = 1; frame <= 12; ++frame) {
-    const std::vector<Vec3> positions = longer(frame / 12.0);
+    const std::vector<Vec3> positions = stretched_limb(frame / 12.0);
     Body before(body.body());
     ASSERT_TRUE(before.update(positions));
     ASSERT_TRUE(body.update(positions));
@@ -128,9 +121,9 @@ TEST(Reowning, has_the_same_bits_for_any_number_of_workers) {
   std::vector<std::uint64_t> hashes[3];
   for (const unsigned count : {1u, 2u, 3u}) {
     Workers workers(count);
-    RebuiltBody body(tube(), its_tree(), reowning(500));
+    RebuiltBody body(limb(), limb_tree(), reowning(500));
     for (int frame = 1; frame <= 20; ++frame) {
-      ASSERT_TRUE(body.update(deform(tube(), {Twist{180}}, frame / 20.0), workers));
+      ASSERT_TRUE(body.update(deform(limb(), {Twist{180}}, frame / 20.0), workers));
       hashes[count - 1].push_back(body.body().hash());
       hashes[count - 1].push_back(body.body().pose().dealing);
     }
@@ -141,24 +134,24 @@ TEST(Reowning, has_the_same_bits_for_any_number_of_workers) {
 }
 
 TEST(Reowning, returns_to_rest_bit_for_bit_and_goes_on_from_there_as_before) {
-  RebuiltBody body(tube(), its_tree(), reowning());
-  const Body plain(tube(), its_tree());
+  RebuiltBody body(limb(), limb_tree(), reowning());
+  const Body plain(limb(), limb_tree());
   std::vector<std::uint64_t> first;
   for (int excursion = 0; excursion < 2; ++excursion) {
     std::vector<std::uint64_t> hashes;
     for (int frame = 1; frame <= 6; ++frame) {
-      ASSERT_TRUE(body.update(longer(frame / 6.0)));
+      ASSERT_TRUE(body.update(stretched_limb(frame / 6.0)));
       hashes.push_back(body.body().hash());
     }
     EXPECT_NE(body.body().pose().dealing, 0u);
     if (excursion == 0) first = hashes;
     EXPECT_EQ(hashes, first);
-    ASSERT_TRUE(body.update(tube().positions));
+    ASSERT_TRUE(body.update(limb().positions));
     EXPECT_EQ(body.body().hash(), plain.hash());
     EXPECT_EQ(body.body().pose().dealing, 0u);
-    EXPECT_EQ(body.body().cover().patch_facet, its_tree().cover.patch_facet);
-    EXPECT_EQ(body.body().cover().corners, its_tree().cover.corners);
-    EXPECT_EQ(body.body().cover().region_end, its_tree().cover.region_end);
+    EXPECT_EQ(body.body().cover().patch_facet, limb_tree().cover.patch_facet);
+    EXPECT_EQ(body.body().cover().corners, limb_tree().cover.corners);
+    EXPECT_EQ(body.body().cover().region_end, limb_tree().cover.region_end);
   }
 }
 
@@ -187,22 +180,22 @@ TEST(Reowning, copies_keep_what_they_own_and_follow_parts_and_lazily) {
 }
 
 TEST(Reowning, refuses_bad_positions_and_keeps_what_was) {
-  RebuiltBody body(tube(), its_tree(), reowning());
-  for (int frame = 1; frame <= 6; ++frame) ASSERT_TRUE(body.update(longer(frame / 6.0)));
+  RebuiltBody body(limb(), limb_tree(), reowning());
+  for (int frame = 1; frame <= 6; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 6.0)));
   const std::uint64_t hash = body.body().hash(), dealing = body.body().pose().dealing;
-  std::vector<Vec3> bad = longer(1);
+  std::vector<Vec3> bad = stretched_limb(1);
   bad[7].y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(body.update(bad));
   EXPECT_EQ(body.body().hash(), hash);
   EXPECT_EQ(body.body().pose().dealing, dealing);
-  expect_cover(body.body(), longer(1), "after a refusal");
+  expect_cover(body.body(), stretched_limb(1), "after a refusal");
 }
 
 TEST(Reowning, covers_while_every_frame_swaps) {
   RebuildOptions options{.rebuild_every = 2, .gain = -1e9, .reown_tests = plenty, .thread = RebuildThread::caller};
-  RebuiltBody body(tube(), its_tree(), options);
+  RebuiltBody body(limb(), limb_tree(), options);
   for (int frame = 1; frame <= 10; ++frame) {
-    const std::vector<Vec3> positions = longer(frame / 10.0);
+    const std::vector<Vec3> positions = stretched_limb(frame / 10.0);
     ASSERT_TRUE(body.update(positions));
     expect_cover(body.body(), positions, "frame " + std::to_string(frame));
   }
@@ -211,9 +204,9 @@ TEST(Reowning, covers_while_every_frame_swaps) {
 
 class ReowningContacts : public testing::Test {
  protected:
-  RebuiltBody body{tube(), its_tree(), reowning()};
-  Body other{tube(), its_tree()};
-  Collider b{tube(), other};
+  RebuiltBody body{limb(), limb_tree(), reowning()};
+  Body other{limb(), limb_tree()};
+  Collider b{limb(), other};
   std::vector<Vec3> positions;
 
   void SetUp() override {
@@ -222,27 +215,27 @@ class ReowningContacts : public testing::Test {
     b.place(placement);
   }
   void next(int frame) {
-    positions = longer(frame / 12.0);
+    positions = stretched_limb(frame / 12.0);
     ASSERT_TRUE(body.update(positions));
   }
 };
 
 TEST_F(ReowningContacts, refuse_facets_of_owners_before) {
-  Collider a(tube(), body.body());
+  Collider a(limb(), body.body());
   next(6);
   ASSERT_NE(body.body().pose().dealing, 0u);
   EXPECT_EQ(askable(a).code, Status::Code::ownership_not_current);
   EXPECT_THROW(crossings(a, b), std::invalid_argument);
   a.follow_ownership();
   EXPECT_TRUE(askable(a));
-  const Collider fresh(tube(), body.body());
+  const Collider fresh(limb(), body.body());
   for (std::uint32_t node = 0; node < a.tree().node_count(); ++node)
     EXPECT_TRUE(std::ranges::equal(a.facets(node), fresh.facets(node))) << node;
 }
 
 TEST_F(ReowningContacts, find_all_that_crosses) {
-  Collider a(tube(), body.body());
-  SurfaceTree surface_a(tube()), surface_b(tube());
+  Collider a(limb(), body.body());
+  SurfaceTree surface_a(limb()), surface_b(limb());
   std::size_t found = 0;
   for (int frame = 1; frame <= 12; frame += 2) {
     next(frame);
@@ -265,7 +258,7 @@ TEST_F(ReowningContacts, find_all_that_crosses) {
 }
 
 TEST_F(ReowningContacts, carry_their_front_and_have_the_surfaces_of_a_fresh_query) {
-  Collider a(tube(), body.body());
+  Collider a(limb(), body.body());
   ContactQuery carried({.surfaces = true});
   carried.add(a, b);
   ASSERT_TRUE(carried.start());
@@ -275,7 +268,7 @@ TEST_F(ReowningContacts, carry_their_front_and_have_the_surfaces_of_a_fresh_quer
     a.follow_ownership();
     const ContactStatus status = carried.carry();
     ASSERT_TRUE(status) << message(status);
-    const Collider fresh_a(tube(), body.body());
+    const Collider fresh_a(limb(), body.body());
     ContactQuery fresh({.surfaces = true});
     fresh.add(fresh_a, b);
     ASSERT_TRUE(fresh.start());
