@@ -197,7 +197,9 @@ class SweptScene : public testing::TestWithParam<const char*> {};
 TEST_P(SweptScene, has_all_pairs_that_an_exact_computation_says_collide) {
   const std::filesystem::path folder = ccd_folder() / GetParam();
   if (!std::filesystem::exists(folder / "vf.csv"))
-    GTEST_SKIP() << "steps with exact verdicts are not part of the repository; MORULA_CCD_DATA names their folder";
+    GTEST_SKIP()
+        << "two steps of simulations with exact verdicts are other people's data and not in the repository: set "
+           "MORULA_CCD_DATA to their folder. Random steps in whole numbers make the same claim without them";
   const Mesh from = read_mesh(folder / "from.ply"), to = read_mesh(folder / "to.ply");
   SurfaceTree tree(from);
   ASSERT_TRUE(tree.update(from.positions, to.positions));
