@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
+#include "update/points/narrow.hpp"
 #include "update/rebuild/rebuild_job.hpp"
 #include "update/rebuild/relative_looseness.hpp"
 #include "update/reowned_body.hpp"
@@ -271,7 +272,7 @@ UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const Po
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   if (positions.is_double())
     return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == rest[v]; });
-  return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == Vec3(Vec3f(rest[v])); });
+  return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == nearest_floats(rest[v]); });
 }
 
 // By what was measured of it elsewhere, else by what strain costs in general.
