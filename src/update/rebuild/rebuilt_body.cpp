@@ -272,7 +272,8 @@ UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const Po
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   if (positions.is_double())
     return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == rest[v]; });
-  return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == nearest_floats(rest[v]); });
+  return std::all_of(used.begin(), used.end(),
+                     [&](std::uint32_t v) { return positions[v] == nearest_floats(rest[v]); });
 }
 
 // By what was measured of it elsewhere, else by what strain costs in general.
