@@ -170,6 +170,29 @@ def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, built):
     assert morula.overlap(body, body)
 
 
+def test_patches_change_hands_and_every_level_covers(limb, built):
+    fixed = morula.RebuiltBody(limb, built, thread="none")
+    body = morula.RebuiltBody(limb, built, thread="none", reown_tests=100_000)
+    collider = morula.Collider(body)
+    at_rest = body.copy_spheres()
+    for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=8, and_back=False):
+        body.update(positions)
+        fixed.update(positions)
+        assert morula.certify(body.cover, positions, body.copy_spheres())
+    leaves = built.tree.level_set(built.tree.level_count - 1)
+    assert body.copy_spheres()[leaves, 3].mean() < 0.95 * fixed.copy_spheres()[leaves, 3].mean()
+    assert body.epoch == 0 and not collider.has_current_ownership
+    collider.set_positions(positions)
+    query = morula.ContactQuery(surfaces=True)
+    query.add(collider, morula.Collider(fixed))
+    with pytest.raises(ValueError, match="follow_ownership"):
+        query.run()
+    collider.follow_ownership()
+    assert collider.has_current_ownership and len(query.run()) > 0
+    body.update(limb.positions)
+    assert numpy.array_equal(body.copy_spheres(), at_rest)
+
+
 def test_lazy_updates_reach_the_same_spheres(limb, built, motion):
     lazy, whole = morula.Body(limb, built), morula.Body(limb, built)
     whole.update(motion[4])
