@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/inspect.hpp>
 
 #include "generators/driver/top_down.hpp"
 #include "generators/fit/object_lines.hpp"
 #include "generators/fit/partition.hpp"
+#include "geometry/inspect_sides.hpp"
 
 namespace morula::detail {
 namespace {
@@ -124,7 +124,7 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   for (int level = 1; level < run.depth; ++level) parts = std::min(4096.0, 8 * parts);
   const double cell = 0.3 * std::sqrt(surface / parts);
   const int cells = cell > 0 ? static_cast<int>(std::clamp(max_norm(box.extent()) / cell, 64.0, 512.0)) : 64;
-  const ObjectLines lines(mesh, box, inspect(mesh).has_volume(), cells, workers);
+  const ObjectLines lines(mesh, box, inspect_sides(mesh, connectivity(mesh)).has_volume(), cells, workers);
   return top_down(mesh, run, cube, divide, workers, nullptr, &lines);
 }
 

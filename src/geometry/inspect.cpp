@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "geometry/inspect_sides.hpp"
 #include "geometry/own_units.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -68,16 +69,22 @@ MeshReport inspect(const MeshView& mesh) {
 
 MeshReport inspect(const MeshView& mesh, const Connectivity& connectivity) {
   const StandardFloats standard;
-  MeshReport report;
+  MeshReport report = inspect_sides(mesh, connectivity);
   report.vertex_count = mesh.vertex_count();
   report.facet_count = mesh.facet_count();
   report.box = bounding_box(mesh);
   const OwnUnits own(mesh, report.box);
   report.area = surface_area(own);
-  report.volume = signed_volume(own);
   inspect_vertices(mesh, report);
-  inspect_edges(mesh, connectivity, report);
   inspect_facets(own, connectivity, report);
+  return report;
+}
+
+MeshReport detail::inspect_sides(const MeshView& mesh, const Connectivity& connectivity) {
+  const StandardFloats standard;
+  MeshReport report;
+  report.volume = signed_volume(OwnUnits(mesh, bounding_box(mesh)));
+  inspect_edges(mesh, connectivity, report);
   return report;
 }
 

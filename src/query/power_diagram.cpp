@@ -221,8 +221,6 @@ class Cutter {
   CutFacet& result_;
 };
 
-constexpr std::array<Barycentric, 3> whole_facet{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}};
-
 }  // namespace
 
 void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
+#include <utility>
 
+#include "geometry/inspect_sides.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
@@ -16,7 +18,7 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 
-// A value of neighbors_ that is no facet: slivers or a third facet meet at the edge. no_facet: the surface's border.
+// A value of neighbors that is no facet: slivers or a third facet meet at the edge. no_facet: the surface's border.
 constexpr std::uint32_t undecided = several_facets;
 
 // A facet whose height is below this share of its longest edge has a normal that rounding has turned. Across it the
@@ -26,22 +28,40 @@ constexpr double sliver_ratio = 1e-7;
 
 }  // namespace
 
-SignedDistance::SignedDistance(const MeshView& mesh, Workers& workers) : SignedDistance(mesh, nullptr, workers) {}
+// What is found out before the index is made, so that the connectivity is gone when the index needs the memory.
+struct SignedDistance::Sides {
+  bool has_volume, is_inside_out;
+  Normals normals;  // where pseudo_normal is possible and may be wanted
+
+  Sides(const MeshView& mesh, const SignMethod* method, Workers& workers) {
+    const StandardFloats standard;
+    require_usable_scale(mesh);
+    const Connectivity sides = connectivity(mesh);
+    const MeshReport report = inspect_sides(mesh, sides);
+    has_volume = report.has_volume();
+    is_inside_out = has_volume && report.volume < 0;
+    if (method ? *method == SignMethod::pseudo_normal : has_volume && report.manifold)
+      normals = Normals(mesh, sides, workers);
+  }
+};
+
+SignedDistance::SignedDistance(const MeshView& mesh, Workers& workers)
+    : SignedDistance(mesh, nullptr, Sides(mesh, nullptr, workers), workers) {}
 
 SignedDistance::SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers)
-    : SignedDistance(mesh, &method, workers) {}
+    : SignedDistance(mesh, &method, Sides(mesh, &method, workers), workers) {}
 
-SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, Workers& workers) : bvh_(mesh, workers) {
+SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, Sides sides, Workers& workers)
+    : normals_(std::move(sides.normals)),
+      bvh_(mesh, workers),
+      has_volume_(sides.has_volume),
+      orientation_(sides.is_inside_out ? -1 : 1) {
   const StandardFloats standard;
-  const Connectivity sides = connectivity(mesh);
-  const MeshReport report = inspect(mesh, sides);
-  has_volume_ = report.has_volume();
-  if (has_volume_ && report.volume < 0) orientation_ = -1;
   if (method)
     method_ = *method;
-  else if (has_volume_ && report.manifold && separates_sides())
+  else if (!normals_.facets.empty() && separates_sides())
     method_ = SignMethod::pseudo_normal;
-  if (method_ == SignMethod::pseudo_normal) prepare_normals(mesh, sides, workers);
+  if (method_ != SignMethod::pseudo_normal) normals_ = {};
 }
 
 // At a facet's middle the rest of the surface has winding number ½ if there is nothing on one side and one layer of
@@ -60,9 +80,11 @@ bool SignedDistance::separates_sides() const {
   return true;
 }
 
-void SignedDistance::prepare_normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers) {
-  facets_.assign(mesh.facets.begin(), mesh.facets.end());
-  facet_normals_.resize(mesh.facet_count());
+SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers)
+    : facets(mesh.facets.begin(), mesh.facets.end()),
+      of_facet(mesh.facet_count()),
+      of_vertex(mesh.vertex_count()),
+      neighbors(mesh.facet_count()) {
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Triangle t = mesh.corners(f);
@@ -70,12 +92,11 @@ void SignedDistance::prepare_normals(const MeshView& mesh, const Connectivity& c
       const double twice_area = length(normal);
       const double longest =
           std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])});
-      if (twice_area > sliver_ratio * longest) facet_normals_[f] = normal / twice_area;
+      if (twice_area > sliver_ratio * longest) of_facet[f] = normal / twice_area;
     }
   });
 
-  const auto is_sliver = [&](std::uint32_t f) { return facet_normals_[f] == Vec3{}; };
-  vertex_normals_.resize(mesh.vertex_count());
+  const auto is_sliver = [&](std::uint32_t f) { return of_facet[f] == Vec3{}; };
   parallel_for(workers, mesh.vertex_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       Vec3 sum;
@@ -90,20 +111,19 @@ void SignedDistance::prepare_normals(const MeshView& mesh, const Connectivity& c
         const Vec3 a = mesh.positions[corners[(k + 1) % 3]] - mesh.positions[v];
         const Vec3 b = mesh.positions[corners[(k + 2) % 3]] - mesh.positions[v];
         const double angle = angle_of(length(cross(a, b)), dot(a, b));
-        sum += facet_normals_[f] * angle;
+        sum += of_facet[f] * angle;
         angles += angle;
       }
-      if (angles > 0) vertex_normals_[v] = sum / angles;
+      if (angles > 0) of_vertex[v] = sum / angles;
     }
   });
 
-  neighbors_.resize(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t other = connectivity.facet_across(static_cast<std::uint32_t>(f), (k + 1) % 3);
         const bool is_facet = other != no_facet && other != several_facets;
-        neighbors_[f][k] = is_facet && is_sliver(other) ? undecided : other;
+        neighbors[f][k] = is_facet && is_sliver(other) ? undecided : other;
       }
   });
 }
@@ -127,15 +147,15 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
     const std::array<double, 3>& b = closest.barycentric;
     const std::size_t corner = b[0] > 0 ? 0 : b[1] > 0 ? 1 : 2;
     const int zeros = (b[0] == 0) + (b[1] == 0) + (b[2] == 0);
-    Vec3 normal = facet_normals_[closest.facet];
+    Vec3 normal = normals_.of_facet[closest.facet];
     if (zeros == 2) {
-      normal = vertex_normals_[facets_[closest.facet][corner]];
+      normal = normals_.of_vertex[normals_.facets[closest.facet][corner]];
     } else if (zeros == 1) {
-      const std::uint32_t other = neighbors_[closest.facet][b[0] == 0 ? 0 : b[1] == 0 ? 1 : 2];
+      const std::uint32_t other = normals_.neighbors[closest.facet][b[0] == 0 ? 0 : b[1] == 0 ? 1 : 2];
       if (other == undecided || normal == Vec3{}) {
         normal = {};
       } else if (other != no_facet) {
-        normal = (normal + facet_normals_[other]) * 0.5;
+        normal = (normal + normals_.of_facet[other]) * 0.5;
       }
     }
     // From a corner rather than from the nearest point: the normal is at right angles to the facet or edge between

@@ -129,13 +129,20 @@ class Builder {
     make_references();
     split_large_ranges();
 
-    std::vector<Subtree> subtrees(pending_.size());
-    parallel_for(workers_, pending_.size(), 1, [&](std::size_t i, std::size_t) {
-      Subtree& subtree = subtrees[i];
-      subtree.nodes.reserve(pending_[i].range.count() / 3);
-      subtree.summary = build_node(subtree, pending_[i].range, pending_[i].depth);
-    });
-    append(subtrees);
+    // A batch of subtrees at a time: until they are appended they take their memory twice.
+    constexpr std::size_t batch = 64;
+    std::vector<std::array<Summary, width>> summaries(tree_.nodes.size());
+    tree_.clusters.resize(tree_.nodes.size());
+    for (std::size_t first = 0; first < pending_.size(); first += batch) {
+      std::vector<Subtree> subtrees(std::min(batch, pending_.size() - first));
+      parallel_for(workers_, subtrees.size(), 1, [&](std::size_t i, std::size_t) {
+        const Pending& pending = pending_[first + i];
+        subtrees[i].nodes.reserve(pending.range.count() / 8);
+        subtrees[i].summary = build_node(subtrees[i], pending.range, pending.depth);
+      });
+      append(subtrees, std::span(pending_).subspan(first), summaries);
+    }
+    close_top(summaries);
     return std::move(tree_);
   }
 
@@ -208,16 +215,21 @@ class Builder {
     }
   }
 
-  // Joins the subtrees behind the top nodes and closes the top from its last node up to the root.
-  void append(const std::vector<Subtree>& subtrees) {
-    const std::size_t top_count = tree_.nodes.size();
-    tree_.clusters.resize(top_count);
-    std::vector<std::array<Summary, width>> summaries(top_count);
-    std::size_t node_count = top_count, leaf_count = 0;
-    for (const Subtree& subtree : subtrees) node_count += subtree.nodes.size(), leaf_count += subtree.boxes.size();
-    tree_.nodes.reserve(node_count);
-    tree_.clusters.reserve(node_count);
-    tree_.boxes.reserve(leaf_count);
+  // Subtrees behind all nodes so far; pending: theirs first, then those still to come.
+  void append(std::span<const Subtree> subtrees, std::span<const Pending> pending,
+              std::vector<std::array<Summary, width>>& summaries) {
+    std::size_t nodes = 0, leaves = 0, facets = 0, all_facets = 0;
+    for (const Subtree& subtree : subtrees) nodes += subtree.nodes.size(), leaves += subtree.boxes.size();
+    for (std::size_t i = 0; i < pending.size(); ++i)
+      all_facets += pending[i].range.count(), facets += i < subtrees.size() ? pending[i].range.count() : 0;
+    // Room for those to come as well, if they are like these: growing by doubling would take it twice.
+    if (tree_.nodes.size() + nodes > tree_.nodes.capacity()) {
+      const double share = 1.02 * static_cast<double>(all_facets) / static_cast<double>(facets);
+      const auto expected = [&](std::size_t now) { return static_cast<std::size_t>(share * static_cast<double>(now)); };
+      tree_.nodes.reserve(tree_.nodes.size() + expected(nodes));
+      tree_.clusters.reserve(tree_.clusters.size() + expected(nodes));
+      tree_.boxes.reserve(tree_.boxes.size() + expected(leaves));
+    }
     for (std::size_t i = 0; i < subtrees.size(); ++i) {
       const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
       const auto first_leaf = static_cast<std::uint32_t>(tree_.boxes.size());
@@ -227,10 +239,15 @@ class Builder {
       }
       tree_.boxes.insert(tree_.boxes.end(), subtrees[i].boxes.begin(), subtrees[i].boxes.end());
       tree_.clusters.insert(tree_.clusters.end(), subtrees[i].clusters.begin(), subtrees[i].clusters.end());
-      if (pending_[i].parent == no_parent) continue;
-      tree_.nodes[pending_[i].parent].first[pending_[i].child] = offset;
-      summaries[pending_[i].parent][static_cast<std::size_t>(pending_[i].child)] = subtrees[i].summary;
+      if (pending[i].parent == no_parent) continue;
+      tree_.nodes[pending[i].parent].first[pending[i].child] = offset;
+      summaries[pending[i].parent][static_cast<std::size_t>(pending[i].child)] = subtrees[i].summary;
     }
+  }
+
+  // From the last node above the subtrees up to the root. summaries: of their children, as far as they are subtrees.
+  void close_top(std::vector<std::array<Summary, width>>& summaries) {
+    const std::size_t top_count = summaries.size();
     for (std::size_t n = top_count; n-- > 0;) {
       Node& node = tree_.nodes[n];
       Box all;

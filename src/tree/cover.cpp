@@ -191,7 +191,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
   built.tree = without_empty(tree, regions, kept);
   std::vector<Region> kept_regions(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) kept_regions[i] = std::move(regions[kept[i]]);
-  built.cover = assemble_cover(mesh, built.tree, kept_regions);
+  built.cover = assemble_cover(mesh, built.tree, std::move(kept_regions));
 
   const double pad_coordinate = largest_coordinate(mesh);
   parallel_for(workers, built.tree.node_count(), 1, [&](std::size_t i, std::size_t) {

@@ -2,26 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tree/region.hpp"
 
-#include <unordered_map>
+#include <utility>
 
 #include "geometry/hash.hpp"
+#include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
 namespace {
 
-struct CutPointHash {
-  std::size_t operator()(const CutPoint& c) const {
-    Hasher hash;
-    for (const std::uint32_t v : c.vertex) hash.add(v);
-    for (const double w : c.weight) hash.add(w);
-    return static_cast<std::size_t>(hash.value());
-  }
-};
+std::uint64_t hash_of(const CutPoint& c) {
+  Hasher hash;
+  for (const std::uint32_t v : c.vertex) hash.add(v);
+  for (const double w : c.weight) hash.add(w);
+  return hash.value();
+}
 
-// Gives every distinct corner a number. Numbers follow first use, so they do not depend on the hash table's order.
+// Gives every distinct corner a number, in the order of first use. A table of places with open addressing: cut points
+// are many, and lie in `points_` already.
 class CornerNumbers {
  public:
-  explicit CornerNumbers(std::size_t vertex_count) : vertex_count_(vertex_count) {}
+  explicit CornerNumbers(std::size_t vertex_count) : vertex_count_(vertex_count), places_(1024, free_place) {}
 
   std::uint32_t number(const Facet& facet, const Barycentric& b) {
     for (int k = 0; k < 3; ++k)
@@ -33,41 +33,69 @@ class CornerNumbers {
       if (facet[from] > facet[to]) std::swap(from, to);
       point = {{facet[from], facet[to], facet[to]}, {b[from], b[to], 0}};
     }
-    const auto next = static_cast<std::uint32_t>(vertex_count_ + points_.size());
-    const auto [entry, is_new] = numbers_.try_emplace(point, next);
-    if (is_new) points_.push_back(point);
-    return entry->second;
+    std::uint32_t& place = place_of(point);
+    if (place != free_place) return static_cast<std::uint32_t>(vertex_count_ + place);
+    place = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(point);
+    if (2 * points_.size() > places_.size()) grow();
+    return static_cast<std::uint32_t>(vertex_count_ + points_.size() - 1);
   }
   std::vector<CutPoint> take() { return std::move(points_); }
 
  private:
+  static constexpr std::uint32_t free_place = 0xffffffffu;
+
+  std::uint32_t& place_of(const CutPoint& point) {
+    std::size_t i = hash_of(point) & (places_.size() - 1);
+    while (places_[i] != free_place && !(points_[places_[i]] == point)) i = (i + 1) & (places_.size() - 1);
+    return places_[i];
+  }
+  void grow() {
+    places_.assign(2 * places_.size(), free_place);
+    for (std::uint32_t p = 0; p < points_.size(); ++p) place_of(points_[p]) = p;
+  }
+
   std::size_t vertex_count_;
   std::vector<CutPoint> points_;
-  std::unordered_map<CutPoint, std::uint32_t, CutPointHash> numbers_;
+  std::vector<std::uint32_t> places_;  // a power of two of them
 };
 
 }  // namespace
 
 Region whole_surface(const Mesh& mesh) {
-  constexpr std::array<Barycentric, 3> whole{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}};
   Region region;
-  region.facet.reserve(mesh.facet_count());
-  region.corner_begin.reserve(mesh.facet_count() + 1);
-  region.corners.reserve(3 * mesh.facet_count());
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) region.add(static_cast<std::uint32_t>(f), whole);
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) region.add_whole(static_cast<std::uint32_t>(f));
   return region;
 }
 
 void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points) {
   points.clear();
-  points.reserve(region.corners.size());
+  VertexMemo<bool> seen(region.size());
   for (std::size_t k = 0; k < region.size(); ++k) {
+    if (region.is_whole(k)) {
+      for (const std::uint32_t v : mesh.facets[region.facet[k]])
+        seen.of(v, [&] { return points.push_back(mesh.positions[v]), true; });
+      continue;
+    }
     const Triangle t = mesh.corners(region.facet[k]);
     for (const Barycentric& b : region.polygon(k)) points.push_back(at_barycentric(t, b));
   }
 }
 
-Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const Region> regions) {
+std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, std::size_t most) {
+  const std::size_t step = 1 + region.corner_count() / most;
+  std::vector<Vec3> points;
+  std::size_t before = 0, next = 0;  // corners of the polygons before this one; the next to be taken
+  for (std::size_t k = 0; k < region.size(); ++k) {
+    const auto polygon = region.polygon(k);
+    for (; next < before + polygon.size(); next += step)
+      points.push_back(at_barycentric(mesh.corners(region.facet[k]), polygon[next - before]));
+    before += polygon.size();
+  }
+  return points;
+}
+
+Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Region> regions) {
   Cover cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
@@ -75,6 +103,12 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const R
   cover.region_begin.resize(tree.node_count());
   cover.region_end.resize(tree.node_count());
   CornerNumbers numbers(mesh.vertex_count());
+  std::size_t patches = 0, corners = 0;
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node)
+    if (tree.is_leaf(node)) patches += regions[node].size(), corners += regions[node].corner_count();
+  cover.patch_facet.reserve(patches);
+  cover.corner_begin.reserve(patches + 1);
+  cover.corners.reserve(corners);
 
   const auto add_region = [&](const Region& region) {
     for (std::size_t k = 0; k < region.size(); ++k) {
@@ -86,7 +120,7 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const R
   };
   const auto visit = [&](const auto& self, std::uint32_t node) -> void {
     cover.region_begin[node] = static_cast<std::uint32_t>(cover.patch_count());
-    if (tree.is_leaf(node)) add_region(regions[node]);
+    if (tree.is_leaf(node)) add_region(std::exchange(regions[node], {}));
     for (std::uint32_t c = 0; c < tree.child_count[node]; ++c) self(self, tree.first_child[node] + c);
     cover.region_end[node] = static_cast<std::uint32_t>(cover.patch_count());
   };

@@ -3,6 +3,7 @@
 // Regions while they are being made: convex polygons with barycentric corners, before cut points get their numbers.
 #pragma once
 
+#include <algorithm>
 #include <morula/geometry/mesh.hpp>
 #include <morula/tree/cover.hpp>
 #include <span>
@@ -10,21 +11,38 @@
 
 namespace morula::detail {
 
-struct Region {
-  std::vector<std::uint32_t> facet;            // one per polygon
-  std::vector<std::uint32_t> corner_begin{0};  // polygon k has corners [corner_begin[k], corner_begin[k + 1])
-  std::vector<Barycentric> corners;
+// Whole facets, which most are on fine meshes, take 8 bytes each.
+class Region {
+ public:
+  std::vector<std::uint32_t> facet;  // one per polygon
 
   std::size_t size() const { return facet.size(); }
   bool empty() const { return facet.empty(); }
+  bool is_whole(std::size_t k) const { return cut_begin_[k] == cut_begin_[k + 1]; }
   std::span<const Barycentric> polygon(std::size_t k) const {
-    return std::span(corners).subspan(corner_begin[k], corner_begin[k + 1] - corner_begin[k]);
+    if (is_whole(k)) return whole_facet;
+    return std::span(cut_corners_).subspan(cut_begin_[k], cut_begin_[k + 1] - cut_begin_[k]);
+  }
+  std::size_t corner_count() const {
+    std::size_t count = cut_corners_.size();
+    for (std::size_t k = 0; k < size(); ++k) count += is_whole(k) ? whole_facet.size() : 0;
+    return count;
+  }
+  void add_whole(std::uint32_t of_facet) {
+    facet.push_back(of_facet);
+    cut_begin_.push_back(cut_begin_.back());
   }
   void add(std::uint32_t of_facet, std::span<const Barycentric> polygon) {
+    if (std::ranges::equal(polygon, whole_facet)) return add_whole(of_facet);
     facet.push_back(of_facet);
-    corners.insert(corners.end(), polygon.begin(), polygon.end());
-    corner_begin.push_back(static_cast<std::uint32_t>(corners.size()));
+    cut_corners_.insert(cut_corners_.end(), polygon.begin(), polygon.end());
+    cut_begin_.push_back(static_cast<std::uint32_t>(cut_corners_.size()));
   }
+
+ private:
+  // Polygon k has corners [cut_begin_[k], cut_begin_[k + 1]); none when it is whole.
+  std::vector<std::uint32_t> cut_begin_{0};
+  std::vector<Barycentric> cut_corners_;
 };
 
 /// All facets, uncut.
@@ -34,11 +52,14 @@ inline FacetGeometry facet_geometry(const Mesh& mesh, std::uint32_t facet) {
   return {mesh.corners(facet), mesh.facets[facet]};
 }
 
-/// Positions of all corners, polygon by polygon, with repetitions.
+/// Positions of all corners, polygon by polygon; most that whole facets share come once.
 void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points);
+
+/// Every n-th of all corners with repetitions, polygon by polygon; n is 1, or more where they are `most` or more.
+std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, std::size_t most);
 
 /// Numbers the cut points (equal ones once) and lines the regions up in the order of the leaves, depth first.
 /// regions: one per node; those of inner nodes are ignored.
-Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::span<const Region> regions);
+Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Region> regions);
 
 }  // namespace morula::detail

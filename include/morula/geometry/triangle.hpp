@@ -20,6 +20,9 @@ inline double area(const Triangle& t) {
 
 /// Barycentric coordinates on a facet. A coordinate is exactly zero on the facet's opposite edge, and stays so in cuts.
 using Barycentric = std::array<double, 3>;
+/// The corners of a facet that is not cut.
+inline constexpr std::array<Barycentric, 3> whole_facet{Barycentric{1, 0, 0}, Barycentric{0, 1, 0},
+                                                        Barycentric{0, 0, 1}};
 
 /// Point b0 p0 + b1 p1 + b2 p2.
 inline Vec3 at_barycentric(const Triangle& t, const Barycentric& b) {

@@ -45,20 +45,26 @@ class SignedDistance {
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  SignedDistance(const MeshView& mesh, const SignMethod* method, Workers& workers);
+  // For pseudo_normal only. A normal is zero where slivers make it meaningless.
+  struct Normals {
+    std::vector<Facet> facets;
+    std::vector<Vec3> of_facet;                           // unit
+    std::vector<Vec3> of_vertex;                          // angle-weighted average
+    std::vector<std::array<std::uint32_t, 3>> neighbors;  // the facet across the edge opposite to corner k
+
+    Normals() = default;
+    Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers);
+  };
+  struct Sides;
+  SignedDistance(const MeshView& mesh, const SignMethod* method, Sides sides, Workers& workers);
   bool separates_sides() const;
-  void prepare_normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers);
   bool decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const;
 
+  Normals normals_;
   TriangleBvh bvh_;
   SignMethod method_ = SignMethod::winding_number;
   bool has_volume_ = false;
   double orientation_ = 1.0;
-  // For pseudo_normal only. A normal is zero where slivers make it meaningless.
-  std::vector<Facet> facets_;
-  std::vector<Vec3> facet_normals_;                      // unit
-  std::vector<Vec3> vertex_normals_;                     // angle-weighted average
-  std::vector<std::array<std::uint32_t, 3>> neighbors_;  // the facet across the edge opposite to corner k
 };
 
 }  // namespace morula

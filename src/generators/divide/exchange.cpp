@@ -7,12 +7,14 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 
 #include "generators/fit/compass_search.hpp"
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/free_space.hpp"
+#include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
 namespace {
@@ -46,26 +48,32 @@ Vec3f best_center(const FreeSpace& space, const GroupPoints& points, const Vec3f
   return compass_search(best, radius, first_step, last_step, evaluate).center;
 }
 
-// What one node gives to whom, itself included.
-struct Given {
-  std::uint32_t to;
-  std::uint32_t facet;
-  std::uint32_t corner_begin, corner_end;
-};
+// Whether the power of `other` can be less than that of `own` somewhere in the box: their difference is affine.
+bool may_have_less_power(const Sphere& other, const Sphere& own, const Box& box) {
+  const Vec3 middle = box.center(), half = 0.5 * box.extent(), slope = 2.0 * (own.center - other.center);
+  const double at_middle = power(other, middle) - power(own, middle);
+  const double least = at_middle - std::abs(slope.x) * half.x - std::abs(slope.y) * half.y - std::abs(slope.z) * half.z;
+  const double rounding = 1e-9 * (squared_distance(other.center, middle) + other.radius * other.radius +
+                                  squared_distance(own.center, middle) + own.radius * own.radius);
+  return least <= rounding;
+}
+
+// What one node gives to whom, itself included: one of `to` for each part.
 struct Gifts {
-  std::vector<Given> parts;
-  std::vector<Barycentric> corners;
-  void add(std::uint32_t to, std::uint32_t facet, std::span<const Barycentric> polygon) {
-    const auto begin = static_cast<std::uint32_t>(corners.size());
-    corners.insert(corners.end(), polygon.begin(), polygon.end());
-    parts.push_back({to, facet, begin, static_cast<std::uint32_t>(corners.size())});
+  Region parts;
+  std::vector<std::uint32_t> to;
+  void add(std::uint32_t who, std::uint32_t facet, std::span<const Barycentric> polygon) {
+    parts.add(facet, polygon);
+    to.push_back(who);
   }
 };
 
 // Spheres that may take something from another.
 class NearBalls {
  public:
-  NearBalls(std::span<const std::uint32_t> near, std::span<const Sphere> spheres) {
+  // facets: about how many will be asked for.
+  NearBalls(std::span<const std::uint32_t> near, std::span<const Sphere> spheres, const Sphere& own, std::size_t facets)
+      : own_(own), at_vertices_(facets) {
     // Those that fill up the last register have more power than any.
     const std::size_t count = (near.size() + ball_columns_step - 1) / ball_columns_step * ball_columns_step;
     for (std::vector<double>* column : {&x_, &y_, &z_}) column->resize(count, 0);
@@ -77,23 +85,48 @@ class NearBalls {
     }
   }
 
-  // Those with less power than `own` at one of the corners, in order.
-  template <class Visit>
-  void each_with_less_power(std::span<const Vec3> corners, const Sphere& own, const Visit& visit) {
-    powers_.clear();
-    for (const Vec3& p : corners) powers_.push_back({p.x, p.y, p.z, power(own, p)});
-    fit_kernels().with_less_power({x_.data(), y_.data(), z_.data(), square_.data(), x_.size()},
-                                  reinterpret_cast<const double(*)[4]>(powers_.data()), powers_.size(), bits_.data());
-    for (std::size_t word = 0; word < bits_.size(); ++word)
-      for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1)
-        visit(64 * word + static_cast<std::size_t>(std::countr_zero(left)));
+  // A bit for each, of those with less power than `own` at one of a facet's vertices: differences of powers are affine,
+  // so no other has less at any of its points. Each vertex is asked once for most of its facets.
+  std::span<const std::uint64_t> with_less_power(const Mesh& mesh, std::uint32_t facet) {
+    if (bits_.size() > most_words) return at_points(mesh.corners(facet));
+    Words all{};
+    for (const std::uint32_t v : mesh.facets[facet]) {
+      const Words& at_vertex = at_vertices_.of(v, [&] {
+        Words words{};
+        std::ranges::copy(at_points({&mesh.positions[v], 1}), words.begin());
+        return words;
+      });
+      for (std::size_t word = 0; word < most_words; ++word) all[word] |= at_vertex[word];
+    }
+    std::copy_n(all.begin(), bits_.size(), bits_.begin());
+    return bits_;
   }
 
  private:
+  static constexpr std::size_t most_words = 4;
+  using Words = std::array<std::uint64_t, most_words>;
+
+  std::span<const std::uint64_t> at_points(std::span<const Vec3> points) {
+    powers_.clear();
+    for (const Vec3& p : points) powers_.push_back({p.x, p.y, p.z, power(own_, p)});
+    fit_kernels().with_less_power({x_.data(), y_.data(), z_.data(), square_.data(), x_.size()},
+                                  reinterpret_cast<const double(*)[4]>(powers_.data()), powers_.size(), bits_.data());
+    return bits_;
+  }
+
+  Sphere own_;
   std::vector<double> x_, y_, z_, square_;
   std::vector<std::array<double, 4>> powers_;
   std::vector<std::uint64_t> bits_;
+  VertexMemo<Words> at_vertices_;
 };
+
+template <class Visit>
+void each_bit(std::span<const std::uint64_t> bits, const Visit& visit) {
+  for (std::size_t word = 0; word < bits.size(); ++word)
+    for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
+      visit(64 * word + static_cast<std::size_t>(std::countr_zero(left)));
+}
 
 class Exchange {
  public:
@@ -107,9 +140,7 @@ class Exchange {
     workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), spheres); });
     for (BuildNode& node : nodes_) node.region = {};
     for (const Gifts& g : gifts)
-      for (const Given& part : g.parts)
-        nodes_[part.to].region.add(
-            part.facet, std::span(g.corners).subspan(part.corner_begin, part.corner_end - part.corner_begin));
+      for (std::size_t k = 0; k < g.to.size(); ++k) nodes_[g.to[k]].region.add(g.parts.facet[k], g.parts.polygon(k));
   }
 
   void refit(Workers& workers) {
@@ -122,24 +153,32 @@ class Exchange {
   Gifts give(std::uint32_t from, std::span<const Sphere> spheres) const {
     Gifts gifts;
     const BuildNode& own = nodes_[from];
-    // Where another node's power is less than this one's, which is not positive, its sphere reaches: only spheres that
-    // meet this one can take anything.
+    std::vector<Vec3> corners;
+    corner_positions(mesh_, own.region, corners);
+    Box box;
+    for (const Vec3& p : corners) box.add(p);
     std::vector<std::uint32_t> near, allowed;
     for (std::uint32_t j = 0; j < spheres.size(); ++j)
-      if (j != from && distance(spheres[j].center, spheres[from].center) < spheres[j].radius + spheres[from].radius)
-        near.push_back(j);
-    NearBalls balls(near, spheres);
-    std::vector<Vec3> corners;
+      if (j != from && may_have_less_power(spheres[j], spheres[from], box)) near.push_back(j);
+    NearBalls balls(near, spheres, spheres[from], own.region.size());
     CutFacet cut;
     for (std::size_t k = 0; k < own.region.size(); ++k) {
       const std::uint32_t facet = own.region.facet[k];
-      const FacetGeometry geometry = facet_geometry(mesh_, facet);
       const auto polygon = own.region.polygon(k);
+      const auto with_less_power = balls.with_less_power(mesh_, facet);
+      if (std::ranges::none_of(with_less_power, [](std::uint64_t word) { return word != 0; })) {
+        gifts.add(from, facet, polygon);
+        continue;
+      }
+      const FacetGeometry geometry = facet_geometry(mesh_, facet);
       corners.clear();
       for (const Barycentric& b : polygon) corners.push_back(at_barycentric(geometry.corners, b));
       allowed.assign(1, from);
-      balls.each_with_less_power(corners, spheres[from], [&](std::size_t n) {
+      each_bit(with_less_power, [&](std::size_t n) {
         const BuildNode& other = nodes_[near[n]];
+        const bool has_less_power = std::ranges::any_of(
+            corners, [&](const Vec3& p) { return power(spheres[near[n]], p) < power(spheres[from], p); });
+        if (!has_less_power) return;
         if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
                                                       [&](const Sphere& a) { return contains(a, corners); }))
           allowed.push_back(near[n]);
@@ -164,12 +203,8 @@ class Exchange {
       }
     }
     // A place that is given up is lost for the level: who would give everything keeps everything.
-    const bool keeps_some =
-        std::any_of(gifts.parts.begin(), gifts.parts.end(), [&](const Given& g) { return g.to == from; });
-    if (keeps_some) return gifts;
-    Gifts all;
-    for (std::size_t k = 0; k < own.region.size(); ++k) all.add(from, own.region.facet[k], own.region.polygon(k));
-    return all;
+    if (std::ranges::find(gifts.to, from) != gifts.to.end()) return gifts;
+    return {own.region, std::vector<std::uint32_t>(own.region.size(), from)};
   }
 
   Sphere fit(std::size_t i) const {
@@ -189,7 +224,8 @@ class Exchange {
     const FreeSpace space(lines_, around, radius / lines_per_radius, std::move(others));
     const Vec3f smallest = space.to_cells(enclosing_sphere(corners).center);
     const auto in_cells = static_cast<float>(radius / space.cell());
-    const Vec3 center = space.from_cells(best_center(space, extremes(corners, space), smallest, in_cells));
+    const Vec3 center = space.from_cells(best_center(
+        space, extremes(some_corner_positions(mesh_, node.region, most_candidates), space), smallest, in_cells));
     return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, max_norm(center)))};
   }
 

@@ -266,7 +266,7 @@ class FlatSet {
       if (!next.empty()) built.tree.append_level(counts, spheres);
       level = std::move(next);
     }
-    built.cover = assemble_cover(input_.mesh, built.tree, regions);
+    built.cover = assemble_cover(input_.mesh, built.tree, std::move(regions));
     report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
     report_.level_seconds.assign(built.tree.level_count(), 0.0);
     report_.level_seconds[std::min<std::size_t>(1, report_.depth)] = run_.seconds();

@@ -10,6 +10,7 @@
 
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/partition.hpp"
+#include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
 namespace {
@@ -63,10 +64,17 @@ class ThinnedPoints {
 // Corners of every patch and a triangular lattice on it.
 void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoints& points) {
   constexpr int most_steps = 200;
+  VertexMemo<bool> added(region.size());
   for (std::size_t k = 0; k < region.size(); ++k) {
     const Triangle t = mesh.corners(region.facet[k]);
     const auto polygon = region.polygon(k);
-    for (const Barycentric& b : polygon) points.add(at_barycentric(t, b));
+    for (std::size_t c = 0; c < polygon.size(); ++c) {
+      const Vec3 p = at_barycentric(t, polygon[c]);
+      if (region.is_whole(k))
+        added.of(mesh.facets[region.facet[k]][c], [&] { return points.add(p), true; });
+      else
+        points.add(p);
+    }
     const Vec3 a = at_barycentric(t, polygon[0]);
     for (std::size_t c = 2; c < polygon.size(); ++c) {
       const Vec3 p = at_barycentric(t, polygon[c - 1]), q = at_barycentric(t, polygon[c]);
@@ -176,7 +184,8 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
                                         grid_->to_grid(enclosing_sphere(corners).center),
                                         grid_->to_grid(node_.sphere.center)};
       const GroupBall fitted =
-          group_->refit_to(extremes(corners, *grid_), std::span(starts).first(from_node_center ? 3 : 2));
+          group_->refit_to(extremes(some_corner_positions(input_.mesh, divided.regions[i], most_candidates), *grid_),
+                           std::span(starts).first(from_node_center ? 3 : 2));
       const Vec3 center = grid_->from_grid(fitted.center);
       const double radius = farthest_distance(center, corners);
       balls.push_back({grid_->to_grid(center), static_cast<float>(radius / grid_->cell()), 0});

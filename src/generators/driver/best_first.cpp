@@ -170,7 +170,7 @@ class BestFirst {
       if (!next.empty()) built.tree.append_level(counts, spheres);
       level = std::move(next);
     }
-    built.cover = assemble_cover(mesh_, built.tree, regions);
+    built.cover = assemble_cover(mesh_, built.tree, std::move(regions));
     report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
     report_.level_seconds.resize(built.tree.level_count());
     for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)

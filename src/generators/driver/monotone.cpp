@@ -60,7 +60,6 @@ Region joined(std::span<const BuildNode> parts) {
         for (std::size_t i = 0; i < 3; ++i)
           if (b[i] == 1 && b[(i + 1) % 3] == 0 && b[(i + 2) % 3] == 0) of.corners |= 1u << i;
     }
-  const std::array<Barycentric, 3> corners{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}};
   Region region;
   for (const BuildNode& part : parts)
     for (std::size_t k = 0; k < part.region.size(); ++k) {
@@ -68,7 +67,7 @@ Region joined(std::span<const BuildNode> parts) {
       if (of.area < whole || of.corners != 7)
         region.add(part.region.facet[k], part.region.polygon(k));
       else if (of.count > 0)
-        region.add(part.region.facet[k], corners), of.count = 0;
+        region.add_whole(part.region.facet[k]), of.count = 0;
     }
   return region;
 }

@@ -130,7 +130,7 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
   }
   for (BuildNode& node : level) finished.push_back(std::move(node.region));
   report.level_seconds.resize(built.tree.level_count());
-  built.cover = assemble_cover(mesh, built.tree, finished);
+  built.cover = assemble_cover(mesh, built.tree, std::move(finished));
   for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
     report.early_leaves += built.tree.is_leaf(i);
   if (report.complete && built.tree.level_count() < static_cast<std::size_t>(run.depth) + 1)

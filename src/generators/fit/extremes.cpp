@@ -12,11 +12,10 @@ namespace {
 
 template <class Narrow>
 GroupPoints farthest_out(std::span<const Vec3> points, const Narrow& narrow) {
-  // Corners of many patches repeat and lie close together: an even choice decides nearly as well, and radii are taken
-  // from all of them in the end.
-  constexpr std::size_t most = 1200, few_enough = 200, direction_count = 96;
+  constexpr std::size_t few_enough = 200, direction_count = 96;
+  const std::size_t step = points.size() <= most_candidates ? 1 : 1 + points.size() / most_candidates;
   GroupPoints all;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) all.push_back(narrow(points[i]));
+  for (std::size_t i = 0; i < points.size(); i += step) all.push_back(narrow(points[i]));
   if (all.size() <= few_enough) return all;
   static const std::vector<Vec3f> directions = [] {
     std::vector<Vec3f> result;

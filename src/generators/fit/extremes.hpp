@@ -10,6 +10,10 @@
 
 namespace morula::detail {
 
+/// Of more points than this every second, third, … one is looked at: corners of many patches repeat and lie close
+/// together, so an even choice decides nearly as well. Radii are taken from all of them in the end.
+inline constexpr std::size_t most_candidates = 1200;
+
 /// Points farthest out in directions spread over the sphere; all of them when they are few. In the grid's coordinates.
 GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid);
 GroupPoints extremes(std::span<const Vec3> points, const FreeSpace& space);

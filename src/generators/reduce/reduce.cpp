@@ -27,9 +27,10 @@ RegionSamples region_samples(const Mesh& mesh, const Region& region, double orie
     samples.points.push_back(point);
     samples.normals.push_back(normal);
   };
-  const std::size_t step = std::max<std::size_t>(1, region.corners.size() / most_corner_samples);
+  const std::size_t step = std::max<std::size_t>(1, region.corner_count() / most_corner_samples);
   std::vector<double> area_up_to(region.size());
   double total = 0;
+  std::size_t corner = 0;
   for (std::size_t k = 0; k < region.size(); ++k) {
     const Triangle t = mesh.corners(region.facet[k]);
     const Vec3 normal = unit_normal(t, orientation);
@@ -38,8 +39,8 @@ RegionSamples region_samples(const Mesh& mesh, const Region& region, double orie
     for (std::size_t c = 2; c < polygon.size(); ++c)
       total += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
     area_up_to[k] = total;
-    for (std::size_t c = 0; c < polygon.size(); ++c)
-      if ((region.corner_begin[k] + c) % step == 0) add(at_barycentric(t, polygon[c]), normal);
+    for (const Barycentric& b : polygon)
+      if (corner++ % step == 0) add(at_barycentric(t, b), normal);
   }
   if (!(total > 0)) return samples;
   Random random(seed);
