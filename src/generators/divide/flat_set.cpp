@@ -165,6 +165,7 @@ class FlatSet {
 
   // Places that are left go to the spheres that take in most, as long as that helps.
   void spend_rest(Set& set, std::size_t most) const {
+    if (set.leaves.size() >= most) return;
     std::vector<double> worth;
     const auto judged = [&](const BuildNode& leaf) {
       return input_.shape.has_volume() ? outside_volume(input_.shape, leaf.sphere)
