@@ -47,9 +47,10 @@ class TwoLeaves {
   // The root has gone `moved`, negative for not at all; the second leaf's point has changed or not.
   float measure_again(float moved, bool changed) {
     place();
-    const std::vector<std::uint8_t> leaf_changed{0, static_cast<std::uint8_t>(changed)};
-    std::vector<float> ways{moved, -1, -1};
-    walk_.measure_again(points_, spheres_, leaf_changed, ways);
+    Marks leaves(2), touched(3);
+    if (changed) leaves.add(1);
+    const std::vector<CornerWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
+    walk_.measure_again(points_, spheres_, leaves, nodes, touched);
     return walk_.squared_reach(0);
   }
   // By itself, from the beginning.

@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
+#include <support/aligned.hpp>
 
 #include "bodies.hpp"
 
@@ -48,6 +49,27 @@ TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
         ASSERT_TRUE(parallel.update(positions, ranges, three));
         ASSERT_EQ(partial.hash(), full.hash()) << b.name << ", frame " << frame;
         ASSERT_EQ(parallel.hash(), full.hash()) << b.name << ", frame " << frame;
+      }
+    }
+  }
+}
+
+// On lattices many corners are the farthest at once. One goes out, so that all above hang on it, and comes back, or in.
+TEST(ChangedRanges, give_the_same_bits_where_the_farthest_comes_back_among_equals) {
+  for (const test::NamedMesh& aligned : test::aligned_bodies()) {
+    const Mesh& mesh = aligned.mesh;
+    const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+    Body full(mesh, built), partial(mesh, built);
+    std::vector<Vec3> positions = mesh.positions;
+    Random random(11);
+    for (int frame = 0; frame < 60; ++frame) {
+      const auto v = static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(positions.size())));
+      for (const double factor : {1.5, 1.0, 0.5, 1.0}) {
+        positions[v] = mesh.positions[v] * factor;
+        const VertexRange range{v, v + 1};
+        ASSERT_TRUE(full.update(positions));
+        ASSERT_TRUE(partial.update(positions, std::span(&range, 1)));
+        ASSERT_EQ(partial.hash(), full.hash()) << aligned.name << ", frame " << frame << ", factor " << factor;
       }
     }
   }
