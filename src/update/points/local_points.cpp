@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t vertices_per_stretch = 128, stretches_per_chunk = 32;
 static_assert(vertices_per_stretch % vertices_per_block == 0);
-constexpr std::size_t cut_points_per_chunk = 4096;
+constexpr std::size_t cut_points_per_chunk = 1024;
 
 bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
   for (std::uint32_t i = 0; i < items.size(); ++i)
@@ -144,25 +144,19 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
 }
 
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
-  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk,
-               [&](std::size_t begin, std::size_t end) { move_edge_cuts(begin, end); });
-  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk,
-               [&](std::size_t begin, std::size_t end) { move_inner_cuts(begin, end); });
+  parallel_for(workers, cut_point_count(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_cuts(begin, end); });
 }
 
-void LocalPoints::move_edge_cuts(std::size_t begin, std::size_t end) noexcept {
-  kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], end - begin, &points_[vertex_count_ + begin]);
-}
-
-void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
-  kernels().move_inner_cuts(points_.data(), &inner_cuts_[begin], end - begin,
-                            &points_[vertex_count_ + edge_cuts_.size() + begin]);
-}
-
-void LocalPoints::move_cuts(std::uint32_t begin, std::uint32_t end) noexcept {
-  const auto edge_cuts = static_cast<std::uint32_t>(edge_cuts_.size());
-  if (begin < edge_cuts && begin < end) move_edge_cuts(begin, std::min(end, edge_cuts));
-  if (end > edge_cuts && begin < end) move_inner_cuts(std::max(begin, edge_cuts) - edge_cuts, end - edge_cuts);
+// Those on edges come first.
+void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
+  const std::size_t on_edges = edge_cuts_.size(), edge_end = std::min(end, on_edges);
+  if (begin < edge_end)
+    kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], edge_end - begin, &points_[vertex_count_ + begin]);
+  const std::size_t inner_begin = std::max(begin, on_edges);
+  if (inner_begin < end)
+    kernels().move_inner_cuts(points_.data(), &inner_cuts_[inner_begin - on_edges], end - inner_begin,
+                              &points_[vertex_count_ + inner_begin]);
 }
 
 // The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.

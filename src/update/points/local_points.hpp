@@ -74,9 +74,7 @@ class LocalPoints {
   std::size_t narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept;
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
-  void move_cuts(std::uint32_t begin, std::uint32_t end) noexcept;
-  void move_edge_cuts(std::size_t begin, std::size_t end) noexcept;
-  void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
+  void move_cuts(std::size_t begin, std::size_t end) noexcept;
 
   std::size_t vertex_count_;
   bool mesh_order_;                      // point i is mesh vertex i; the next two are empty then

@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t leaves_per_chunk = 16;
+constexpr std::size_t leaves_per_chunk = 8;
 
 }  // namespace
 
