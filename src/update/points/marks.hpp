@@ -16,6 +16,7 @@ class Marks {
  public:
   explicit Marks(std::size_t count = 0) : words_((count + 63) / 64) {}
   void add(std::uint32_t i) noexcept { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  void remove(std::uint32_t i) noexcept { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
   bool has(std::uint32_t i) const noexcept { return (words_[i / 64] >> (i % 64) & 1) != 0; }
   void clear() noexcept { std::fill(words_.begin(), words_.end(), std::uint64_t{0}); }
   /// visit(i) for each, ascending. Nothing is to be added meanwhile.

@@ -54,6 +54,15 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   squared_before_.resize(tree.level_count());
   squared_reach_.resize(nodes_.size());
   searched_ = Marks(nodes_.size());
+  groups_known_ = Marks(leaf_count());
+  group_center_.resize(leaf_count());
+  group_begin_.push_back(0);
+  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    std::size_t count = point_begin_[leaf + 1] - point_begin_[leaf];
+    for (std::uint32_t r = run_begin_[leaf]; r < run_begin_[leaf + 1]; ++r) count += runs_[r].end - runs_[r].begin;
+    group_begin_.push_back(group_begin_.back() + static_cast<std::uint32_t>(count / points_per_group));
+  }
+  groups_.resize(group_begin_.back());
 }
 
 // levels: of the chain's nodes.
@@ -90,6 +99,7 @@ void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> po
   if (!paths_are_zero_) {
     std::fill(path_.begin(), path_.end(), 0.0);
     std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
+    groups_known_.clear();
     paths_are_zero_ = true;
   }
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {

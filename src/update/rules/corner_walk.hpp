@@ -87,6 +87,8 @@ class CornerWalk {
     const std::uint32_t leaf = below_[k].leaf_begin;
     return chain_begin_[leaf] + below_[k].slot + 1 == chain_begin_[leaf + 1];
   }
+  std::size_t walk_for_leaf(std::uint32_t leaf, std::span<const LocalPoint> points,
+                            std::span<const Spheref> spheres) noexcept;
   std::size_t measure_changed(std::uint32_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                               Marks& touched) noexcept;
   void begin_lists() noexcept;
@@ -119,8 +121,14 @@ class CornerWalk {
   std::vector<float> bounds_;          // of leaves, in one search
   std::vector<float> squared_before_;  // of a chain, while its leaf is measured again
   Marks searched_;                     // nodes whose leaves have to be looked at
-  std::vector<double> path_;           // of each node's centre, through all updates since all was measured
-  bool paths_are_zero_ = false;        // path_ and path_then_
+  // Of leaves that were walked for their own node alone and whose points have not moved since: the largest squared
+  // distance from where the centre was then to a point of each group, in the order of runs and list.
+  Marks groups_known_;
+  std::vector<float> groups_;
+  std::vector<std::uint32_t> group_begin_;
+  std::vector<Vec3f> group_center_;
+  std::vector<double> path_;     // of each node's centre, through all updates since all was measured
+  bool paths_are_zero_ = false;  // path_ and path_then_
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 

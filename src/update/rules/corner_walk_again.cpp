@@ -24,6 +24,18 @@ double next_above(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) + 1);
 }
 
+// What the largest squared distance of a group was at least, if the group may hold the farthest point now that the
+// centre has moved: `most` was the largest of all. Let e = 2^-24, d the distance to the group's farthest point, D that
+// of all, w the way. Squared distances are (1 + e)^5 of the real ones, so 2.6 e of the distance each, and squares that
+// vanish shorten it by u = 2^-62. The group can be left out if (d + w) (1 + 2.6 e) + u <= (D - w) (1 - 2.6 e) - u,
+// where d <= sqrt(group) (1 + 2.6 e) + u and D >= sqrt(most) (1 - 2.6 e) - u: if sqrt(group) is at most sqrt(most) (1
+// - 10.5 e) - 2 w (1 + 5.3 e) - 4.1 u. Squaring that and narrowing it takes e and 2^-75 more.
+float least_that_may_be_farthest(float most, double way) {
+  constexpr double shorter = 1 - 0x1p-20, longer = 1 + 0x1p-20, vanishing = 0x1p-59;
+  const double least = std::sqrt(static_cast<double>(most)) * shorter - 2 * way * longer - vanishing;
+  return least > 0 ? static_cast<float>(least * least) : 0.0f;
+}
+
 }  // namespace
 
 std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
@@ -41,7 +53,7 @@ std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::s
   for (const MovedNode& node : moved) {
     if (!is_leaf(node.k)) continue;
     const std::uint32_t leaf = below_[node.k].leaf_begin, entry = chain_begin_[leaf] + below_[node.k].slot;
-    if (!changed_leaves.has(leaf)) tested += walk(leaf, entry, points, spheres);
+    if (!changed_leaves.has(leaf)) tested += walk_for_leaf(leaf, points, spheres);
     squared_reach_[node.k] = squared_[entry];
   }
   searched_.each([&](std::uint32_t k) { tested += search(k, points, spheres); });
@@ -59,6 +71,7 @@ std::size_t CornerWalk::measure_changed(std::uint32_t leaf, std::span<const Loca
   const std::uint32_t begin = chain_begin_[leaf], end = chain_begin_[leaf + 1];
   std::copy(squared_.begin() + begin, squared_.begin() + end, squared_before_.begin());
   measure_leaf(leaf, points, spheres);
+  groups_known_.remove(leaf);
   for (std::uint32_t entry = begin; entry < end; ++entry) {
     const std::uint32_t k = chain_[entry];
     tested += looked_at_[entry], touched.add(k);
@@ -68,6 +81,36 @@ std::size_t CornerWalk::measure_changed(std::uint32_t leaf, std::span<const Loca
       searched_.add(k);
   }
   return tested;
+}
+
+// For its own node, whose centre has moved by itself. Where a group has its farthest point farther than twice the way
+// before that of all, that is not the farthest now: the one has come nearer by at most the way, the other gone as far.
+std::size_t CornerWalk::walk_for_leaf(std::uint32_t leaf, std::span<const LocalPoint> points,
+                                      std::span<const Spheref> spheres) noexcept {
+  constexpr std::size_t too_few = 32;  // to gain by leaving some out
+  const std::uint32_t entry = chain_begin_[leaf + 1] - 1, k = chain_[entry];
+  const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
+  const auto index = std::span(points_).subspan(point_begin_[leaf], point_end_[entry] - point_begin_[leaf]);
+  const auto groups = std::span(groups_).subspan(group_begin_[leaf], group_begin_[leaf + 1] - group_begin_[leaf]);
+  if (groups.size() < too_few) return walk(leaf, entry, points, spheres);
+  const Vec3f& center = spheres[nodes_[k]].center;
+  path_then_[entry] = path_[k];
+  if (groups_known_.has(leaf)) {
+    float most = 0;
+    for (const float squared : groups) most = std::max(most, squared);
+    const float least = least_that_may_be_farthest(most, distance(Vec3(center), Vec3(group_center_[leaf])));
+    std::size_t count = 0;
+    for (const float squared : groups) count += squared >= least ? 1 : 0;
+    if (2 * count <= groups.size()) {
+      squared_[entry] = kernels().farthest_of_some(points.data(), runs, index, center, groups.data(), least);
+      return std::min<std::size_t>(count * points_per_group, looked_at_[entry]);
+    }
+  }
+  kernels().farthest_of_groups(points.data(), runs, index, center, groups.data());
+  squared_[entry] = *std::max_element(groups.begin(), groups.end());
+  groups_known_.add(leaf);
+  group_center_[leaf] = center;
+  return looked_at_[entry];
 }
 
 // Walks the leaves that may hold a node's farthest point: none reaches farther than when it was walked last, which was
