@@ -12,6 +12,7 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 8;
+constexpr std::size_t least_groups = 32;  // of a leaf that gains by leaving some out
 
 }  // namespace
 
@@ -55,14 +56,15 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   squared_reach_.resize(nodes_.size());
   searched_ = Marks(nodes_.size());
   groups_known_ = Marks(leaf_count());
-  group_center_.resize(leaf_count());
   group_begin_.push_back(0);
   for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
     std::size_t count = point_begin_[leaf + 1] - point_begin_[leaf];
     for (std::uint32_t r = run_begin_[leaf]; r < run_begin_[leaf + 1]; ++r) count += runs_[r].end - runs_[r].begin;
-    group_begin_.push_back(group_begin_.back() + static_cast<std::uint32_t>(count / points_per_group));
+    const std::size_t groups = count / points_per_group;
+    group_begin_.push_back(group_begin_.back() + static_cast<std::uint32_t>(groups < least_groups ? 0 : groups));
   }
   groups_.resize(group_begin_.back());
+  if (!groups_.empty()) group_center_.resize(leaf_count());
 }
 
 // levels: of the chain's nodes.

@@ -121,8 +121,8 @@ class CornerWalk {
   std::vector<float> bounds_;          // of leaves, in one search
   std::vector<float> squared_before_;  // of a chain, while its leaf is measured again
   Marks searched_;                     // nodes whose leaves have to be looked at
-  // Of leaves that were walked for their own node alone and whose points have not moved since: the largest squared
-  // distance from where the centre was then to a point of each group, in the order of runs and list.
+  // Of leaves with many points that were walked for their own node alone and whose points have not moved since: the
+  // largest squared distance from where the centre was then to a point of each group, in the order of runs and list.
   Marks groups_known_;
   std::vector<float> groups_;
   std::vector<std::uint32_t> group_begin_;

@@ -87,12 +87,11 @@ std::size_t CornerWalk::measure_changed(std::uint32_t leaf, std::span<const Loca
 // before that of all, that is not the farthest now: the one has come nearer by at most the way, the other gone as far.
 std::size_t CornerWalk::walk_for_leaf(std::uint32_t leaf, std::span<const LocalPoint> points,
                                       std::span<const Spheref> spheres) noexcept {
-  constexpr std::size_t too_few = 32;  // to gain by leaving some out
   const std::uint32_t entry = chain_begin_[leaf + 1] - 1, k = chain_[entry];
   const auto runs = std::span(runs_).subspan(run_begin_[leaf], run_begin_[leaf + 1] - run_begin_[leaf]);
   const auto index = std::span(points_).subspan(point_begin_[leaf], point_end_[entry] - point_begin_[leaf]);
   const auto groups = std::span(groups_).subspan(group_begin_[leaf], group_begin_[leaf + 1] - group_begin_[leaf]);
-  if (groups.size() < too_few) return walk(leaf, entry, points, spheres);
+  if (groups.empty()) return walk(leaf, entry, points, spheres);
   const Vec3f& center = spheres[nodes_[k]].center;
   path_then_[entry] = path_[k];
   if (groups_known_.has(leaf)) {
