@@ -4,11 +4,13 @@
 // bit, as soon as one of the allowances is taken away. scripts/mutants takes them away, one after the other.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/update/body.hpp>
+#include <optional>
 
 #include "bodies.hpp"
 #include "update/points/rounding.hpp"
@@ -47,9 +49,10 @@ class TwoLeaves {
   // The root has gone `moved`, negative for not at all; the second leaf's point has changed or not.
   float measure_again(float moved, bool changed) {
     place();
-    const std::vector<std::uint8_t> leaf_changed{0, static_cast<std::uint8_t>(changed)};
-    std::vector<float> ways{moved, -1, -1};
-    walk_.measure_again(points_, spheres_, leaf_changed, ways);
+    Marks leaves(2), touched(3);
+    if (changed) leaves.add(1);
+    const std::vector<CornerWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
+    walk_.measure_again(points_, spheres_, leaves, nodes, touched);
     return walk_.squared_reach(0);
   }
   // By itself, from the beginning.
@@ -117,6 +120,85 @@ TEST(CornerWalkAllowance, pays_for_rounding_where_a_bound_by_the_way_is_tight) {
 }
 TEST(CornerWalkAllowance, pays_for_squares_that_underflow) {
   for (const double size : {0x1p-66, 0x1p-72, 0x1p-75}) expect_farthest_beyond_the_way(size, 5000, 3);
+}
+
+// A leaf with so many points that some groups of them are left out: a root over it, and two points that count, far from
+// each other in the list.
+class ManyPoints {
+ public:
+  std::array<LocalPoint, 2> point{};
+
+  ManyPoints() {
+    SphereTree tree;
+    tree.branching = 2;
+    tree.append_level({}, std::vector<Sphere>(1));
+    tree.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>(1));
+    Ownership ownership;
+    ownership.begin = {0, static_cast<std::uint32_t>(count)};
+    for (std::uint32_t i = 0; i < count; ++i) ownership.points.push_back(i);
+    walk_.emplace(tree, depth_first_leaves(tree), ownership, std::vector<std::uint8_t>{1, 1});
+  }
+  // All from the beginning, then by groups: the centre is where all other points are.
+  void measure(const Vec3f& center) {
+    points_.assign(count, {center.x, center.y, center.z, 0});
+    points_[20] = point[0], points_[count - 20] = point[1];
+    spheres_ = {{center, 0}, {center, 0}};
+    walk_->measure(points_, spheres_, serial_workers());
+    measure_again(0);
+  }
+  float measure_again(const Vec3f& center, float way) {
+    spheres_[1].center = center;
+    measure_again(way);
+    return walk_->squared_reach(1);
+  }
+  float measured_anew() const {
+    const auto squared = [&](const LocalPoint& p) { return squared_length(Vec3f{p.x, p.y, p.z} - spheres_[1].center); };
+    return std::max(squared(point[0]), squared(point[1]));
+  }
+  std::size_t tested() const { return tested_; }  // of the last time
+
+ private:
+  static constexpr std::size_t count = 40 * points_per_group;
+  void measure_again(float way) {
+    Marks none(1), touched(2);
+    tested_ = walk_->measure_again(points_, spheres_, none, std::vector<CornerWalk::MovedNode>{{1, way}}, touched);
+  }
+
+  std::optional<CornerWalk> walk_;
+  std::vector<LocalPoint> points_;
+  std::vector<Spheref> spheres_;
+  std::size_t tested_ = 0;
+};
+
+// The centre goes straight towards the farthest point and away from the other one, which comes to be as far within a
+// share of that. Returns how many points were tested in the end.
+std::size_t expect_farthest_of_groups(double size, double share, int trials, std::uint64_t seed) {
+  Random random(seed);
+  ManyPoints many;
+  std::size_t tested = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const Vec3 along = random_direction(random);
+    const Vec3f from(random_vector(random) * size);
+    const double reach = size * random.uniform(0.5, 2);
+    const Vec3f to(Vec3(from) + along * (reach * random.uniform(0.001, trial % 4 == 0 ? 0.3 : 0.01)));
+    many.point[0] = local(Vec3(from) + along * reach);
+    const double now = distance(Vec3(to), {many.point[0].x, many.point[0].y, many.point[0].z});
+    many.point[1] = local(Vec3(to) - along * (now * (1 - random.uniform(-share, share))));
+    many.measure(from);
+    const float found = many.measure_again(to, static_cast<float>(distance(Vec3(to), Vec3(from))));
+    EXPECT_EQ(found, many.measured_anew()) << "trial " << trial << " of size " << size;
+    if (found != many.measured_anew()) break;
+    tested += many.tested();
+  }
+  return tested;
+}
+
+TEST(CornerWalkAllowance, pays_for_rounding_where_a_group_is_left_out_narrowly) {
+  constexpr int trials = 100000;
+  EXPECT_LT(expect_farthest_of_groups(1, 3 * e, trials, 2), 20 * points_per_group * trials);  // else nothing was tried
+}
+TEST(CornerWalkAllowance, pays_for_squares_of_groups_that_underflow) {
+  for (const double size : {0x1p-66, 0x1p-72, 0x1p-75}) expect_farthest_of_groups(size, 0.1, 5000, 4);
 }
 
 // A way so long that a step is nothing beside it: the step is seen all the same.

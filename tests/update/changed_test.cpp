@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/tree/renumber.hpp>
 #include <morula/update/body.hpp>
+#include <support/aligned.hpp>
 
 #include "bodies.hpp"
 
@@ -51,6 +52,58 @@ TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
       }
     }
   }
+}
+
+// On lattices many corners are the farthest at once. One goes out, so that all above hang on it, and comes back, or in.
+TEST(ChangedRanges, give_the_same_bits_where_the_farthest_comes_back_among_equals) {
+  for (const test::NamedMesh& aligned : test::aligned_bodies()) {
+    const Mesh& mesh = aligned.mesh;
+    const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+    Body full(mesh, built), partial(mesh, built);
+    std::vector<Vec3> positions = mesh.positions;
+    Random random(11);
+    for (int frame = 0; frame < 60; ++frame) {
+      const auto v = static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(positions.size())));
+      for (const double factor : {1.5, 1.0, 0.5, 1.0}) {
+        positions[v] = mesh.positions[v] * factor;
+        const VertexRange range{v, v + 1};
+        ASSERT_TRUE(full.update(positions));
+        ASSERT_TRUE(partial.update(positions, std::span(&range, 1)));
+        ASSERT_EQ(partial.hash(), full.hash()) << aligned.name << ", frame " << frame << ", factor " << factor;
+      }
+    }
+  }
+}
+
+// Leaves of many points, where groups of them are left out; now and then everything moves, in an update of all.
+TEST(ChangedRanges, give_the_same_bits_where_leaves_own_much) {
+  const Mesh as_made = sample_body("limb", 80);
+  const CoveredTree built_as_made = build(as_made, {.method = Method::octree, .depth = 1});
+  const std::vector<std::uint32_t> order = leaf_order(built_as_made);
+  const Mesh mesh = renumbered(as_made, order);
+  const CoveredTree built = renumbered(built_as_made, mesh, order);
+  Body full(mesh, built), partial(mesh, built);
+  std::vector<Vec3> positions = mesh.positions;
+  const auto count = static_cast<std::uint32_t>(positions.size());
+  Random random(12);
+  std::size_t tested = 0, whole = 0;
+  for (int frame = 0; frame < 400; ++frame) {
+    const auto begin = 1 + static_cast<std::uint32_t>(random.uniform(0, 0.99 * count - 1));
+    const VertexRange range{begin, begin + count / 100};
+    const double way = frame % 2 == 0 ? 0.01 : 0.1;
+    for (std::uint32_t v = range.begin; v < range.end; ++v)
+      positions[v] += Vec3{random.uniform(-way, way), random.uniform(-way, way), random.uniform(-way, way)};
+    if (frame % 50 == 49)
+      for (Vec3& p : positions) p.y *= 1.02;
+    ASSERT_TRUE(full.update(positions));
+    const UpdateStatus status =
+        frame % 50 == 49 ? partial.update(positions) : partial.update(positions, std::span(&range, 1));
+    ASSERT_TRUE(status);
+    ASSERT_EQ(partial.hash(), full.hash()) << "frame " << frame;
+    if (frame % 50 == 49) whole = status.points_tested;
+    tested += status.points_tested;
+  }
+  EXPECT_LT(tested, 400 * whole / 2);
 }
 
 TEST(ChangedRanges, cost_what_moved) {

@@ -12,7 +12,7 @@
 namespace morula::detail {
 
 /// Vertices that change together, as far as partial updates care: consecutive ones of the ownership's order.
-inline constexpr std::size_t vertices_per_block = 128;
+inline constexpr std::size_t vertices_per_block = 32;
 
 class BlockLists {
  public:

@@ -30,6 +30,36 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
+void farthest_of_groups(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
+                        const Vec3f& center, float* groups) {
+  const auto add = [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
+    farthest(points, run, list, {&center, 1}, groups++);
+  };
+  for (const PointRun& run : runs)
+    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group) {
+      const PointRun group{p, p + static_cast<std::uint32_t>(points_per_group)};
+      add({&group, 1}, {});
+    }
+  for (std::size_t p = 0; p != index.size(); p += points_per_group) add({}, index.subspan(p, points_per_group));
+}
+
+float farthest_of_some(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
+                       const Vec3f& center, const float* groups, float least) {
+  float most = 0;
+  const auto add = [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
+    float squared = 0;
+    if (*groups++ >= least) farthest(points, run, list, {&center, 1}, &squared);
+    most = std::max(most, squared);
+  };
+  for (const PointRun& run : runs)
+    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group) {
+      const PointRun group{p, p + static_cast<std::uint32_t>(points_per_group)};
+      add({&group, 1}, {});
+    }
+  for (std::size_t p = 0; p != index.size(); p += points_per_group) add({}, index.subspan(p, points_per_group));
+  return most;
+}
+
 Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   Vec3f now = center, best = center;
   float least = 0;
@@ -155,9 +185,10 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return largest;
 }
 
-constexpr Kernels kernels{farthest,           pull,           pull_many,      weighted_sums,   carry,
-                          farthest_of_leaves, covering_radii, move_edge_cuts, move_inner_cuts, narrow_floats,
-                          narrow_listed};
+constexpr Kernels kernels{
+    farthest,     farthest_of_groups, farthest_of_some, pull,           pull_many,       weighted_sums,
+    carry,        farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats,
+    narrow_listed};
 
 }  // namespace plain
 

@@ -85,6 +85,14 @@ struct Kernels {
   /// most most_centers; index.size() is a multiple of points_per_group.
   void (*farthest)(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
                    std::span<const Vec3f> centers, float* squared);
+  /// groups[g] = largest squared distance from the center to a point of group g: points_per_group at once of the runs,
+  /// then of the list.
+  void (*farthest_of_groups)(const LocalPoint* points, std::span<const PointRun> runs,
+                             std::span<const std::uint32_t> index, const Vec3f& center, float* groups);
+  /// The largest squared distance to a point of the groups that have `least` or more; 0 without any.
+  float (*farthest_of_some)(const LocalPoint* points, std::span<const PointRun> runs,
+                            std::span<const std::uint32_t> index, const Vec3f& center, const float* groups,
+                            float least);
   /// The centre moved towards the farthest point of its core, up to pull_steps times: the best place on the way
   /// [badoiu2003], so never one farther from the core than it was.
   Vec3f (*pull)(const LocalPoint* points, const Pull& pull, const Vec3f& center);

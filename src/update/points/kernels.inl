@@ -49,6 +49,40 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
+// Those of a group, which `row` gives: lanes of them from the i-th on.
+template <class Row>
+[[gnu::always_inline]] inline Wide farthest_of_group(const Row& row, Wide x, Wide y, Wide z) {
+  Wide farthest{};
+  for (std::size_t i = 0; i < points_per_group; i += lanes)
+    farthest = max(squared_distance(columns(row(i)), x, y, z), farthest);
+  return farthest;
+}
+
+void farthest_of_groups(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
+                        const Vec3f& center, float* groups) {
+  const Wide x = all(center.x), y = all(center.y), z = all(center.z);
+  for (const PointRun& run : runs)
+    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group)
+      *groups++ = largest_lane(farthest_of_group([&](std::size_t i) { return load_run(points + p + i); }, x, y, z));
+  for (std::size_t p = 0; p != index.size(); p += points_per_group)
+    *groups++ = largest_lane(farthest_of_group([&](std::size_t i) { return gather(points, &index[p + i]); }, x, y, z));
+}
+
+float farthest_of_some(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
+                       const Vec3f& center, const float* groups, float least) {
+  const Wide x = all(center.x), y = all(center.y), z = all(center.z);
+  Wide farthest{};
+  for (const PointRun& run : runs)
+    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group)
+      if (*groups++ >= least)
+        farthest = max(farthest_of_group([&](std::size_t i) { return load_run(points + p + i); }, x, y, z), farthest);
+  for (std::size_t p = 0; p != index.size(); p += points_per_group)
+    if (*groups++ >= least)
+      farthest =
+          max(farthest_of_group([&](std::size_t i) { return gather(points, &index[p + i]); }, x, y, z), farthest);
+  return largest_lane(farthest);
+}
+
 Vec3f pull(const LocalPoint* points, const Pull& pull, const Vec3f& center) {
   constexpr int packs = static_cast<int>(core_size) / lanes;
   WidePoints core[packs];
@@ -458,6 +492,7 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return static_cast<std::uint32_t>(largest);
 }
 
-constexpr Kernels kernels{farthest,           pull,           pull_many,      weighted_sums,   carry,
-                          farthest_of_leaves, covering_radii, move_edge_cuts, move_inner_cuts, narrow_floats,
-                          narrow_listed};
+constexpr Kernels kernels{
+    farthest,     farthest_of_groups, farthest_of_some, pull,           pull_many,       weighted_sums,
+    carry,        farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats,
+    narrow_listed};

@@ -10,8 +10,9 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t blocks_per_chunk = 32;
-constexpr std::size_t cut_points_per_chunk = 4096;
+constexpr std::size_t vertices_per_stretch = 128, stretches_per_chunk = 32;
+static_assert(vertices_per_stretch % vertices_per_block == 0);
+constexpr std::size_t cut_points_per_chunk = 1024;
 
 bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
   for (std::uint32_t i = 0; i < items.size(); ++i)
@@ -28,7 +29,7 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
     point_of_.assign(rest.vertex_count(), 0xffffffffu);
     for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[vertices_[i]] = i;
     vertices_.resize(vertex_count_ + narrow_ahead, vertices_.back());
-    last_vertex_block_ = point_of_.back() / vertices_per_block;
+    last_vertex_stretch_ = point_of_.back() / vertices_per_stretch;
   }
   for (const std::uint32_t k : ownership.cut_points) {
     const CutPoint& c = cover.cut_points[k];
@@ -47,9 +48,9 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   for (const CutPoint& c : cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   points_.resize(vertex_count_ + cut_point_count());
-  block_largest_.resize((vertex_count_ + vertices_per_block - 1) / vertices_per_block);
-  block_changed_.resize(block_count());
-  changed_blocks_.resize(block_count());
+  stretch_largest_.resize((vertex_count_ + vertices_per_stretch - 1) / vertices_per_stretch);
+  changed_blocks_ = Marks(block_count());
+  changed_cuts_ = Marks(cut_point_count());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
   for (std::uint32_t cut = 0; cut < cut_point_count(); ++cut)
     each_block(static_cast<std::uint32_t>(vertex_count_) + cut,
@@ -68,8 +69,8 @@ Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
 
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
   origin_ = origin_of(positions);
-  parallel_for(workers, block_count(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t block = begin; block < end; ++block) narrow_block(positions, block);
+  parallel_for(workers, stretch_largest_.size(), stretches_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t stretch = begin; stretch < end; ++stretch) narrow_stretch(positions, stretch);
   });
   const Frame frame = finished_frame(positions);
   if (frame.finite) move_cut_points(workers);
@@ -78,44 +79,53 @@ LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& wor
 
 LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
                                              std::span<const VertexRange> changed) noexcept {
-  for (const std::uint32_t block : changed_blocks()) block_changed_[block] = 0;
-  changed_block_count_ = 0;
-  for (const VertexRange& range : changed)
-    for (std::uint32_t v = range.begin; v < range.end; ++v) {
-      const std::size_t block = point_of(v) / vertices_per_block;
-      if (block >= block_count() || block_changed_[block] != 0) continue;  // beyond: no facet uses the vertex
-      block_changed_[block] = 1;
-      changed_blocks_[changed_block_count_++] = static_cast<std::uint32_t>(block);
-      narrow_block(positions, block);
-    }
+  changed_blocks_.clear(), changed_cuts_.clear();
+  changed_vertices_ = changed_cut_points_ = 0;
+  for (const VertexRange& range : changed) mark(range);
+  std::size_t narrowed = stretch_largest_.size();  // the last one
+  changed_blocks_.each([&](std::uint32_t block) {
+    for (const std::uint32_t cut : cuts_of_block_.of(block)) changed_cuts_.add(cut);
+    const std::size_t stretch = block / (vertices_per_stretch / vertices_per_block);
+    if (stretch != narrowed) changed_vertices_ += narrow_stretch(positions, narrowed = stretch);
+  });
   const Frame frame = finished_frame(positions);
   if (!frame.finite) return frame;
-  for (const std::uint32_t block : changed_blocks()) move_listed_cuts(cuts_of_block_.of(block));
+  // Those that follow each other at once.
+  std::uint32_t begin = 0, end = 0;
+  changed_cuts_.each([&](std::uint32_t cut) {
+    ++changed_cut_points_;
+    if (cut != end) move_cuts(begin, end), begin = cut;
+    end = cut + 1;
+  });
+  move_cuts(begin, end);
   return frame;
 }
 
-void LocalPoints::narrow_block(const PositionView& positions, std::size_t block) noexcept {
-  const std::size_t begin = block * vertices_per_block;
-  const std::size_t count = std::min(vertices_per_block, vertex_count_ - begin);
+// The blocks in which the range has vertices that facets use.
+void LocalPoints::mark(const VertexRange& range) noexcept {
+  constexpr auto per_block = static_cast<std::uint32_t>(vertices_per_block);
   if (mesh_order_) {
-    block_largest_[block] = narrow_run(positions, begin, count, origin_, &points_[begin]);
+    const auto end = std::min(range.end, static_cast<std::uint32_t>(vertex_count_));
+    for (std::uint32_t v = range.begin; v < end; v = (v / per_block + 1) * per_block)
+      changed_blocks_.add(v / per_block);
+    return;
+  }
+  for (std::uint32_t v = range.begin; v < range.end; ++v)
+    if (point_of(v) < vertex_count_) changed_blocks_.add(point_of(v) / per_block);
+}
+
+std::size_t LocalPoints::narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept {
+  const std::size_t begin = stretch * vertices_per_stretch;
+  const std::size_t count = std::min(vertices_per_stretch, vertex_count_ - begin);
+  LocalPoint* const to = &points_[begin];
+  float& largest = stretch_largest_[stretch];
+  if (mesh_order_) {
+    largest = narrow_run(positions, begin, count, origin_, to);
   } else {
     const auto vertices = std::span(vertices_).subspan(begin, count);
-    block_largest_[block] = block == last_vertex_block_ ? narrow(positions, vertices, origin_, &points_[begin])
-                                                        : narrow_listed(positions, vertices, origin_, &points_[begin]);
+    largest = stretch == last_vertex_stretch_ ? narrow(positions, vertices, origin_, to)
+                                              : narrow_listed(positions, vertices, origin_, to);
   }
-}
-
-std::size_t LocalPoints::changed_vertices() const noexcept {
-  std::size_t count = 0;
-  for (const std::uint32_t block : changed_blocks())
-    count += std::min(vertices_per_block, vertex_count_ - block * vertices_per_block);
-  return count;
-}
-
-std::size_t LocalPoints::changed_cut_points() const noexcept {
-  std::size_t count = 0;
-  for (const std::uint32_t block : changed_blocks()) count += cuts_of_block_.of(block).size();
   return count;
 }
 
@@ -123,7 +133,7 @@ std::size_t LocalPoints::changed_cut_points() const noexcept {
 LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) const noexcept {
   Frame frame;
   frame.origin = origin_;
-  const float largest = *std::max_element(block_largest_.begin(), block_largest_.end());
+  const float largest = *std::max_element(stretch_largest_.begin(), stretch_largest_.end());
   if (!(largest <= largest_local_coordinate && max_norm(origin_) <= largest_origin_coordinate)) {
     frame.finite = false;
     frame.first_bad_vertex = first_bad_vertex(positions, origin_);
@@ -134,33 +144,19 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
 }
 
 void LocalPoints::move_cut_points(Workers& workers) noexcept {
-  parallel_for(workers, edge_cuts_.size(), cut_points_per_chunk,
-               [&](std::size_t begin, std::size_t end) { move_edge_cuts(begin, end); });
-  parallel_for(workers, inner_cuts_.size(), cut_points_per_chunk,
-               [&](std::size_t begin, std::size_t end) { move_inner_cuts(begin, end); });
+  parallel_for(workers, cut_point_count(), cut_points_per_chunk,
+               [&](std::size_t begin, std::size_t end) { move_cuts(begin, end); });
 }
 
-void LocalPoints::move_edge_cuts(std::size_t begin, std::size_t end) noexcept {
-  kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], end - begin, &points_[vertex_count_ + begin]);
-}
-
-void LocalPoints::move_inner_cuts(std::size_t begin, std::size_t end) noexcept {
-  kernels().move_inner_cuts(points_.data(), &inner_cuts_[begin], end - begin,
-                            &points_[vertex_count_ + edge_cuts_.size() + begin]);
-}
-
-// Ascending; those that follow each other at once.
-void LocalPoints::move_listed_cuts(std::span<const std::uint32_t> cuts) noexcept {
-  const auto edge_cuts = static_cast<std::uint32_t>(edge_cuts_.size());
-  for (std::size_t i = 0; i < cuts.size();) {
-    const std::uint32_t begin = cuts[i];
-    std::uint32_t end = begin + 1;
-    while (++i < cuts.size() && cuts[i] == end && end != edge_cuts) ++end;
-    if (begin < edge_cuts)
-      move_edge_cuts(begin, end);
-    else
-      move_inner_cuts(begin - edge_cuts, end - edge_cuts);
-  }
+// Those on edges come first.
+void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
+  const std::size_t on_edges = edge_cuts_.size(), edge_end = std::min(end, on_edges);
+  if (begin < edge_end)
+    kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], edge_end - begin, &points_[vertex_count_ + begin]);
+  const std::size_t inner_begin = std::max(begin, on_edges);
+  if (inner_begin < end)
+    kernels().move_inner_cuts(points_.data(), &inner_cuts_[inner_begin - on_edges], end - inner_begin,
+                              &points_[vertex_count_ + inner_begin]);
 }
 
 // The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.

@@ -11,6 +11,7 @@
 #include "simd/float4.hpp"
 #include "update/points/block_lists.hpp"
 #include "update/points/kernels.hpp"
+#include "update/points/marks.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/rounding.hpp"
 
@@ -34,13 +35,11 @@ class LocalPoints {
   /// The same frame as move() where only vertices in these ranges differ from the frame before, which was finite and
   /// had this origin. Cost: what is in the ranges, and a few operations per block of the rest.
   Frame move_changed(const PositionView& positions, std::span<const VertexRange> changed) noexcept;
-  /// Blocks of vertices that the last move_changed looked at.
-  std::span<const std::uint32_t> changed_blocks() const {
-    return std::span(changed_blocks_).first(changed_block_count_);
-  }
-  std::size_t changed_vertices() const noexcept;
-  std::size_t changed_cut_points() const noexcept;
-  std::size_t block_count() const { return block_largest_.size(); }
+  /// Blocks of vertices that the last move_changed was told of, how many vertices it read and cut points it moved.
+  const Marks& changed_blocks() const { return changed_blocks_; }
+  std::size_t changed_vertices() const { return changed_vertices_; }
+  std::size_t changed_cut_points() const { return changed_cut_points_; }
+  std::size_t block_count() const { return (vertex_count_ + vertices_per_block - 1) / vertices_per_block; }
   /// visit(block) for each that a point depends on: its own, or those of a cut point's vertices.
   template <class Visit>
   void each_block(std::uint32_t point, const Visit& visit) const {
@@ -71,27 +70,27 @@ class LocalPoints {
   }
   std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
   Vec3 origin_of(const PositionView& positions) const noexcept;
-  void narrow_block(const PositionView& positions, std::size_t block) noexcept;
+  void mark(const VertexRange& range) noexcept;
+  std::size_t narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept;
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
-  void move_listed_cuts(std::span<const std::uint32_t> cuts) noexcept;
-  void move_edge_cuts(std::size_t begin, std::size_t end) noexcept;
-  void move_inner_cuts(std::size_t begin, std::size_t end) noexcept;
+  void move_cuts(std::size_t begin, std::size_t end) noexcept;
 
   std::size_t vertex_count_;
   bool mesh_order_;                      // point i is mesh vertex i; the next two are empty then
   std::vector<std::uint32_t> vertices_;  // and narrow_ahead more, for narrow_listed
   std::vector<std::uint32_t> point_of_;
-  std::size_t last_vertex_block_ = 0;  // the block with the mesh's last vertex; the number of blocks where none has it
+  std::size_t last_vertex_stretch_ = 0;  // the one with the mesh's last vertex; the number of them where none has it
   // The first point has the largest weight; each other one is `weight` of the way from it.
   std::vector<EdgeCut> edge_cuts_;    // points vertex_count_ …
   std::vector<InnerCut> inner_cuts_;  // … and after those
   std::vector<LocalPoint> points_;
-  std::vector<float> block_largest_;  // largest |coordinate|; infinity when something in it is not finite
+  // Of each stretch of vertices that are narrowed at once: largest |coordinate|; infinity when something in it is not
+  // finite.
+  std::vector<float> stretch_largest_;
   BlockLists cuts_of_block_;
-  std::vector<std::uint8_t> block_changed_;
-  std::vector<std::uint32_t> changed_blocks_;  // the first changed_block_count_
-  std::size_t changed_block_count_ = 0;
+  Marks changed_blocks_, changed_cuts_;
+  std::size_t changed_vertices_ = 0, changed_cut_points_ = 0;
   Vec3 origin_;       // of the last frame
   Vec3 rest_origin_;  // the centre of the rest box
   Vec3 guide_rest_;   // the vertex that the origin moves with

@@ -151,4 +151,22 @@ void Anchors::centers(std::size_t begin, std::size_t end, std::span<const LocalP
   }
 }
 
+void Anchors::centers(std::span<const std::uint32_t> some, std::span<const LocalPoint> points,
+                      LocalPoint* centers) const noexcept {
+  std::array<LocalPoint, nodes_per_group> sums;
+  std::size_t summed = group_begin_.size();  // the group
+  for (std::size_t j = 0; j < some.size(); ++j) {
+    const std::uint32_t k = some[j];
+    if (const std::size_t group = k / nodes_per_group; group != summed) {
+      summed = group;
+      kernels().weighted_sums(points.data(), points_.data(), weights_.data(), std::span(group_begin_).subspan(group, 2),
+                              sums.data());
+    }
+    const AtRest& rest = at_rest_[k];
+    Float4 center = Float4(rest.center) + (Float4::load(sums[k % nodes_per_group]) - Float4(rest.sum));
+    if (const CenterTie& tie = ties_[k]; tie.carries) center = center + Float4(carried(tie, points) - tie.rest_carried);
+    center.store(centers[j]);
+  }
+}
+
 }  // namespace morula::detail

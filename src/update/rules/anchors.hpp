@@ -53,6 +53,9 @@ class Anchors {
   /// for whole groups; those beyond the last centre are of no use.
   void centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
                LocalPoint* centers) const noexcept;
+  /// For some, ascending.
+  void centers(std::span<const std::uint32_t> some, std::span<const LocalPoint> points,
+               LocalPoint* centers) const noexcept;
 
  private:
   Vec3f weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept;

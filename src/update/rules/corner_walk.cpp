@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "update/points/point_runs.hpp"
@@ -13,15 +11,8 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t leaves_per_chunk = 16;
-constexpr float unknown_no_more = -1;  // in place of a bound
-
-// What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
-// (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
-// distance in float 3.5 e, a way since less: each step is taken in double and narrowed, e, steps are added up upwards,
-// and their sum is narrowed, e. Two sums e each, the product e. Together below 10 e. Allowed: 2^-20 = 16 e. Squares
-// below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed: 2^-60.
-constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
+constexpr std::size_t leaves_per_chunk = 8;
+constexpr std::size_t least_groups = 32;  // of a leaf that gains by leaving some out
 
 }  // namespace
 
@@ -61,7 +52,19 @@ CornerWalk::CornerWalk(const SphereTree& tree, const LeafOrder& order, const Own
   path_then_.resize(chain_.size());
   path_.resize(nodes_.size());
   bounds_.resize(order.leaves.size());
+  squared_before_.resize(tree.level_count());
   squared_reach_.resize(nodes_.size());
+  searched_ = Marks(nodes_.size());
+  groups_known_ = Marks(leaf_count());
+  group_begin_.push_back(0);
+  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    std::size_t count = point_begin_[leaf + 1] - point_begin_[leaf];
+    for (std::uint32_t r = run_begin_[leaf]; r < run_begin_[leaf + 1]; ++r) count += runs_[r].end - runs_[r].begin;
+    const std::size_t groups = count / points_per_group;
+    group_begin_.push_back(group_begin_.back() + static_cast<std::uint32_t>(groups < least_groups ? 0 : groups));
+  }
+  groups_.resize(group_begin_.back());
+  if (!groups_.empty()) group_center_.resize(leaf_count());
 }
 
 // levels: of the chain's nodes.
@@ -98,6 +101,7 @@ void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> po
   if (!paths_are_zero_) {
     std::fill(path_.begin(), path_.end(), 0.0);
     std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
+    groups_known_.clear();
     paths_are_zero_ = true;
   }
   parallel_for(workers, leaf_count(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -233,70 +237,6 @@ void CornerWalk::measure_leaf(std::size_t leaf, std::span<const LocalPoint> poin
   kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(), squared_.data());
   for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry)
     path_then_[entry] = path_[chain_[entry]];
-}
-
-std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                                      std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept {
-  std::size_t tested = 0;
-  paths_are_zero_ = false;
-  // Rounded up, so that every move makes it longer.
-  for (std::size_t k = 0; k < nodes_.size(); ++k)
-    if (moved[k] >= 0)
-      path_[k] = std::nextafter(path_[k] + static_cast<double>(moved[k]), std::numeric_limits<double>::infinity());
-  for (std::size_t leaf = 0; leaf < leaf_count(); ++leaf) {
-    const std::uint32_t begin = chain_begin_[leaf], end = chain_begin_[leaf + 1];
-    if (leaf_changed[leaf] == 0) {
-      if (moved[chain_[end - 1]] >= 0) tested += walk(leaf, end - 1, points, spheres);
-      continue;
-    }
-    measure_leaf(leaf, points, spheres);
-    for (std::uint32_t entry = begin; entry < end; ++entry) {
-      tested += looked_at_[entry];
-      moved[chain_[entry]] = std::max(moved[chain_[entry]], 0.0f);
-    }
-  }
-  for (std::size_t k = 0; k < nodes_.size(); ++k)
-    if (moved[k] >= 0) tested += search(k, points, spheres);
-  return tested;
-}
-
-// Walks the leaves that may hold a node's farthest point: none reaches farther than when it was walked last, which was
-// after its last change, plus the node's way since.
-std::size_t CornerWalk::search(std::size_t k, std::span<const LocalPoint> points,
-                               std::span<const Spheref> spheres) noexcept {
-  const Below& below = below_[k];
-  const auto entry = [&](std::uint32_t leaf) { return chain_begin_[leaf] + below.slot; };
-  const auto is_known = [&](std::uint32_t leaf) { return path_then_[entry(leaf)] == path_[k]; };
-  const auto bound = [&](std::uint32_t leaf) {
-    const double way = path_[k] - path_then_[entry(leaf)];
-    return (std::sqrt(squared_[entry(leaf)]) + static_cast<float>(way)) * rounding + underflow;
-  };
-  float farthest = 0;  // known
-  float highest = -1;  // of the bounds of leaves not walked
-  std::uint32_t most_promising = below.leaf_end;
-  for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
-    if (is_known(leaf)) {
-      farthest = std::max(farthest, squared_[entry(leaf)]);
-      bounds_[leaf] = unknown_no_more;
-      continue;
-    }
-    const float b = bounds_[leaf] = bound(leaf);
-    if (b > highest) highest = b, most_promising = leaf;
-  }
-  std::size_t tested = 0;
-  if (most_promising != below.leaf_end && highest * highest >= farthest) {
-    tested += walk(most_promising, entry(most_promising), points, spheres);
-    farthest = std::max(farthest, squared_[entry(most_promising)]);
-    bounds_[most_promising] = unknown_no_more;
-    for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
-      const float b = bounds_[leaf];
-      if (b < 0 || b * b < farthest) continue;
-      tested += walk(leaf, entry(leaf), points, spheres);
-      farthest = std::max(farthest, squared_[entry(leaf)]);
-    }
-  }
-  squared_reach_[k] = farthest;
-  return tested;
 }
 
 }  // namespace morula::detail

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "update/points/kernels.hpp"
+#include "update/points/marks.hpp"
 #include "update/points/ownership.hpp"
 
 namespace morula::detail {
@@ -31,12 +32,17 @@ class CornerWalk {
   /// Of nodes()[k] alone.
   void measure_one(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
-  /// The same after a change, where every leaf is measured. leaf_changed: leaves, by their order, that own points
-  /// which moved. moved: how far the centre of each of nodes() has moved, negative where it has not; not negative on
-  /// return for all whose reach may differ. Leaves that cannot decide the reach of a node above are not walked for it.
-  /// Returns how many points were tested.
+  /// A place in nodes(), and how far its centre has moved.
+  struct MovedNode {
+    std::uint32_t k;
+    float way;
+  };
+  /// The same after a change, where every leaf is measured. changed_leaves: leaves, by their order, that own points
+  /// which moved. moved: each node once whose centre has moved. touched: gets those of nodes() whose reach or centre
+  /// may differ. Leaves that cannot decide the reach of a node above are not walked for it. Returns how many points
+  /// were tested.
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
-                            std::span<const std::uint8_t> leaf_changed, std::span<float> moved) noexcept;
+                            const Marks& changed_leaves, std::span<const MovedNode> moved, Marks& touched) noexcept;
 
   /// Makes room for deal(): so many points in all. Of an ownership in which all nodes look at all that their leaves
   /// own.
@@ -76,6 +82,15 @@ class CornerWalk {
             point_end_.data(), chain_.data(),     chain_begin_.data(), nodes_.data()};
   }
   float farthest(std::size_t k) const noexcept;
+  // Does nodes()[k] end the chains of the leaves below it? Where every leaf is measured, it is a leaf then.
+  bool is_leaf(std::uint32_t k) const noexcept {
+    const std::uint32_t leaf = below_[k].leaf_begin;
+    return chain_begin_[leaf] + below_[k].slot + 1 == chain_begin_[leaf + 1];
+  }
+  std::size_t walk_for_leaf(std::uint32_t leaf, std::span<const LocalPoint> points,
+                            std::span<const Spheref> spheres) noexcept;
+  std::size_t measure_changed(std::uint32_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                              Marks& touched) noexcept;
   void begin_lists() noexcept;
   void append_list(std::size_t leaf) noexcept;
   void append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept;
@@ -102,10 +117,18 @@ class CornerWalk {
   // node's path was path_then_. Of the leaf's own node always measured.
   std::vector<float> squared_;
   std::vector<double> path_then_;
-  std::vector<float> squared_reach_;  // of each node
-  std::vector<float> bounds_;         // of leaves, in one search
-  std::vector<double> path_;          // of each node's centre, through all updates since all was measured
-  bool paths_are_zero_ = false;       // path_ and path_then_
+  std::vector<float> squared_reach_;   // of each node
+  std::vector<float> bounds_;          // of leaves, in one search
+  std::vector<float> squared_before_;  // of a chain, while its leaf is measured again
+  Marks searched_;                     // nodes whose leaves have to be looked at
+  // Of leaves with many points that were walked for their own node alone and whose points have not moved since: the
+  // largest squared distance from where the centre was then to a point of each group, in the order of runs and list.
+  Marks groups_known_;
+  std::vector<float> groups_;
+  std::vector<std::uint32_t> group_begin_;
+  std::vector<Vec3f> group_center_;
+  std::vector<double> path_;     // of each node's centre, through all updates since all was measured
+  bool paths_are_zero_ = false;  // path_ and path_then_
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
 

@@ -79,7 +79,7 @@ class RuleEngine {
   /// Is there less to do where few vertices have moved? Then update_changed() takes the place of update().
   virtual bool follows_changes() const { return false; }
   /// Only these blocks of vertices differ from the frame before. Returns how many points were tested.
-  virtual std::size_t update_changed(const RuleFrame& /*frame*/, std::span<const std::uint32_t> /*changed_blocks*/,
+  virtual std::size_t update_changed(const RuleFrame& /*frame*/, const Marks& /*changed_blocks*/,
                                      std::span<Spheref> /*spheres*/) noexcept {
     return 0;
   }

@@ -105,26 +105,6 @@ void ExactRule::pack_cores(const Binding& binding, std::span<const std::uint32_t
   }
 }
 
-void ExactRule::find_dependents(const Binding& binding) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> leaves, nodes;
-  for (std::uint32_t leaf = 0; leaf < walk_.leaf_count(); ++leaf)
-    for (const std::uint32_t p : binding.ownership.of_leaf(leaf))
-      binding.local.each_block(p, [&](std::uint32_t block) {
-        if (leaves.empty() || leaves.back() != std::pair(block, leaf)) leaves.emplace_back(block, leaf);
-      });
-  for (std::uint32_t k = 0; k < walk_.nodes().size(); ++k) {
-    const auto depends_on = [&](std::uint32_t p) {
-      binding.local.each_block(p, [&](std::uint32_t block) { nodes.emplace_back(block, k); });
-    };
-    anchors_.each_point(k, depends_on);
-    each_core_point(k, [&](std::size_t, std::uint32_t p) { depends_on(p); });
-  }
-  leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
-  nodes_of_block_ = BlockLists(std::move(nodes), binding.local.block_count());
-  leaf_changed_.resize(walk_.leaf_count());
-  moved_.resize(walk_.nodes().size());
-}
-
 std::size_t ExactRule::place_of(std::size_t node) const noexcept {
   const std::span<const std::uint32_t> nodes = walk_.nodes();
   return static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
@@ -154,39 +134,12 @@ std::size_t ExactRule::tested_points(std::size_t node_end) const {
   return count;
 }
 
-std::size_t ExactRule::update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
-                                      std::span<Spheref> spheres) noexcept {
-  constexpr float hangs_on_a_block = 0, stays = -1;
-  const std::span<const LocalPoint> points = frame.points;
-  const bool rounding_changed = frame.rounding != rounding_;
-  rounding_ = frame.rounding;
-  std::fill(leaf_changed_.begin(), leaf_changed_.end(), std::uint8_t{0});
-  std::fill(moved_.begin(), moved_.end(), stays);
-  for (const std::uint32_t block : changed_blocks) {
-    for (const std::uint32_t leaf : leaves_of_block_.of(block)) leaf_changed_[leaf] = 1;
-    for (const std::uint32_t k : nodes_of_block_.of(block)) moved_[k] = hangs_on_a_block;
-  }
-  for (std::size_t k = 0; k < moved_.size(); ++k) {
-    if (moved_[k] == stays) continue;
-    Vec3f& kept = spheres[walk_.nodes()[k]].center;
-    const Vec3f now = center(k, points);
-    // In double, where no square vanishes; the walk's bounds pay for narrowing it (corner_walk.cpp).
-    moved_[k] = now == kept ? stays : static_cast<float>(distance(Vec3(now), Vec3(kept)));
-    kept = now;
-  }
-  const std::size_t tested = walk_.measure_again(points, spheres, leaf_changed_, moved_);
-  for (std::size_t k = 0; k < moved_.size(); ++k)
-    if (moved_[k] >= 0 || rounding_changed) set_radius(k, rounding_, spheres);
-  return tested;
-}
-
 // Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
 // they were at rest are good already.
 Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
   std::array<std::uint32_t, core_size> core{};
-  std::size_t count = 0;
-  each_core_point(k, [&](std::size_t i, std::uint32_t p) { core[i] = p, ++count; });
-  std::fill(core.begin() + static_cast<std::ptrdiff_t>(count), core.end(), core.front());
+  const auto [first, count] = core_of(k);
+  for (std::size_t i = 0; i < core_size; ++i) core[i] = first[i < count ? nodes_at_once * i : 0];
   const float rest = core_radius_[lane_[k]], enough = most_growth * rest;
   return kernels().pull(points.data(), {core.data(), enough * enough, rest}, anchors_.center(k, points));
 }

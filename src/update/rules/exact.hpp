@@ -30,7 +30,7 @@ class ExactRule final : public RuleEngine {
 
   /// Where every leaf follows the rule.
   bool follows_changes() const override { return !dealt_; }
-  std::size_t update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
+  std::size_t update_changed(const RuleFrame& frame, const Marks& changed_blocks,
                              std::span<Spheref> spheres) noexcept override;
 
   /// Makes room for deal(): so many points in all.
@@ -54,12 +54,14 @@ class ExactRule final : public RuleEngine {
  private:
   void set_radii_of_all(std::span<Spheref> spheres) const noexcept;
   void pack_cores(const Binding& binding, std::span<const std::uint32_t> cores, std::span<const float> radii);
-  // visit(i, point) for each of the core of node k of the walk.
-  template <class Visit>
-  void each_core_point(std::size_t k, const Visit& visit) const {
-    const std::uint32_t group = lane_[k] / nodes_at_once, lane = lane_[k] % nodes_at_once;
-    const std::size_t count = (core_begin_[group + 1] - core_begin_[group]) / nodes_at_once;
-    for (std::size_t i = 0; i < count; ++i) visit(i, core_[core_begin_[group] + nodes_at_once * i + lane]);
+  // The core of node k of the walk: point i is first[nodes_at_once * i].
+  struct Core {
+    const std::uint32_t* first;
+    std::size_t count;
+  };
+  Core core_of(std::size_t k) const noexcept {
+    const std::uint32_t group = lane_[k] / nodes_at_once, begin = core_begin_[group], end = core_begin_[group + 1];
+    return {&core_[begin + lane_[k] % nodes_at_once], (end - begin) / nodes_at_once};
   }
   void find_dependents(const Binding& binding);
   // How many nodes of the walk come before a node of the tree.
@@ -68,6 +70,8 @@ class ExactRule final : public RuleEngine {
   // For nodes begin … end - 1 of the walk, where begin is a multiple of nodes_at_once.
   void move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
                     std::span<Spheref> spheres) const noexcept;
+  void move_some(std::span<const std::uint32_t> nodes, std::span<const LocalPoint> points,
+                 std::span<Spheref> spheres) noexcept;
   void set_radii(std::size_t begin, std::size_t end, std::span<Spheref> spheres) const noexcept;
   void set_radius(std::size_t k, const Rounding& rounding, std::span<Spheref> spheres) const noexcept;
 
@@ -83,8 +87,9 @@ class ExactRule final : public RuleEngine {
   std::vector<std::uint32_t> lane_;          // of each node of the walk
   BlockLists leaves_of_block_;               // leaves that own a point of the block, or one that is cut from it
   BlockLists nodes_of_block_;                // nodes whose centres look at it
-  std::vector<std::uint8_t> leaf_changed_;
-  std::vector<float> moved_;
+  // Of one update of a part.
+  Marks changed_leaves_, hanging_, touched_;  // hanging_: nodes on what changed
+  std::vector<CornerWalk::MovedNode> moved_;
   Rounding rounding_;   // of the last update
   bool dealt_ = false;  // some leaf owns something else than the tree says
 };

@@ -59,6 +59,42 @@ TEST(Kernels, all_that_this_processor_runs_agree_bit_for_bit) {
   }
 }
 
+// By groups, and of those alone that had enough.
+TEST(Kernels, groups_of_points_agree_bit_for_bit) {
+  for (const double magnitude : {1e-25, 1e-3, 1.0, 1e17}) {
+    const std::vector<LocalPoint> points = random_points(400, magnitude, 4);
+    Random random(9);
+    std::vector<std::uint32_t> index(5 * points_per_group), measured;
+    for (std::uint32_t& i : index) i = static_cast<std::uint32_t>(random.uniform(0, 400));
+    for (const PointRun& run : some_runs)
+      for (std::uint32_t i = run.begin; i < run.end; ++i) measured.push_back(i);
+    measured.insert(measured.end(), index.begin(), index.end());
+    const std::size_t count = measured.size() / points_per_group;
+    const Vec3f center{points[5].x, points[6].y, points[7].z};
+    std::vector<float> expected(count, 0.0f), before(count);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      const LocalPoint& p = points[measured[i]];
+      float& most = expected[i / points_per_group];
+      most = std::max(most, squared_distance(center, {p.x, p.y, p.z}));
+    }
+    for (std::size_t g = 0; g < count; ++g) before[g] = static_cast<float>(g % 3);
+    for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+      const Kernels& kernel = all_kernels()[kind];
+      std::vector<float> found(count);
+      kernel.farthest_of_groups(points.data(), std::span(some_runs), index, center, found.data());
+      EXPECT_EQ(found, expected) << kind_name(kind);
+      for (const float least : {0.0f, 1.0f, 2.0f, 3.0f}) {
+        float most = 0;
+        for (std::size_t g = 0; g < count; ++g)
+          if (before[g] >= least) most = std::max(most, expected[g]);
+        EXPECT_EQ(kernel.farthest_of_some(points.data(), std::span(some_runs), index, center, before.data(), least),
+                  most)
+            << kind_name(kind) << ", " << least;
+      }
+    }
+  }
+}
+
 // The farthest point may sit in any lane of any group, of the list or of a run.
 TEST(Kernels, every_place_in_the_list_counts) {
   std::vector<LocalPoint> points = random_points(32, 1.0, 2);

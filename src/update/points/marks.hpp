@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A set of small numbers that is filled, walked upwards and emptied in every update of a part.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace morula::detail {
+
+/// Of the numbers below `count`. A bit for each, so to empty it or to walk it costs a step for every 64.
+class Marks {
+ public:
+  explicit Marks(std::size_t count = 0) : words_((count + 63) / 64) {}
+  void add(std::uint32_t i) noexcept { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  void remove(std::uint32_t i) noexcept { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
+  bool has(std::uint32_t i) const noexcept { return (words_[i / 64] >> (i % 64) & 1) != 0; }
+  void clear() noexcept { std::fill(words_.begin(), words_.end(), std::uint64_t{0}); }
+  /// visit(i) for each, ascending. Nothing is to be added meanwhile.
+  template <class Visit>
+  void each(const Visit& visit) const {
+    for (std::size_t w = 0; w < words_.size(); ++w)
+      for (std::uint64_t left = words_[w]; left != 0; left &= left - 1)
+        visit(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left)));
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace morula::detail
