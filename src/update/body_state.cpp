@@ -36,9 +36,23 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   return status;
 }
 
-// The only one: a body that reowns follows `exact` on all levels.
+// The only one: a body that reowns or fits its leaves follows `exact` on all levels.
 ExactRule& Body::State::exact_engine() const noexcept {
   return static_cast<ExactRule&>(engines[0]);
+}
+
+void Body::State::fit_leaves(Workers& workers) {
+  const LeafOrder order = depth_first_leaves(built->tree);
+  exact_engine().fit_leaves(order, local.points(), spheres, workers);
+  if (dealt_home) dealt_home = std::make_shared<const ExactRule>(exact_engine());
+}
+
+// As without fits. A copy of the body knows nothing of it.
+UpdateStatus Body::State::follow_resting(const PositionView& positions, Workers& workers) noexcept {
+  exact_engine().let_leaves_stay(true);
+  const UpdateStatus status = follow(positions, workers);
+  exact_engine().let_leaves_stay(false);
+  return status;
 }
 
 void Body::State::reown(std::size_t most_tests) noexcept {

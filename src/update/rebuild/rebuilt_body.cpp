@@ -85,7 +85,7 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
-  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
+  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels, Workers& workers);
   void calibrate(const CoveredTree& built, Workers& workers);
 
   double cost_of(double per_level) const noexcept {
@@ -151,8 +151,12 @@ struct RebuiltBody::State {
 
 namespace {
 
-CoveredTree without_poses(const CoveredTree& built) {
-  return {built.tree, built.cover, built.report};
+std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
+  return std::make_shared<const CoveredTree>(CoveredTree{built.tree, built.cover, built.report});
+}
+
+ReownedBody::Ways ways_of(const RebuildOptions& options) {
+  return {options.reown_tests > 0, options.fit_leaves};
 }
 
 void require_poses(const Mesh& mesh, const CoveredTree& built) {
@@ -168,7 +172,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       rest(mesh.positions),
       used(used_vertices(mesh)),
       // Whether they belong together is what Body asks, so it comes first.
-      home{ReownedBody::make(mesh, without_poses(built), workers, options.reown_tests > 0), {}, {}, {}},
+      home{ReownedBody::make(mesh, without_poses(built), workers, ways_of(options)), {}, {}, {}},
       gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
       present(&home),
@@ -178,15 +182,15 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), gauge, options.reown_tests > 0)) {
-  home = epoch_of(mesh, std::move(home.body), threshold.size());
+                                       built.tree.level_count(), gauge, ways_of(options))) {
+  home = epoch_of(mesh, std::move(home.body), threshold.size(), workers);
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
-    Body body = options.reown_tests > 0 ? ReownedBody::make(posed, *pose.built, workers, true)
-                                        : Body(posed, pose.built, {}, workers);
-    known.push_back(epoch_of(posed, std::move(body), threshold.size()));
+    known.push_back(
+        epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size(), workers));
   }
   calibrate(built, workers);
+  if (options.fit_leaves) follow(home, true, mesh.positions, workers);
   report.looseness = home.looseness_at_build;
   report.rebuild_frames = first_guess;
   change_to(home);
@@ -198,8 +202,9 @@ RebuiltBody::State::~State() {
   job->request_stop();
 }
 
-// The body is at the pose that it was made for.
-Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
+// The body is at the pose that it was made for. Where leaves are fitted, it is judged as it will be in other poses.
+Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels, Workers& workers) {
+  if (options.fit_leaves) body.update(posed.positions, workers);
   Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
              std::vector<double>(levels)};
   estimator.reserve(made.body.rest_tree().node_count());
@@ -296,7 +301,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
 // At rest the home ownership serves as it is.
 UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const PositionView& positions,
                                         Workers& workers) noexcept {
-  return ReownedBody::update(ownership.body, positions, resting ? 0 : options.reown_tests, workers);
+  return ReownedBody::update(ownership.body, positions, options.reown_tests, resting, workers);
 }
 
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
