@@ -384,11 +384,11 @@ Body detail::ReownedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTr
 }
 
 UpdateStatus detail::ReownedBody::update(Body& body, const PositionView& positions, std::size_t most_tests,
-                                         bool resting, Workers& workers) noexcept {
+                                         Workers& workers) noexcept {
   const StandardFloats standard;
   Body::State& s = *body.state_;
-  const UpdateStatus status = resting ? s.follow_resting(positions, workers) : s.follow(positions, workers);
-  if (status && s.reowning && most_tests > 0 && !resting) s.reown(most_tests);
+  const UpdateStatus status = s.follow(positions, workers);
+  if (status && s.reowning && most_tests > 0) s.reown(most_tests);
   return s.shown(s.counted(status), &positions);
 }
 

@@ -47,14 +47,6 @@ void Body::State::fit_leaves(Workers& workers) {
   if (dealt_home) dealt_home = std::make_shared<const ExactRule>(exact_engine());
 }
 
-// As without fits. A copy of the body knows nothing of it.
-UpdateStatus Body::State::follow_resting(const PositionView& positions, Workers& workers) noexcept {
-  exact_engine().let_leaves_stay(true);
-  const UpdateStatus status = follow(positions, workers);
-  exact_engine().let_leaves_stay(false);
-  return status;
-}
-
 void Body::State::reown(std::size_t most_tests) noexcept {
   ExactRule& exact = exact_engine();
   const auto changed = reowning->exchange({local.points(), spheres, exact.walk().squared_reaches()}, most_tests);

@@ -54,7 +54,6 @@ struct Body::State {
 
   // Of a body that follows `exact` on all levels, at the pose that it was made for.
   void fit_leaves(Workers& workers);
-  UpdateStatus follow_resting(const PositionView& positions, Workers& workers) noexcept;
   // Of a body that reowns, after a good update: patches change hands until so many distances were taken.
   void reown(std::size_t most_tests) noexcept;
   void give_back() noexcept;

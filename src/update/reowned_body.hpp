@@ -15,8 +15,8 @@ struct ReownedBody {
   /// Without either: a Body as any.
   static Body make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, Workers& workers, Ways ways);
   /// As Body::update, and then patches change hands until so many distances to corners were taken (Reowning::exchange).
-  /// The spheres are those of who owns what afterwards. resting: nobody owns anything else, and no leaf is fitted.
-  static UpdateStatus update(Body& body, const PositionView& positions, std::size_t most_tests, bool resting,
+  /// The spheres are those of who owns what afterwards.
+  static UpdateStatus update(Body& body, const PositionView& positions, std::size_t most_tests,
                              Workers& workers) noexcept;
   /// Everyone owns what the tree says, from the next update on; nothing to do for other bodies. To be updated before
   /// anyone sees it.

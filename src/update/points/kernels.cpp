@@ -82,6 +82,7 @@ void fit_many(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
         if (s < nearest) nearest = s, from = {p.x, p.y, p.z};
       }
       const float cost = most - nearest;
+      if (step == 0 && cost <= fits.enough[k]) break;
       if (step == 0) least = cost, limit = most_squared_growth * most;
       if (most <= limit && cost < least) least = cost, best = now;
       if (step == fit_steps) break;

@@ -86,6 +86,7 @@ inline constexpr std::size_t near_size = 16;
 /// the surface lies in the sphere.
 struct Fits {
   const std::uint32_t *cores, *near;
+  const float* enough;  ///< a leaf that costs no more is good
 };
 
 /// All kernels give the same bits: every distance is taken by the same operations in the same order, without fused

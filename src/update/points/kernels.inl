@@ -179,8 +179,8 @@ void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t
     pull_lanes(points, cores + k, core_count, rest_radii + k, centers + k);
 }
 
-// A leaf in each lane. No share is above 1/2, so centres stay finite. The nearest point is the farthest by negative
-// distances.
+// A leaf in each lane; a good one goes nowhere. No share is above 1/2, so centres stay finite. The nearest point is the
+// farthest by negative distances.
 void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
   WidePoints core[core_size], near[near_size];
   for (std::size_t k = 0; k < core_size; ++k) core[k] = columns(gather(points, fits.cores + nodes_at_once * k));
@@ -188,6 +188,8 @@ void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) 
   const auto row = [&](int k) { return points_in_rows(centers + k); };
   const WidePoints start = columns(Rows{row(0), row(1), row(2), row(3)});
   Wide x = start.x, y = start.y, z = start.z, best_x = x, best_y = y, best_z = z, least{}, limit{};
+  const Wide enough = load(fits.enough);
+  Wide at_start{};
   for (int step = 0;; ++step) {
     FarthestOfLanes far, nearest;
     far.begin(), nearest.begin(-__builtin_inff());
@@ -199,7 +201,8 @@ void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) 
       nearest.look_at(near[k], -squared_distance(near[k], x, y, z), place);
     const Wide cost = far.most + nearest.most;
     if (step == 0) {
-      least = cost, limit = all(most_squared_growth) * far.most;
+      least = at_start = cost, limit = all(most_squared_growth) * far.most;
+      if (lanes_at_most(cost, enough) == (1u << lanes) - 1) break;
     } else {
       const Wide here = far.most <= limit ? cost : all(__builtin_inff());
       best_x = here < least ? x : best_x, best_y = here < least ? y : best_y, best_z = here < least ? z : best_z;
@@ -208,7 +211,8 @@ void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) 
     if (step == fit_steps) break;
     const WidePoints to = far.point(points, fits.cores), from = nearest.point(points, fits.near);
     const Wide reach = root(far.most), protrusion = max(reach - root(-nearest.most), Wide{});
-    const Wide share = reach > Wide{} ? all(fit_lengths[step]) * protrusion / reach : Wide{};
+    const Wide some = reach > Wide{} ? all(fit_lengths[step]) * protrusion / reach : Wide{};
+    const Wide share = at_start > enough ? some : Wide{};
     x += share * (to.x - from.x), y += share * (to.y - from.y), z += share * (to.z - from.z);
   }
   float out[3][lanes];
@@ -218,7 +222,7 @@ void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) 
 
 void fit_many(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
   for (std::size_t k = 0; k < nodes_at_once; k += lanes)
-    fit_lanes(points, {fits.cores + k, fits.near + k}, centers + k);
+    fit_lanes(points, {fits.cores + k, fits.near + k, fits.enough + k}, centers + k);
 }
 
 void weighted_sums(const LocalPoint* points, const std::uint32_t* index, const float* weight,

@@ -94,7 +94,6 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
   auto epoch = std::make_unique<Epoch>(Epoch{ReownedBody::make(snapshot_, std::move(built), one, ways_),
                                              std::vector<double>(levels_), std::vector<float>(gauge_->length_count()),
                                              std::vector<double>(levels_)});
-  if (ways_.fits_leaves) epoch->body.update(snapshot_.positions, one);  // as it will be in other poses
   gauge_->measure(snapshot_.positions, epoch->lengths);
   estimator_.pose(snapshot_.positions);
   estimator_.estimate(epoch->body, epoch->looseness_at_build);

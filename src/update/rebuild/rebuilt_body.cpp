@@ -85,7 +85,7 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
-  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels, Workers& workers);
+  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
   void calibrate(const CoveredTree& built, Workers& workers);
 
   double cost_of(double per_level) const noexcept {
@@ -183,14 +183,12 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
                                        built.tree.level_count(), gauge, ways_of(options))) {
-  home = epoch_of(mesh, std::move(home.body), threshold.size(), workers);
+  home = epoch_of(mesh, std::move(home.body), threshold.size());
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
-    known.push_back(
-        epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size(), workers));
+    known.push_back(epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size()));
   }
   calibrate(built, workers);
-  if (options.fit_leaves) follow(home, true, mesh.positions, workers);
   report.looseness = home.looseness_at_build;
   report.rebuild_frames = first_guess;
   change_to(home);
@@ -202,9 +200,8 @@ RebuiltBody::State::~State() {
   job->request_stop();
 }
 
-// The body is at the pose that it was made for. Where leaves are fitted, it is judged as it will be in other poses.
-Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels, Workers& workers) {
-  if (options.fit_leaves) body.update(posed.positions, workers);
+// The body is at the pose that it was made for.
+Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
   Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
              std::vector<double>(levels)};
   estimator.reserve(made.body.rest_tree().node_count());
@@ -301,7 +298,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
 // At rest the home ownership serves as it is.
 UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const PositionView& positions,
                                         Workers& workers) noexcept {
-  return ReownedBody::update(ownership.body, positions, options.reown_tests, resting, workers);
+  return ReownedBody::update(ownership.body, positions, resting ? 0 : options.reown_tests, workers);
 }
 
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {

@@ -135,7 +135,7 @@ void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<S
   const std::size_t count = place_of(node_end);
   parallel_for(workers, count, nodes_per_chunk,
                [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });
-  if (fits_ && !leaves_stay_) fits_->move(frame.points, spheres, workers);
+  if (fits_) fits_->move(frame.points, spheres, workers);
   walk_.measure_first(count, frame.points, spheres, workers);
   rounding_ = frame.rounding;
   parallel_for(workers, count, 4 * nodes_per_chunk,

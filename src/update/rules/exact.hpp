@@ -36,11 +36,10 @@ class ExactRule final : public RuleEngine {
   std::size_t update_changed(const RuleFrame& frame, std::span<const std::uint32_t> changed_blocks,
                              std::span<Spheref> spheres) noexcept override;
 
-  /// From now on leaves are fitted (LeafFits), except while they are told to stay. Every leaf has the rule. points,
+  /// From now on leaves are fitted (LeafFits). Every leaf has the rule. points,
   /// spheres: at the pose that the tree was made for.
   void fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                   Workers& workers);
-  void let_leaves_stay(bool stay) noexcept { leaves_stay_ = stay; }
 
   /// Makes room for deal(): so many points in all.
   void reserve(std::size_t most_points) { walk_.reserve(most_points); }
@@ -86,7 +85,6 @@ class ExactRule final : public RuleEngine {
   CornerWalk walk_;
   Anchors anchors_;  // one tie per node of the walk
   std::optional<LeafFits> fits_{};
-  bool leaves_stay_ = false;
   // Cores are the outermost points of nodes, once each, and the radius is how far they are from the centre at rest.
   // Nodes of a level and a chunk with about as many points are pulled together, one in each lane: groups of
   // nodes_at_once of them, whose points lie as Kernels::pull_many takes them. Short cores repeat their first point,

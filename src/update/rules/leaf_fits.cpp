@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace morula::detail {
 namespace {
@@ -11,6 +12,9 @@ namespace {
 constexpr std::size_t leaves_per_chunk = 4 * nodes_at_once;
 // Points that may come to be the nearest to a leaf's centre, in radii.
 constexpr float farthest_near = 2;
+// A leaf that costs no more than this times what it cost where the tree was made is good: a rigid motion changes no
+// cost by more than rounding does, and what a builder chose with care stays.
+constexpr float most_costly = 1.05f;
 
 Vec3f at(const LocalPoint& p) {
   return {p.x, p.y, p.z};
@@ -28,6 +32,7 @@ LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::ui
   const std::size_t leaf_count = nodes.size();
   const std::size_t padded = (leaf_count + nodes_at_once - 1) / nodes_at_once * nodes_at_once;
   cores_.resize(padded * core_size), near_.resize(padded * near_size);
+  enough_.resize(padded, std::numeric_limits<float>::infinity());
   parallel_for(workers, leaf_count, leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<LocalPoint> inverted;
     std::vector<std::uint32_t> around, listed;
@@ -51,8 +56,16 @@ LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::ui
         outermost(inverted, listed, {}, near);
         for (std::uint32_t& p : near) p = around[p];
       }
-      for (std::size_t i = 0; i < core_size; ++i) cores_[place(leaf, i, core_size)] = core[i];
-      for (std::size_t i = 0; i < near_size; ++i) near_[place(leaf, i, near_size)] = near[i];
+      float most = 0, nearest = std::numeric_limits<float>::infinity();
+      for (std::size_t i = 0; i < core_size; ++i) {
+        cores_[place(leaf, i, core_size)] = core[i];
+        most = std::max(most, squared_length(at(points[core[i]]) - sphere.center));
+      }
+      for (std::size_t i = 0; i < near_size; ++i) {
+        near_[place(leaf, i, near_size)] = near[i];
+        nearest = std::min(nearest, squared_length(at(points[near[i]]) - sphere.center));
+      }
+      enough_[leaf] = std::max(0.0f, most_costly * (most - nearest));
     }
   });
 }
@@ -67,7 +80,8 @@ void LeafFits::move(std::span<const LocalPoint> points, std::span<Spheref> spher
         const Vec3f& center = spheres[nodes_[first + std::min(j, count - 1)]].center;
         centers[j] = {center.x, center.y, center.z, 0};
       }
-      kernels().fit_many(points.data(), {&cores_[core_size * first], &near_[near_size * first]}, centers.data());
+      kernels().fit_many(points.data(), {&cores_[core_size * first], &near_[near_size * first], &enough_[first]},
+                         centers.data());
       for (std::size_t j = 0; j < count; ++j) spheres[nodes_[first + j]].center = at(centers[j]);
     }
   });

@@ -27,7 +27,8 @@ class LeafFits {
   /// Of a leaf, by their order.
   std::uint32_t node(std::size_t leaf) const { return nodes_[leaf]; }
 
-  /// Moves the centres of all leaves. Depends on the frame alone, and on what they own. No allocation.
+  /// Moves the centres of leaves that cost more than where the tree was made: none there, nor after a rigid motion.
+  /// Depends on the frame alone, and on what leaves own. No allocation.
   void move(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) const noexcept;
 
   /// A leaf owns something else now; its core is of that. No allocation.
@@ -44,6 +45,7 @@ class LeafFits {
 
   std::vector<std::uint32_t> nodes_;
   std::vector<std::uint32_t> cores_, near_;  // of groups of nodes_at_once leaves, as Kernels::fit_many takes them
+  std::vector<float> enough_;                // of leaves, and infinite for those that fill up the last group
   OutermostRoom room_;
 };
 

@@ -171,9 +171,12 @@ TEST(Kernels, a_fit_never_costs_more_nor_grows_and_agrees_bit_for_bit) {
       centers[k].x *= 0.5f;
     }
     centers[3] = points[cores[3]];
-    const Fits fits{cores.data(), near.data()};
+    std::vector<float> enough(nodes_at_once, 0.0f);
+    enough[2] = 100, enough[3] = -1;  // a good leaf, and a point that is not
+    const Fits fits{cores.data(), near.data(), enough.data()};
     std::vector<LocalPoint> expected = centers;
     all_kernels().front().fit_many(points.data(), fits, expected.data());
+    EXPECT_EQ(std::memcmp(&expected[2], &centers[2], sizeof(Vec3f)), 0);
     for (std::size_t k = 0; k < nodes_at_once; ++k) {
       const auto [before, reach_before] = cost_and_reach(points, fits, k, centers[k]);
       const auto [after, reach_after] = cost_and_reach(points, fits, k, expected[k]);

@@ -155,6 +155,19 @@ TEST(LeafFits, return_to_rest_bit_for_bit_and_go_on_from_there_as_before) {
   }
 }
 
+TEST(LeafFits, are_as_without_after_a_rigid_motion_and_where_nothing_moved) {
+  RebuiltBody fitted(limb(), limb_tree(), fitting());
+  Body plain(limb(), limb_tree());
+  for (const test::Motion& motion : test::motions()) {
+    const std::string name = motion.name;
+    if (!name.starts_with("translation") && !name.starts_with("rotation")) continue;
+    const std::vector<Vec3> positions = motion.apply(limb().positions);
+    ASSERT_TRUE(fitted.update(positions));
+    ASSERT_TRUE(plain.update(positions));
+    EXPECT_EQ(fitted.body().hash(), plain.hash()) << name;
+  }
+}
+
 TEST(LeafFits, copies_fit_as_well_and_follow_parts_and_lazily) {
   RebuiltBody body(limb(), limb_tree(), fitting());
   std::vector<Vec3> positions = stretched_limb(1);
