@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenario rebuild: one second of motion at 60 frames a second and one of rest at its end, with rebuilds on a second
-// core or a share of one as they come, or with trees made beforehand for poses of the motion and nothing rebuilt; leaf
-// looseness beside a fresh build's at the same pose, and beside approach 2, which may leave surface bare; and how long
-// the longest frame takes beside the median one.
+// core or a share of one as they come, with patches that change hands, with leaves fitted in every frame and trees for
+// principal strains, or with trees made beforehand for poses of the motion and nothing rebuilt; leaf looseness beside a
+// fresh build's at the same pose, and beside approach 2, which may leave surface bare; and how long the longest frame
+// takes beside the median one.
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/coverage.hpp>
@@ -33,7 +34,12 @@ struct NamedMotion {
   double core = 1;     // share of a second core that rebuilds get
   bool known = false;  // trees for poses of the motion instead
   bool reowns = false;
+  bool fits = false;
+  bool strains = false;  // trees for principal strains as well
 };
+
+// Of trees for principal strains: one for every tenth along each axis.
+constexpr std::size_t most_strains = 24;
 
 // What fits into some 0.2 ms.
 constexpr std::size_t reown_tests = 6000;
@@ -143,6 +149,12 @@ std::vector<double> least_times(RebuiltBody& body, const Input& input, const Nam
   return least;
 }
 
+CoveredTree with_strains(const Input& input, CoveredTree home, const Settings& settings) {
+  add_known_poses(input.mesh, home, principal_strains(input.mesh), {.quality = Quality::fast, .most = most_strains},
+                  *settings.workers);
+  return home;
+}
+
 Result rebuilt_over(const NamedMotion& motion, const Input& input, const CoveredTree& plain_home,
                     const BuildOptions& build_options, const Settings& settings) {
   const CoveredTree home = motion.known ? with_poses_of(motion, input, plain_home, settings) : plain_home;
@@ -153,6 +165,7 @@ Result rebuilt_over(const NamedMotion& motion, const Input& input, const Covered
   RebuildOptions options{.thread = motion.known ? RebuildThread::none : RebuildThread::host};
   // Rebuilds come earlier: what patches that change hands bring would put them off.
   if (motion.reowns) options.reown_tests = reown_tests, options.looser_by = 1.1;
+  options.fit_leaves = motion.fits;
   options.executor = [&](const std::function<void()>& job) {
     started_at = frame;
     second_core.run(job);
@@ -240,17 +253,32 @@ std::vector<Result> run_rebuild(const Input& input, const Settings& settings) {
   const BuildOptions options{.method = Method::morula, .quality = Quality::fast};
   const CoveredTree home = build(input.mesh, options, *settings.workers);
   std::vector<Result> results{estimate_cost(input, home, settings), epoch_cost(input, home, settings)};
+  const CoveredTree strained = with_strains(input, home, settings);
   for (const NamedMotion& motion :
-       {NamedMotion{"stretch 2", Stretch{}}, NamedMotion{"twist 180", Twist{}}, NamedMotion{"bend 90", Bend{}},
-        NamedMotion{"noise", Noise{}}, NamedMotion{"stretch 2, a quarter of a core", Stretch{}, 0.25},
+       {NamedMotion{"stretch 2", Stretch{}},
+        NamedMotion{"twist 180", Twist{}},
+        NamedMotion{"bend 90", Bend{}},
+        NamedMotion{"noise", Noise{}},
+        NamedMotion{"stretch 2, a quarter of a core", Stretch{}, 0.25},
         NamedMotion{"stretch 2, re-owned", Stretch{}, 1, false, true},
         NamedMotion{"twist 180, re-owned", Twist{}, 1, false, true},
         NamedMotion{"bend 90, re-owned", Bend{}, 1, false, true},
         NamedMotion{"noise, re-owned", Noise{}, 1, false, true},
         NamedMotion{"stretch 2, a quarter of a core, re-owned", Stretch{}, 0.25, false, true},
-        NamedMotion{"stretch 2, known", Stretch{}, 0, true}, NamedMotion{"twist 180, known", Twist{}, 0, true},
-        NamedMotion{"bend 90, known", Bend{}, 0, true}, NamedMotion{"noise, known", Noise{}, 0, true}})
-    results.push_back(rebuilt_over(motion, input, home, options, settings));
+        NamedMotion{"stretch 2, fitted", Stretch{}, 1, false, false, true},
+        NamedMotion{"twist 180, fitted", Twist{}, 1, false, false, true},
+        NamedMotion{"bend 90, fitted", Bend{}, 1, false, false, true},
+        NamedMotion{"noise, fitted", Noise{}, 1, false, false, true},
+        NamedMotion{"stretch 2, strains and fitted", Stretch{}, 1, false, false, true, true},
+        NamedMotion{"twist 180, strains and fitted", Twist{}, 1, false, false, true, true},
+        NamedMotion{"bend 90, strains and fitted", Bend{}, 1, false, false, true, true},
+        NamedMotion{"noise, strains and fitted", Noise{}, 1, false, false, true, true},
+        NamedMotion{"stretch 2, a quarter of a core, strains and fitted", Stretch{}, 0.25, false, false, true, true},
+        NamedMotion{"stretch 2, known", Stretch{}, 0, true},
+        NamedMotion{"twist 180, known", Twist{}, 0, true},
+        NamedMotion{"bend 90, known", Bend{}, 0, true},
+        NamedMotion{"noise, known", Noise{}, 0, true}})
+    results.push_back(rebuilt_over(motion, input, motion.strains ? strained : home, options, settings));
   return results;
 }
 

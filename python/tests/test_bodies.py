@@ -193,6 +193,20 @@ def test_patches_change_hands_and_every_level_covers(limb, built):
     assert numpy.array_equal(body.copy_spheres(), at_rest)
 
 
+def test_leaves_that_are_fitted_are_tighter_and_cover(limb, built):
+    plain = morula.RebuiltBody(limb, built, thread="none")
+    body = morula.RebuiltBody(limb, built, thread="none", fit_leaves=True)
+    at_rest = body.copy_spheres()
+    for positions in morula.deform_frames(limb, morula.Twist(180.0), frame_count=8, and_back=False):
+        body.update(positions)
+        plain.update(positions)
+        assert morula.certify(body.cover, positions, body.copy_spheres())
+    leaves = built.tree.level_set(built.tree.level_count - 1)
+    assert body.copy_spheres()[leaves, 3].mean() < plain.copy_spheres()[leaves, 3].mean()
+    body.update(limb.positions)
+    assert numpy.array_equal(body.copy_spheres(), at_rest)
+
+
 def test_lazy_updates_reach_the_same_spheres(limb, built, motion):
     lazy, whole = morula.Body(limb, built), morula.Body(limb, built)
     whole.update(motion[4])

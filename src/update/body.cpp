@@ -376,8 +376,11 @@ std::size_t Body::vertex_count() const {
   return state_->built->cover.vertex_count;
 }
 
-Body detail::ReownedBody::make(const Mesh& mesh, CoveredTree built, Workers& workers, bool reowns) {
-  return {mesh, std::make_shared<const CoveredTree>(std::move(built)), {}, workers, reowns};
+Body detail::ReownedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, Workers& workers,
+                               Ways ways) {
+  Body body(mesh, std::move(built), {}, workers, ways.reowns);
+  if (ways.fits_leaves) body.state_->fit_leaves(workers);
+  return body;
 }
 
 UpdateStatus detail::ReownedBody::update(Body& body, const PositionView& positions, std::size_t most_tests,

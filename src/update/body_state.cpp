@@ -36,9 +36,15 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   return status;
 }
 
-// The only one: a body that reowns follows `exact` on all levels.
+// The only one: a body that reowns or fits its leaves follows `exact` on all levels.
 ExactRule& Body::State::exact_engine() const noexcept {
   return static_cast<ExactRule&>(engines[0]);
+}
+
+void Body::State::fit_leaves(Workers& workers) {
+  const LeafOrder order = depth_first_leaves(built->tree);
+  exact_engine().fit_leaves(order, local.points(), spheres, workers);
+  if (dealt_home) dealt_home = std::make_shared<const ExactRule>(exact_engine());
 }
 
 void Body::State::reown(std::size_t most_tests) noexcept {

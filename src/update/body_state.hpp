@@ -52,6 +52,8 @@ struct Body::State {
   UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
 
+  // Of a body that follows `exact` on all levels, at the pose that it was made for.
+  void fit_leaves(Workers& workers);
   // Of a body that reowns, after a good update: patches change hands until so many distances were taken.
   void reown(std::size_t most_tests) noexcept;
   void give_back() noexcept;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bodies whose patches may change hands: by the rule `exact`, made and updated here, and otherwise as any other.
+// Bodies whose patches may change hands, and whose leaves may be fitted (LeafFits): by the rule `exact`, made and
+// updated here, and otherwise as any other.
 #pragma once
 
 #include <morula/update/body.hpp>
@@ -8,8 +9,11 @@
 namespace morula::detail {
 
 struct ReownedBody {
-  /// Without reowns: a Body as any.
-  static Body make(const Mesh& mesh, CoveredTree built, Workers& workers, bool reowns);
+  struct Ways {
+    bool reowns = false, fits_leaves = false;
+  };
+  /// Without either: a Body as any.
+  static Body make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, Workers& workers, Ways ways);
   /// As Body::update, and then patches change hands until so many distances to corners were taken (Reowning::exchange).
   /// The spheres are those of who owns what afterwards.
   static UpdateStatus update(Body& body, const PositionView& positions, std::size_t most_tests,

@@ -51,6 +51,11 @@ struct RebuildOptions {
   /// go on; what leaves own changes, so that Collider::follow_ownership is due after each update.
   std::size_t reown_tests = 0;
 
+  /// In every frame, the centres of leaves that fit the surface less closely than where their tree was made go on to
+  /// where they fit it better. Pays where leaves fit closely: others stay about as they are. Ownership, numbering and
+  /// the nodes above leaves are as without, and spheres depend on nothing else than without.
+  bool fit_leaves = false;
+
   RebuildThread thread = RebuildThread::background;
   /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
   /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.

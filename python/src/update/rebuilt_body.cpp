@@ -53,7 +53,8 @@ void bind_rebuilt_body(nb::module_& m) {
           [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, std::string_view method,
              std::string_view quality, std::string_view still_quality, std::uint64_t seed, double looser_by,
              int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
-             std::size_t reown_tests, std::string_view thread, std::size_t sample_count, Threads* workers) {
+             std::size_t reown_tests, bool fit_leaves, std::string_view thread, std::size_t sample_count,
+             Threads* workers) {
             RebuildOptions options;
             options.method = method_of(method);
             options.quality = quality_of(quality);
@@ -66,6 +67,7 @@ void bind_rebuilt_body(nb::module_& m) {
             options.look_ahead_frames = look_ahead_frames;
             options.processor_share = processor_share;
             options.reown_tests = reown_tests;
+            options.fit_leaves = fit_leaves;
             options.thread = choice<RebuildThread>(thread, "thread",
                                                    {{"background", RebuildThread::background},
                                                     {"caller", RebuildThread::caller},
@@ -82,8 +84,8 @@ void bind_rebuilt_body(nb::module_& m) {
           nb::arg("still_quality") = "fast", nb::arg("seed") = 1, nb::arg("looser_by") = 1.25,
           nb::arg("check_every") = 4, nb::arg("rebuild_every") = 0, nb::arg("gain") = 0.05,
           nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("reown_tests") = 0,
-          nb::arg("thread") = "background", nb::arg("sample_count") = LoosenessEstimator::default_samples,
-          nb::arg("workers") = nb::none(),
+          nb::arg("fit_leaves") = false, nb::arg("thread") = "background",
+          nb::arg("sample_count") = LoosenessEstimator::default_samples, nb::arg("workers") = nb::none(),
           with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
                                                         {"still_quality", doc::RebuildOptions_still_quality},
                                                         {"looser_by", doc::RebuildOptions_looser_by},
@@ -93,6 +95,7 @@ void bind_rebuilt_body(nb::module_& m) {
                                                         {"look_ahead_frames", doc::RebuildOptions_look_ahead_frames},
                                                         {"processor_share", doc::RebuildOptions_processor_share},
                                                         {"reown_tests", doc::RebuildOptions_reown_tests},
+                                                        {"fit_leaves", doc::RebuildOptions_fit_leaves},
                                                         {"thread", "background, caller or none"}})
               .c_str())
       .def(

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "geometry/rounded_up.hpp"
 #include "simd/processors.hpp"
@@ -90,6 +91,35 @@ void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t
     const Pull one{core.data(), enough * enough, rest_radii[k]};
     const Vec3f center = pull(points, one, {centers[k].x, centers[k].y, centers[k].z});
     centers[k] = {center.x, center.y, center.z, 0};
+  }
+}
+
+void fit_many(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
+  for (std::size_t k = 0; k < nodes_at_once; ++k) {
+    Vec3f now{centers[k].x, centers[k].y, centers[k].z}, best = now;
+    float least = 0, limit = 0;
+    for (int step = 0;; ++step) {
+      float most = -1, nearest = std::numeric_limits<float>::infinity();
+      Vec3f to, from;
+      for (std::size_t i = 0; i < core_size; ++i) {
+        const LocalPoint& p = points[fits.cores[nodes_at_once * i + k]];
+        const float s = squared_length(Vec3f{p.x, p.y, p.z} - now);
+        if (s > most) most = s, to = {p.x, p.y, p.z};
+      }
+      for (std::size_t i = 0; i < near_size; ++i) {
+        const LocalPoint& p = points[fits.near[nodes_at_once * i + k]];
+        const float s = squared_length(Vec3f{p.x, p.y, p.z} - now);
+        if (s < nearest) nearest = s, from = {p.x, p.y, p.z};
+      }
+      const float cost = most - nearest;
+      if (step == 0 && cost <= fits.enough[k]) break;
+      if (step == 0) least = cost, limit = most_squared_growth * most;
+      if (most <= limit && cost < least) least = cost, best = now;
+      if (step == fit_steps) break;
+      const float reach = std::sqrt(most), protrusion = std::max(0.0f, reach - std::sqrt(nearest));
+      now += (to - from) * (reach > 0 ? fit_lengths[step] * protrusion / reach : 0.0f);
+    }
+    centers[k] = {best.x, best.y, best.z, 0};
   }
 }
 
@@ -186,9 +216,8 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
 }
 
 constexpr Kernels kernels{
-    farthest,     farthest_of_groups, farthest_of_some, pull,           pull_many,       weighted_sums,
-    carry,        farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats,
-    narrow_listed};
+    farthest, farthest_of_groups, farthest_of_some, pull,           pull_many,       fit_many,      weighted_sums,
+    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_listed};
 
 }  // namespace plain
 

@@ -78,6 +78,17 @@ struct Pull {
   float rest_radius;          ///< largest distance to the core at rest
 };
 
+/// Points of the surface that tell how near it comes to a leaf's centre.
+inline constexpr std::size_t near_size = 16;
+/// Leaves whose centres are fitted, nodes_at_once of them: point i of leaf k is cores[nodes_at_once * i + k], one of
+/// the core_size outermost that it owns, or near[nodes_at_once * i + k]. A leaf costs r² - d², where r is the largest
+/// distance from the centre to its core, and d the least one to its near points: how deep, as a power, the nearest of
+/// the surface lies in the sphere.
+struct Fits {
+  const std::uint32_t *cores, *near;
+  const float* enough;  ///< a leaf that costs no more is good
+};
+
 /// All kernels give the same bits: every distance is taken by the same operations in the same order, without fused
 /// ones, and then only compared.
 struct Kernels {
@@ -100,6 +111,10 @@ struct Kernels {
   /// centre k is cores[nodes_at_once * i + k]. enough: most_growth times the radius, squared.
   void (*pull_many)(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count,
                     const float* rest_radii, LocalPoint* centers);
+  /// Centres moved to where they cost less, in place: up to fit_steps times the way from the nearest of the near points
+  /// to the farthest of the core, which is where the cost falls most; the best place on the way, so never one that
+  /// costs more than where it was, nor one from where r² is more than most_squared_growth times as large.
+  void (*fit_many)(const LocalPoint* points, const Fits& fits, LocalPoint* centers);
   /// sums[k] = the sum of a node's anchors by weight, those with even numbers and those with odd ones first summed by
   /// themselves. Group g of nodes_per_group nodes has the entries [group_begin[g], group_begin[g + 1]) of index and
   /// weight, an even number for each node, padded by weights 0.
@@ -127,6 +142,11 @@ struct Kernels {
                                  const Vec3f& origin, LocalPoint* out);
 };
 inline constexpr int pull_steps = 4;
+inline constexpr int fit_steps = 8;
+/// Squared: a radius grows by 2 % at most. Off a sheet it could for ever, at the same cost.
+inline constexpr float most_squared_growth = 1.0404f;
+/// Of each step of a fit: its length as a share of r - d, on a way as long as r.
+inline constexpr float fit_lengths[fit_steps] = {0.5f, 0.5f, 0.5f, 0.5f, 0.4f, 0.33f, 0.29f, 0.25f};
 /// Spheres that are no more than this times as large as at rest are good.
 inline constexpr float most_growth = 1.01f;
 

@@ -122,8 +122,8 @@ struct FarthestOfLanes {
   Wide most;
 #if MORULA_LANES == 16
   Wide x, y, z;
-  void begin() {
-    most = all(-1.0f), x = y = z = Wide{};
+  void begin(float below = -1.0f) {
+    most = all(below), x = y = z = Wide{};
   }
   void look_at(const WidePoints& p, Wide squared, WideInt) {
     x = squared > most ? p.x : x, y = squared > most ? p.y : y, z = squared > most ? p.z : z;
@@ -134,8 +134,8 @@ struct FarthestOfLanes {
   }
 #else
   WideInt place;
-  void begin() {
-    most = all(-1.0f), place = WideInt{};
+  void begin(float below = -1.0f) {
+    most = all(below), place = WideInt{};
   }
   void look_at(const WidePoints&, Wide squared, WideInt here) {
     place = squared > most ? here : place;
@@ -211,6 +211,52 @@ void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t
                LocalPoint* centers) {
   for (std::size_t k = 0; k < nodes_at_once; k += pulled_at_once * lanes)
     pull_lanes(points, cores + k, core_count, rest_radii + k, centers + k);
+}
+
+// A leaf in each lane; a good one goes nowhere. No share is above 1/2, so centres stay finite. The nearest point is the
+// farthest by negative distances.
+void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
+  WidePoints core[core_size], near[near_size];
+  for (std::size_t k = 0; k < core_size; ++k) core[k] = columns(gather(points, fits.cores + nodes_at_once * k));
+  for (std::size_t k = 0; k < near_size; ++k) near[k] = columns(gather(points, fits.near + nodes_at_once * k));
+  const auto row = [&](int k) { return points_in_rows(centers + k); };
+  const WidePoints start = columns(Rows{row(0), row(1), row(2), row(3)});
+  Wide x = start.x, y = start.y, z = start.z, best_x = x, best_y = y, best_z = z, least{}, limit{};
+  const Wide enough = load(fits.enough);
+  Wide at_start{};
+  for (int step = 0;; ++step) {
+    FarthestOfLanes far, nearest;
+    far.begin(), nearest.begin(-__builtin_inff());
+    WideInt place{};
+    for (std::size_t k = 0; k < core_size; ++k, place += 1)
+      far.look_at(core[k], squared_distance(core[k], x, y, z), place);
+    place = WideInt{};
+    for (std::size_t k = 0; k < near_size; ++k, place += 1)
+      nearest.look_at(near[k], -squared_distance(near[k], x, y, z), place);
+    const Wide cost = far.most + nearest.most;
+    if (step == 0) {
+      least = at_start = cost, limit = all(most_squared_growth) * far.most;
+      if (lanes_at_most(cost, enough) == (1u << lanes) - 1) break;
+    } else {
+      const Wide here = far.most <= limit ? cost : all(__builtin_inff());
+      best_x = here < least ? x : best_x, best_y = here < least ? y : best_y, best_z = here < least ? z : best_z;
+      least = here < least ? here : least;
+    }
+    if (step == fit_steps) break;
+    const WidePoints to = far.point(points, fits.cores), from = nearest.point(points, fits.near);
+    const Wide reach = root(far.most), protrusion = max(reach - root(-nearest.most), Wide{});
+    const Wide some = reach > Wide{} ? all(fit_lengths[step]) * protrusion / reach : Wide{};
+    const Wide share = at_start > enough ? some : Wide{};
+    x += share * (to.x - from.x), y += share * (to.y - from.y), z += share * (to.z - from.z);
+  }
+  float out[3][lanes];
+  store(best_x, out[0]), store(best_y, out[1]), store(best_z, out[2]);
+  for (int k = 0; k < lanes; ++k) centers[k] = LocalPoint{out[0][k], out[1][k], out[2][k], 0};
+}
+
+void fit_many(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
+  for (std::size_t k = 0; k < nodes_at_once; k += lanes)
+    fit_lanes(points, {fits.cores + k, fits.near + k, fits.enough + k}, centers + k);
 }
 
 void weighted_sums(const LocalPoint* points, const std::uint32_t* index, const float* weight,
@@ -493,6 +539,5 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
 }
 
 constexpr Kernels kernels{
-    farthest,     farthest_of_groups, farthest_of_some, pull,           pull_many,       weighted_sums,
-    carry,        farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats,
-    narrow_listed};
+    farthest, farthest_of_groups, farthest_of_some, pull,           pull_many,       fit_many,      weighted_sums,
+    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_listed};

@@ -14,7 +14,6 @@
 #endif
 
 #include "parallel/float_environment.hpp"
-#include "update/reowned_body.hpp"
 
 namespace morula::detail {
 namespace {
@@ -39,13 +38,13 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 }  // namespace
 
 RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-                       std::shared_ptr<const StrainGauge> gauge, bool reowns)
+                       std::shared_ptr<const StrainGauge> gauge, ReownedBody::Ways ways)
     : snapshot_(home),
       build_(build),
       estimator_(home, sample_count),
       levels_(levels),
       gauge_(std::move(gauge)),
-      reowns_(reowns) {
+      ways_(ways) {
   earlier_.fill(home.positions);
   last_pose_ = home.positions;
 }
@@ -90,9 +89,9 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
-  CoveredTree built = build(snapshot_, build_, one);
+  auto built = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
   if (build_.stop.stop_requested()) throw BuildStopped();
-  auto epoch = std::make_unique<Epoch>(Epoch{ReownedBody::make(snapshot_, std::move(built), one, reowns_),
+  auto epoch = std::make_unique<Epoch>(Epoch{ReownedBody::make(snapshot_, std::move(built), one, ways_),
                                              std::vector<double>(levels_), std::vector<float>(gauge_->length_count()),
                                              std::vector<double>(levels_)});
   gauge_->measure(snapshot_.positions, epoch->lengths);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "update/rebuild/strain_gauge.hpp"
+#include "update/reowned_body.hpp"
 
 namespace morula::detail {
 
@@ -35,7 +36,7 @@ class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
   RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-             std::shared_ptr<const StrainGauge> gauge, bool reowns);
+             std::shared_ptr<const StrainGauge> gauge, ReownedBody::Ways ways);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -73,7 +74,7 @@ class RebuildJob {
   LoosenessEstimator estimator_;
   std::size_t levels_;
   std::shared_ptr<const StrainGauge> gauge_;
-  bool reowns_;
+  ReownedBody::Ways ways_;
   std::stop_source stop_;
   std::unique_ptr<Epoch> retired_{};
   Result result_{};

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <stdexcept>
@@ -72,7 +73,7 @@ constexpr double least_gain = 0.02;
 // least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
 constexpr double usual_cost = 10, least_cost = 2;
 // Below this the strain since an ownership was built says nothing about what strain costs.
-constexpr double least_strain = 0.05;
+constexpr double least_strain = 0.02;
 // Frames over which one estimate is spread at most.
 constexpr std::size_t most_steps = 8;
 
@@ -94,6 +95,7 @@ struct RebuiltBody::State {
   bool at_rest(const PositionView& positions) const noexcept;
   Epoch* choose(const PositionView& positions) noexcept;
   double cost_of_strain(const Epoch& ownership) const noexcept;
+  double cost_over(const Epoch& ownership, std::span<const double> looseness, double strain) const noexcept;
   double expected_score(const Epoch& ownership) const noexcept;
   bool takes_over(const Epoch& candidate) const noexcept;
   void stay_at_rest() noexcept;
@@ -127,8 +129,10 @@ struct RebuiltBody::State {
   Epoch* present;
   std::vector<float> lengths;         // at this frame's positions
   std::vector<float> lengths_before;  // at the estimate before
-  double strain_cost = 0;             // expected: by how much a unit of strain raises the score of an ownership
-  double strain_at_estimate = 0;      // of the present ownership
+  // Expected: by how much a little strain raises the score of an ownership, over that strain; and how much of this
+  // there is more for every unit of strain.
+  double strain_cost = 0, strain_cost_growth = 0;
+  double strain_at_estimate = 0;  // of the present ownership
   double score_at_estimate = 0;
   double strain_now = 0;          // when the estimate under way was begun
   std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
@@ -147,8 +151,12 @@ struct RebuiltBody::State {
 
 namespace {
 
-CoveredTree without_poses(const CoveredTree& built) {
-  return {built.tree, built.cover, built.report};
+std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
+  return std::make_shared<const CoveredTree>(CoveredTree{built.tree, built.cover, built.report});
+}
+
+ReownedBody::Ways ways_of(const RebuildOptions& options) {
+  return {options.reown_tests > 0, options.fit_leaves};
 }
 
 void require_poses(const Mesh& mesh, const CoveredTree& built) {
@@ -164,7 +172,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       rest(mesh.positions),
       used(used_vertices(mesh)),
       // Whether they belong together is what Body asks, so it comes first.
-      home{ReownedBody::make(mesh, without_poses(built), workers, options.reown_tests > 0), {}, {}, {}},
+      home{ReownedBody::make(mesh, without_poses(built), workers, ways_of(options)), {}, {}, {}},
       gauge(std::make_shared<const StrainGauge>(mesh, built)),
       estimator(mesh, options.sample_count),
       present(&home),
@@ -174,13 +182,11 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), gauge, options.reown_tests > 0)) {
+                                       built.tree.level_count(), gauge, ways_of(options))) {
   home = epoch_of(mesh, std::move(home.body), threshold.size());
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
-    Body body = options.reown_tests > 0 ? ReownedBody::make(posed, *pose.built, workers, true)
-                                        : Body(posed, pose.built, {}, workers);
-    known.push_back(epoch_of(posed, std::move(body), threshold.size()));
+    known.push_back(epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size()));
   }
   calibrate(built, workers);
   report.looseness = home.looseness_at_build;
@@ -205,25 +211,51 @@ Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t lev
   return made;
 }
 
-// What strain costs, from how loose the home ownership is at the known poses.
+// What strain costs. Looseness grows faster than strain does, and ownerships are chosen where strain is small: poses
+// far apart alone would make it seem dear there, and so whatever was rebuilt for a pose ahead. So what a little costs
+// is taken from how loose every ownership is at the pose nearest to its own, and how that grows from how loose the home
+// ownership is at all known poses. The home ownership, which serves first, goes by its own figure until it is measured.
 void RebuiltBody::State::calibrate(const CoveredTree& built, Workers& workers) {
-  std::vector<double> costs;
   strain_cost = cost_of(usual_cost);
-  if (known.empty()) return;
-  Body probe(home.body);
-  const double at_home = relative_looseness(home.looseness_at_build, home.looseness_at_build);
-  for (std::size_t k = 0; k < known.size(); ++k) {
-    const PositionView positions(built.poses[k].positions);
-    const double strain = StrainGauge::strain(known[k].lengths, home.lengths);
-    if (!(strain > least_strain) || !probe.update(positions, workers)) continue;
-    estimator.pose(positions);
+  std::vector<Epoch*> ownerships{&home};
+  std::vector<PositionView> poses{rest};
+  for (std::size_t k = 0; k < known.size(); ++k)
+    ownerships.push_back(&known[k]), poses.emplace_back(built.poses[k].positions);
+  const auto strain_at = [&](const Epoch& ownership, std::size_t pose) {
+    return StrainGauge::strain(ownerships[pose]->lengths, ownership.lengths);
+  };
+  const auto estimated_at = [&](Body& probe, std::size_t pose) {
+    if (!probe.update(poses[pose], workers)) return false;
+    estimator.pose(poses[pose]);
     estimator.estimate(probe, estimated);
-    costs.push_back((relative_looseness(estimated, home.looseness_at_build) - at_home) / strain);
+    return true;
+  };
+  const auto middle = [](std::vector<double>& figures) {
+    const auto at = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
+    std::nth_element(figures.begin(), at, figures.end());
+    return *at;
+  };
+  std::vector<double> costs;
+  for (Epoch* const ownership : ownerships) {
+    std::optional<std::size_t> nearest;
+    for (std::size_t k = 0; k < ownerships.size(); ++k)
+      if (const double strain = strain_at(*ownership, k);
+          strain > least_strain && (!nearest || strain < strain_at(*ownership, *nearest)))
+        nearest = k;
+    Body probe(ownership->body);
+    if (!nearest || !estimated_at(probe, *nearest)) continue;
+    const double strain = strain_at(*ownership, *nearest);
+    if (ownership == &home) home.looseness_elsewhere = estimated, home.strain_elsewhere = strain;
+    costs.push_back(cost_over(*ownership, estimated, strain));
   }
   if (costs.empty()) return;
-  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
-  std::nth_element(costs.begin(), middle, costs.end());
-  strain_cost = std::max(cost_of(least_cost), *middle);
+  strain_cost = std::max(cost_of(least_cost), middle(costs));
+  costs.clear();
+  Body probe(home.body);
+  for (std::size_t k = 1; k < ownerships.size(); ++k)
+    if (const double strain = strain_at(home, k); strain > least_strain && estimated_at(probe, k))
+      costs.push_back((cost_over(home, estimated, strain) - strain_cost) / strain);
+  if (!costs.empty()) strain_cost_growth = std::max(0.0, middle(costs));
 }
 
 // One ownership is updated, and that is the one that serves: which one, the positions alone tell.
@@ -279,16 +311,24 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
 // By what was measured of it elsewhere, else by what strain costs in general.
 double RebuiltBody::State::cost_of_strain(const Epoch& ownership) const noexcept {
   if (!(ownership.strain_elsewhere > least_strain)) return strain_cost;
-  const double more = relative_looseness(ownership.looseness_elsewhere, home.looseness_at_build) -
-                      relative_looseness(ownership.looseness_at_build, home.looseness_at_build);
-  return std::max(cost_of(least_cost), more / ownership.strain_elsewhere);
+  return std::max(cost_of(least_cost), cost_over(ownership, ownership.looseness_elsewhere, ownership.strain_elsewhere));
+}
+
+// What a little strain costs where it is as loose as that at a strain from the pose that it was built for.
+double RebuiltBody::State::cost_over(const Epoch& ownership, std::span<const double> looseness,
+                                     double strain) const noexcept {
+  return (relative_looseness(looseness, home.looseness_at_build) -
+          relative_looseness(ownership.looseness_at_build, home.looseness_at_build)) /
+             strain -
+         strain_cost_growth * strain;
 }
 
 // Of the present one: what was measured last, and what strain has been added since.
 double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
   const double strain = StrainGauge::strain(lengths, ownership.lengths), cost = cost_of_strain(ownership);
-  if (&ownership == present) return score_at_estimate + cost * (strain - strain_at_estimate);
-  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + cost * strain;
+  const auto more = [&](double at) { return (cost + strain_cost_growth * at) * at; };
+  if (&ownership == present) return score_at_estimate + more(strain) - more(strain_at_estimate);
+  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + more(strain);
 }
 
 // The ownership that is expected to be the tightest. Where positions are not finite, nor are lengths, and the present
@@ -373,8 +413,11 @@ void RebuiltBody::State::finish_estimate() noexcept {
   report.looseness = estimated;
   score_at_estimate = relative_looseness(estimated, home.looseness_at_build);
   strain_at_estimate = strain_now;
-  // What patches that changed hands have brought is not what the ownership would be like as it was made.
-  if (!(strain_at_estimate > least_strain) || present->body.pose().dealing != 0) return;
+  if (!(strain_at_estimate > least_strain)) return;
+  // What patches that changed hands have brought is not what the ownership would be like as it was made: that is
+  // looser.
+  if (present->body.pose().dealing != 0 && cost_over(*present, estimated, strain_now) <= cost_of_strain(*present))
+    return;
   present->looseness_elsewhere = estimated;
   present->strain_elsewhere = strain_at_estimate;
   strain_cost = cost_of_strain(*present);

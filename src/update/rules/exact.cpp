@@ -115,6 +115,7 @@ void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<S
   const std::size_t count = place_of(node_end);
   parallel_for(workers, count, nodes_per_chunk,
                [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });
+  if (fits_) fits_->move(frame.points, spheres, workers);
   walk_.measure_first(count, frame.points, spheres, workers);
   rounding_ = frame.rounding;
   parallel_for(workers, count, 4 * nodes_per_chunk,
@@ -186,6 +187,19 @@ void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
 void ExactRule::take_ownership(const ExactRule& other) noexcept {
   walk_.take_lists(other.walk_);
   dealt_ = other.dealt_;
+  if (fits_) fits_->take(*other.fits_);
+}
+
+void ExactRule::fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                           Workers& workers) {
+  std::vector<std::uint32_t> cores;
+  for (const std::uint32_t leaf : order.leaves) {
+    const std::size_t begin = cores.size();
+    const auto [first, count] = core_of(place_of(leaf));
+    for (std::size_t i = 0; i < count; ++i) cores.push_back(first[nodes_at_once * i]);
+    cores.resize(begin + core_size, cores[begin]);
+  }
+  fits_.emplace(order.leaves, cores, points, spheres, points.size(), workers);
 }
 
 std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {

@@ -3,6 +3,7 @@
 // The rule `exact`: each node's radius is the largest distance from its centre to a point that it owns.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "update/rules/anchors.hpp"
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
+#include "update/rules/leaf_fits.hpp"
 
 namespace morula::detail {
 
@@ -24,14 +26,20 @@ class ExactRule final : public RuleEngine {
               Workers& workers) noexcept override;
   std::size_t tested_points() const override { return walk_.tested_points(); }
 
-  bool is_lazy() const override { return true; }
+  /// Not where leaves are fitted, which is done for many of them at once.
+  bool is_lazy() const override { return !fits_; }
   void update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept override;
   std::size_t tested_points(std::size_t node_end) const override;
 
   /// Where every leaf follows the rule.
-  bool follows_changes() const override { return !dealt_; }
+  bool follows_changes() const override { return !dealt_ && !fits_; }
   std::size_t update_changed(const RuleFrame& frame, const Marks& changed_blocks,
                              std::span<Spheref> spheres) noexcept override;
+
+  /// From now on leaves are fitted (LeafFits). Every leaf has the rule. points, spheres: at the pose that the tree was
+  /// made for.
+  void fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
+                  Workers& workers);
 
   /// Makes room for deal(): so many points in all.
   void reserve(std::size_t most_points) { walk_.reserve(most_points); }
@@ -42,6 +50,9 @@ class ExactRule final : public RuleEngine {
   void deal(const RuleFrame& frame, std::span<const std::uint32_t> leaves, const PointsOf& points_of,
             std::span<Spheref> spheres) noexcept {
     walk_.deal(leaves, points_of, frame.points, spheres);
+    if (fits_)
+      for (const std::uint32_t leaf : leaves)
+        fits_->take(leaf, points_of(leaf), frame.points, spheres[fits_->node(leaf)].center);
     set_radii_of_all(spheres);
     dealt_ = true;
   }
@@ -77,6 +88,7 @@ class ExactRule final : public RuleEngine {
 
   CornerWalk walk_;
   Anchors anchors_;  // one tie per node of the walk
+  std::optional<LeafFits> fits_{};
   // Cores are the outermost points of nodes, once each, and the radius is how far they are from the centre at rest.
   // Nodes of a level and a chunk with about as many points are pulled together, one in each lane: groups of
   // nodes_at_once of them, whose points lie as Kernels::pull_many takes them. Short cores repeat their first point,

@@ -173,6 +173,64 @@ TEST(Kernels, many_pulls_at_once_are_what_each_is_alone) {
   }
 }
 
+// What Fits says a leaf costs, and how far it reaches, by brute force.
+std::pair<float, float> cost_and_reach(const std::vector<LocalPoint>& points, const Fits& fits, std::size_t leaf,
+                                       const LocalPoint& center) {
+  const auto distance_to = [&](std::uint32_t i) {
+    const LocalPoint& p = points[i];
+    return length(Vec3f{p.x, p.y, p.z} - Vec3f{center.x, center.y, center.z});
+  };
+  float reach = 0, depth = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < core_size; ++i)
+    reach = std::max(reach, distance_to(fits.cores[nodes_at_once * i + leaf]));
+  for (std::size_t i = 0; i < near_size; ++i) depth = std::min(depth, distance_to(fits.near[nodes_at_once * i + leaf]));
+  return {reach * reach - depth * depth, reach};
+}
+
+TEST(Kernels, a_fit_never_costs_more_nor_grows_and_agrees_bit_for_bit) {
+  int cheaper = 0;
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    std::vector<LocalPoint> points = random_points(64, seed % 3 == 0 ? 1e-3 : 1.0, seed);
+    if (seed % 7 == 6)  // a sheet
+      for (LocalPoint& p : points) p.z = 0;
+    Random random(seed);
+    // Some cores are a few points, and some leaves are one point, at the centre or elsewhere.
+    std::vector<std::uint32_t> cores(core_size * nodes_at_once), near(near_size * nodes_at_once);
+    std::vector<LocalPoint> centers(nodes_at_once);
+    for (std::size_t k = 0; k < nodes_at_once; ++k) {
+      const double kinds = k == 3 ? 1 : k % 4 == 1 ? 5 : 64;
+      for (std::size_t i = 0; i < core_size; ++i)
+        cores[nodes_at_once * i + k] = static_cast<std::uint32_t>(random.uniform(0, kinds));
+      for (std::size_t i = 0; i < near_size; ++i)
+        near[nodes_at_once * i + k] = static_cast<std::uint32_t>(random.uniform(0, kinds));
+      centers[k] = k == 3 || k == 5 ? points[cores[k]] : points[k];
+      centers[k].x *= 0.5f;
+    }
+    centers[3] = points[cores[3]];
+    std::vector<float> enough(nodes_at_once, 0.0f);
+    enough[2] = 100, enough[3] = -1;  // a good leaf, and a point that is not
+    const Fits fits{cores.data(), near.data(), enough.data()};
+    std::vector<LocalPoint> expected = centers;
+    all_kernels().front().fit_many(points.data(), fits, expected.data());
+    EXPECT_EQ(std::memcmp(&expected[2], &centers[2], sizeof(Vec3f)), 0);
+    for (std::size_t k = 0; k < nodes_at_once; ++k) {
+      const auto [before, reach_before] = cost_and_reach(points, fits, k, centers[k]);
+      const auto [after, reach_after] = cost_and_reach(points, fits, k, expected[k]);
+      EXPECT_LE(after, before + 1e-5f * reach_before * reach_before) << "seed " << seed << ", leaf " << k;
+      EXPECT_LE(reach_after, 1.0201f * reach_before) << "seed " << seed << ", leaf " << k;
+      cheaper += after < 0.9f * before;
+    }
+    for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
+      std::vector<LocalPoint> fitted = centers;
+      all_kernels()[kind].fit_many(points.data(), fits, fitted.data());
+      for (std::size_t k = 0; k < nodes_at_once; ++k)
+        EXPECT_EQ((Vec3f{fitted[k].x, fitted[k].y, fitted[k].z}), (Vec3f{expected[k].x, expected[k].y, expected[k].z}))
+            << kind_name(kind) << ", seed " << seed << ", leaf " << k;
+    }
+  }
+  EXPECT_GT(cheaper, 500);
+}
+
 TEST(Kernels, weighted_sums_agree_bit_for_bit) {
   const std::vector<LocalPoint> points = random_points(100, 3.0, 4);
   Random random(3);

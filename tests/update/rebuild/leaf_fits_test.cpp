@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Leaves whose centres are fitted in every frame: every level covers, spheres depend on positions alone, and rest is
+// rest.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/update/rebuilt_body.hpp>
+
+#include "../bodies.hpp"
+#include "limb.hpp"
+
+namespace morula {
+namespace {
+
+using test::limb;
+using test::limb_tree;
+using test::Specimen;
+using test::stretched_limb;
+
+RebuildOptions fitting(std::size_t reown_tests = 0) {
+  return {.reown_tests = reown_tests, .fit_leaves = true, .thread = RebuildThread::none};
+}
+constexpr std::size_t many_tests = 1'000'000;
+
+const Mesh& fine_limb() {
+  static const Mesh mesh = sample_body("limb", 40);
+  return mesh;
+}
+const CoveredTree& fine_limb_tree() {
+  static const CoveredTree built = build(fine_limb(), {.depth = 3, .quality = Quality::draft});
+  return built;
+}
+
+void expect_covered(const Body& body, const PositionView& positions, const std::string& where) {
+  const std::vector<Sphere> spheres = test::spheres_of(body);
+  const Certificate c = certify(body.cover(), positions, spheres);
+  EXPECT_TRUE(c.covered) << where << ": node " << c.worst_node << " by " << c.worst_excess;
+}
+
+TEST(LeafFits, cover_in_every_frame_of_any_motion_on_every_specimen) {
+  for (const Specimen& b : test::specimens())
+    for (const std::size_t reown_tests : {std::size_t{0}, many_tests}) {
+      RebuiltBody body(b.mesh, b.built, fitting(reown_tests));
+      for (const test::Motion& motion : test::motions())
+        for (std::uint64_t frame = 0; frame < 3; ++frame) {
+          const std::vector<Vec3> positions = test::noisy(motion.apply(b.mesh.positions), 1e-3, frame);
+          ASSERT_TRUE(body.update(positions));
+          expect_covered(body.body(), positions, b.name + ", " + motion.name + ", frame " + std::to_string(frame));
+        }
+    }
+}
+
+TEST(LeafFits, cover_aligned_and_coarse_bodies_far_from_the_origin) {
+  for (const char* name : {"limb", "torus"})
+    for (const double away : {0.0, 1e6}) {
+      Mesh mesh = sample_body(name, 6);
+      for (Vec3& p : mesh.positions) p += Vec3{away, 0, 0};
+      RebuiltBody body(mesh, build(mesh, {.method = Method::octree, .depth = 3}), fitting());
+      for (int frame = 1; frame <= 12; ++frame) {
+        const std::vector<Vec3> positions = deform(mesh, {Stretch{3}, Twist{180}}, frame / 12.0);
+        ASSERT_TRUE(body.update(positions));
+        expect_covered(body.body(), positions, std::string(name) + ", frame " + std::to_string(frame));
+      }
+    }
+}
+
+// Leaves that fit closely. Those of a coarse tree, which do not, are about as tight as without.
+TEST(LeafFits, are_tighter_with_and_without_patches_that_change_hands) {
+  const Mesh& mesh = fine_limb();
+  for (const Deformation& motion : std::vector<Deformation>{Stretch{2}, Twist{180}, Bend{90}, Noise{}})
+    for (const std::size_t reown_tests : {std::size_t{0}, many_tests}) {
+      RebuiltBody fitted(mesh, fine_limb_tree(), fitting(reown_tests));
+      RebuiltBody plain(mesh, fine_limb_tree(), {.reown_tests = reown_tests, .thread = RebuildThread::none});
+      for (int frame = 1; frame <= 12; ++frame) {
+        const std::vector<Vec3> positions = deform(mesh, {motion}, frame / 24.0);
+        ASSERT_TRUE(fitted.update(positions));
+        ASSERT_TRUE(plain.update(positions));
+        if (frame % 4 != 0) continue;
+        EXPECT_LT(estimate_looseness(mesh, fitted.body(), positions).back(),
+                  0.95 * estimate_looseness(mesh, plain.body(), positions).back())
+            << describe(motion) << ", frame " << frame << ", " << reown_tests;
+      }
+    }
+}
+
+// Of a sheet, of a body that is one leaf, and of points that fall together. A core does not stand for what moves at
+// random.
+TEST(LeafFits, let_no_leaf_grow_by_more_than_a_little) {
+  for (const Specimen& b : test::specimens()) {
+    RebuiltBody fitted(b.mesh, b.built, fitting());
+    Body plain(b.mesh, b.built);
+    for (const test::Motion& motion : test::motions()) {
+      if (std::string(motion.name) == "noise") continue;
+      const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
+      ASSERT_TRUE(fitted.update(positions));
+      ASSERT_TRUE(plain.update(positions));
+      for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
+        const Spheref &now = fitted.body().spheres()[node], &without = plain.spheres()[node];
+        if (!b.built.tree.is_leaf(node)) {
+          EXPECT_EQ(now.center, without.center);
+        }
+        EXPECT_LE(now.radius, 1.1f * without.radius) << b.name << ", " << motion.name << ", node " << node;
+      }
+    }
+  }
+}
+
+TEST(LeafFits, depend_on_positions_alone_whatever_came_before) {
+  RebuiltBody body(limb(), limb_tree(), fitting()), jumping(limb(), limb_tree(), fitting());
+  for (int frame = 1; frame <= 8; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 8.0)));
+  ASSERT_TRUE(jumping.update(stretched_limb(1)));
+  EXPECT_EQ(body.body().hash(), jumping.body().hash());
+}
+
+TEST(LeafFits, have_the_same_bits_for_any_number_of_workers) {
+  std::vector<std::uint64_t> hashes[3];
+  for (const unsigned count : {1u, 2u, 3u}) {
+    Workers workers(count);
+    RebuiltBody body(fine_limb(), fine_limb_tree(), fitting(500), workers);
+    for (int frame = 1; frame <= 12; ++frame) {
+      ASSERT_TRUE(body.update(deform(fine_limb(), {Twist{180}}, frame / 12.0), workers));
+      hashes[count - 1].push_back(body.body().hash());
+    }
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+TEST(LeafFits, return_to_rest_bit_for_bit_and_go_on_from_there_as_before) {
+  for (const std::size_t reown_tests : {std::size_t{0}, many_tests}) {
+    RebuiltBody body(limb(), limb_tree(), fitting(reown_tests));
+    const Body plain(limb(), limb_tree());
+    EXPECT_EQ(body.body().hash(), plain.hash());
+    std::vector<std::uint64_t> first;
+    for (int excursion = 0; excursion < 2; ++excursion) {
+      std::vector<std::uint64_t> hashes;
+      for (int frame = 1; frame <= 6; ++frame) {
+        ASSERT_TRUE(body.update(stretched_limb(frame / 6.0)));
+        hashes.push_back(body.body().hash());
+      }
+      if (excursion == 0) first = hashes;
+      EXPECT_EQ(hashes, first) << reown_tests;
+      ASSERT_TRUE(body.update(limb().positions));
+      EXPECT_EQ(body.body().hash(), plain.hash()) << reown_tests;
+      std::vector<Vec3f> narrowed;
+      for (const Vec3& p : limb().positions) narrowed.emplace_back(p);
+      Body narrow(plain);
+      ASSERT_TRUE(narrow.update(narrowed));
+      ASSERT_TRUE(body.update(narrowed));
+      EXPECT_EQ(body.body().hash(), narrow.hash()) << reown_tests;
+    }
+  }
+}
+
+TEST(LeafFits, are_as_without_after_a_rigid_motion_and_where_nothing_moved) {
+  RebuiltBody fitted(limb(), limb_tree(), fitting());
+  Body plain(limb(), limb_tree());
+  for (const test::Motion& motion : test::motions()) {
+    const std::string name = motion.name;
+    if (!name.starts_with("translation") && !name.starts_with("rotation")) continue;
+    const std::vector<Vec3> positions = motion.apply(limb().positions);
+    ASSERT_TRUE(fitted.update(positions));
+    ASSERT_TRUE(plain.update(positions));
+    EXPECT_EQ(fitted.body().hash(), plain.hash()) << name;
+  }
+}
+
+TEST(LeafFits, copies_fit_as_well_and_follow_parts_and_lazily) {
+  RebuiltBody body(limb(), limb_tree(), fitting());
+  std::vector<Vec3> positions = stretched_limb(1);
+  ASSERT_TRUE(body.update(positions));
+  Body whole(body.body()), part(body.body()), lazy(body.body());
+  positions[5] += Vec3{0.05, 0.1, -0.1};
+  const VertexRange moved[]{{5, 6}};
+  ASSERT_TRUE(body.update(positions));
+  ASSERT_TRUE(whole.update(positions));
+  ASSERT_TRUE(part.update(positions, moved));
+  ASSERT_TRUE(lazy.update_lazily(positions, 0));
+  for (std::uint32_t node = 0; node < lazy.rest_tree().node_count(); ++node) lazy.reach(node);
+  EXPECT_EQ(whole.hash(), body.body().hash());
+  EXPECT_EQ(part.hash(), whole.hash());
+  EXPECT_EQ(lazy.hash(), whole.hash());
+}
+
+TEST(LeafFits, cover_while_every_frame_swaps) {
+  RebuildOptions options{.rebuild_every = 2, .gain = -1e9, .fit_leaves = true, .thread = RebuildThread::caller};
+  RebuiltBody body(limb(), limb_tree(), options);
+  for (int frame = 1; frame <= 10; ++frame) {
+    const std::vector<Vec3> positions = stretched_limb(frame / 10.0);
+    ASSERT_TRUE(body.update(positions));
+    expect_covered(body.body(), positions, "frame " + std::to_string(frame));
+  }
+  EXPECT_GT(body.report().swapped, 2u);
+}
+
+TEST(LeafFits, refuse_bad_positions_and_keep_what_was) {
+  RebuiltBody body(limb(), limb_tree(), fitting());
+  ASSERT_TRUE(body.update(stretched_limb(1)));
+  const std::uint64_t hash = body.body().hash();
+  std::vector<Vec3> bad = stretched_limb(1);
+  bad[7].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(body.update(bad));
+  EXPECT_EQ(body.body().hash(), hash);
+}
+
+}  // namespace
+}  // namespace morula
