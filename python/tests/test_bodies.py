@@ -170,17 +170,26 @@ def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, built):
     assert morula.overlap(body, body)
 
 
+def move_both(limb, body, plain, deformation):
+    """Every frame of `body` is certified; returns the last one's positions."""
+    for positions in morula.deform_frames(limb, deformation, frame_count=8, and_back=False):
+        body.update(positions)
+        plain.update(positions)
+        assert morula.certify(body.cover, positions, body.copy_spheres())
+    return positions
+
+
+def leaf_radius(built, body):
+    return body.copy_spheres()[built.tree.level_set(built.tree.level_count - 1), 3].mean()
+
+
 def test_patches_change_hands_and_every_level_covers(limb, built):
     fixed = morula.RebuiltBody(limb, built, thread="none")
     body = morula.RebuiltBody(limb, built, thread="none", reown_tests=100_000)
     collider = morula.Collider(body)
     at_rest = body.copy_spheres()
-    for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=8, and_back=False):
-        body.update(positions)
-        fixed.update(positions)
-        assert morula.certify(body.cover, positions, body.copy_spheres())
-    leaves = built.tree.level_set(built.tree.level_count - 1)
-    assert body.copy_spheres()[leaves, 3].mean() < 0.95 * fixed.copy_spheres()[leaves, 3].mean()
+    positions = move_both(limb, body, fixed, morula.Stretch(2.0))
+    assert leaf_radius(built, body) < 0.95 * leaf_radius(built, fixed)
     assert body.epoch == 0 and not collider.has_current_ownership
     collider.set_positions(positions)
     query = morula.ContactQuery(surfaces=True)
@@ -197,12 +206,8 @@ def test_leaves_that_are_fitted_are_tighter_and_cover(limb, built):
     plain = morula.RebuiltBody(limb, built, thread="none")
     body = morula.RebuiltBody(limb, built, thread="none", fit_leaves=True)
     at_rest = body.copy_spheres()
-    for positions in morula.deform_frames(limb, morula.Twist(180.0), frame_count=8, and_back=False):
-        body.update(positions)
-        plain.update(positions)
-        assert morula.certify(body.cover, positions, body.copy_spheres())
-    leaves = built.tree.level_set(built.tree.level_count - 1)
-    assert body.copy_spheres()[leaves, 3].mean() < plain.copy_spheres()[leaves, 3].mean()
+    move_both(limb, body, plain, morula.Twist(180.0))
+    assert leaf_radius(built, body) < leaf_radius(built, plain)
     body.update(limb.positions)
     assert numpy.array_equal(body.copy_spheres(), at_rest)
 

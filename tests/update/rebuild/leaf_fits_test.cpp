@@ -9,7 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/rebuilt_body.hpp>
 
-#include "../bodies.hpp"
+#include "covered_frames.hpp"
 #include "limb.hpp"
 
 namespace morula {
@@ -34,37 +34,16 @@ const CoveredTree& fine_limb_tree() {
   return built;
 }
 
-void expect_covered(const Body& body, const PositionView& positions, const std::string& where) {
-  const std::vector<Sphere> spheres = test::spheres_of(body);
-  const Certificate c = certify(body.cover(), positions, spheres);
-  EXPECT_TRUE(c.covered) << where << ": node " << c.worst_node << " by " << c.worst_excess;
-}
-
 TEST(LeafFits, cover_in_every_frame_of_any_motion_on_every_specimen) {
   for (const Specimen& b : test::specimens())
     for (const std::size_t reown_tests : {std::size_t{0}, many_tests}) {
       RebuiltBody body(b.mesh, b.built, fitting(reown_tests));
-      for (const test::Motion& motion : test::motions())
-        for (std::uint64_t frame = 0; frame < 3; ++frame) {
-          const std::vector<Vec3> positions = test::noisy(motion.apply(b.mesh.positions), 1e-3, frame);
-          ASSERT_TRUE(body.update(positions));
-          expect_covered(body.body(), positions, b.name + ", " + motion.name + ", frame " + std::to_string(frame));
-        }
+      test::move_a_specimen(b, body);
     }
 }
 
 TEST(LeafFits, cover_aligned_and_coarse_bodies_far_from_the_origin) {
-  for (const char* name : {"limb", "torus"})
-    for (const double away : {0.0, 1e6}) {
-      Mesh mesh = sample_body(name, 6);
-      for (Vec3& p : mesh.positions) p += Vec3{away, 0, 0};
-      RebuiltBody body(mesh, build(mesh, {.method = Method::octree, .depth = 3}), fitting());
-      for (int frame = 1; frame <= 12; ++frame) {
-        const std::vector<Vec3> positions = deform(mesh, {Stretch{3}, Twist{180}}, frame / 12.0);
-        ASSERT_TRUE(body.update(positions));
-        expect_covered(body.body(), positions, std::string(name) + ", frame " + std::to_string(frame));
-      }
-    }
+  test::move_coarse_bodies(fitting());
 }
 
 // Leaves that fit closely. Those of a coarse tree, which do not, are about as tight as without.
@@ -186,14 +165,7 @@ TEST(LeafFits, copies_fit_as_well_and_follow_parts_and_lazily) {
 }
 
 TEST(LeafFits, cover_while_every_frame_swaps) {
-  RebuildOptions options{.rebuild_every = 2, .gain = -1e9, .fit_leaves = true, .thread = RebuildThread::caller};
-  RebuiltBody body(limb(), limb_tree(), options);
-  for (int frame = 1; frame <= 10; ++frame) {
-    const std::vector<Vec3> positions = stretched_limb(frame / 10.0);
-    ASSERT_TRUE(body.update(positions));
-    expect_covered(body.body(), positions, "frame " + std::to_string(frame));
-  }
-  EXPECT_GT(body.report().swapped, 2u);
+  test::move_while_trees_change(fitting());
 }
 
 TEST(LeafFits, refuse_bad_positions_and_keep_what_was) {

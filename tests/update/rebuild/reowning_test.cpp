@@ -13,7 +13,7 @@
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/update/rebuilt_body.hpp>
 
-#include "../bodies.hpp"
+#include "covered_frames.hpp"
 #include "limb.hpp"
 
 namespace morula {
@@ -42,48 +42,26 @@ std::map<std::vector<std::uint32_t>, int> pieces(const Cover& cover) {
   return counts;
 }
 
-void expect_cover(const Body& body, const PositionView& positions, const std::string& where) {
-  const std::vector<Sphere> spheres = test::spheres_of(body);
-  const Certificate c = certify(body.cover(), positions, spheres);
-  EXPECT_TRUE(c.covered) << where << ": node " << c.worst_node << " by " << c.worst_excess;
-}
-
 TEST(Reowning, covers_in_every_frame_and_owns_every_piece_once) {
   std::size_t dealings = 0;
   for (const Specimen& b : test::specimens()) {
     const auto wanted = pieces(b.built.cover);
     RebuiltBody body(b.mesh, b.built, reowning());
     std::uint64_t dealing = 0;
-    for (const test::Motion& motion : test::motions()) {
-      for (std::uint64_t frame = 0; frame < 3; ++frame) {
-        const std::string where = b.name + ", " + motion.name + ", frame " + std::to_string(frame);
-        const std::vector<Vec3> positions = test::noisy(motion.apply(b.mesh.positions), 1e-3, frame);
-        ASSERT_TRUE(body.update(positions));
-        expect_cover(body.body(), positions, where);
-        EXPECT_EQ(validate(body.body().rest_tree(), body.body().cover()), std::vector<std::string>()) << where;
-        EXPECT_EQ(pieces(body.body().cover()), wanted) << where;
-        dealings += std::exchange(dealing, body.body().pose().dealing) != dealing;
-      }
-    }
+    test::move_a_specimen(b, body, [&](const std::string& where) {
+      EXPECT_EQ(validate(body.body().rest_tree(), body.body().cover()), std::vector<std::string>()) << where;
+      EXPECT_EQ(pieces(body.body().cover()), wanted) << where;
+      dealings += std::exchange(dealing, body.body().pose().dealing) != dealing;
+    });
     EXPECT_EQ(body.epoch(), 0u) << b.name;
   }
   EXPECT_GT(dealings, test::motions().size());
 }
 
 TEST(Reowning, covers_aligned_and_coarse_bodies_far_from_the_origin) {
-  for (const char* name : {"limb", "torus"})
-    for (const double away : {0.0, 1e6}) {
-      Mesh mesh = sample_body(name, 6);
-      for (Vec3& p : mesh.positions) p += Vec3{away, 0, 0};
-      const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
-      RebuiltBody body(mesh, built, reowning());
-      for (int frame = 1; frame <= 12; ++frame) {
-        const std::vector<Vec3> positions = deform(mesh, {Stretch{3}, Twist{180}}, frame / 12.0);
-        ASSERT_TRUE(body.update(positions));
-        expect_cover(body.body(), positions, std::string(name) + ", frame " + std::to_string(frame));
-      }
-      EXPECT_NE(body.body().pose().dealing, 0u) << name;
-    }
+  test::move_coarse_bodies(reowning(), [](const RebuiltBody& body, const std::string& name) {
+    EXPECT_NE(body.body().pose().dealing, 0u) << name;
+  });
 }
 
 TEST(Reowning, is_tighter_than_a_fixed_ownership) {
@@ -170,7 +148,7 @@ TEST(Reowning, copies_keep_what_they_own_and_follow_parts_and_lazily) {
     positions[v] += Vec3{0.2, 0.1, -0.3};
     const VertexRange moved[]{{v, v + 1}};
     ASSERT_TRUE(whole.update(positions));
-    expect_cover(whole, positions, "a copy");
+    test::expect_cover(whole, positions, "a copy");
     ASSERT_TRUE(part.update(positions, moved));
     EXPECT_EQ(part.hash(), whole.hash());
   }
@@ -188,18 +166,11 @@ TEST(Reowning, refuses_bad_positions_and_keeps_what_was) {
   EXPECT_FALSE(body.update(bad));
   EXPECT_EQ(body.body().hash(), hash);
   EXPECT_EQ(body.body().pose().dealing, dealing);
-  expect_cover(body.body(), stretched_limb(1), "after a refusal");
+  test::expect_cover(body.body(), stretched_limb(1), "after a refusal");
 }
 
 TEST(Reowning, covers_while_every_frame_swaps) {
-  RebuildOptions options{.rebuild_every = 2, .gain = -1e9, .reown_tests = plenty, .thread = RebuildThread::caller};
-  RebuiltBody body(limb(), limb_tree(), options);
-  for (int frame = 1; frame <= 10; ++frame) {
-    const std::vector<Vec3> positions = stretched_limb(frame / 10.0);
-    ASSERT_TRUE(body.update(positions));
-    expect_cover(body.body(), positions, "frame " + std::to_string(frame));
-  }
-  EXPECT_GT(body.report().swapped, 2u);
+  test::move_while_trees_change(reowning());
 }
 
 class ReowningContacts : public testing::Test {
