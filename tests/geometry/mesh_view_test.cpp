@@ -15,7 +15,6 @@
 #include <numeric>
 
 namespace morula {
-using namespace detail;
 namespace {
 
 // The same body four times: as a mesh, with floats, with doubles and gaps, by index. Its coordinates are floats.
