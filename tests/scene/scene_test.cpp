@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -16,6 +17,7 @@
 namespace morula {
 namespace {
 
+using namespace std::chrono_literals;
 using test::Crossed;
 using test::Crowd;
 using test::make_thing;
