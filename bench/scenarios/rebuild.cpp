@@ -38,9 +38,6 @@ struct NamedMotion {
   bool strains = false;  // trees for principal strains as well
 };
 
-// Of trees for principal strains: one for every tenth along each axis.
-constexpr std::size_t most_strains = 24;
-
 // What fits into some 0.2 ms.
 constexpr std::size_t reown_tests = 6000;
 
@@ -150,8 +147,7 @@ std::vector<double> least_times(RebuiltBody& body, const Input& input, const Nam
 }
 
 CoveredTree with_strains(const Input& input, CoveredTree home, const Settings& settings) {
-  add_known_poses(input.mesh, home, principal_strains(input.mesh), {.quality = Quality::fast, .most = most_strains},
-                  *settings.workers);
+  add_known_poses(input.mesh, home, principal_strains(input.mesh), {.quality = Quality::fast}, *settings.workers);
   return home;
 }
 

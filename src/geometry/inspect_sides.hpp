@@ -8,7 +8,7 @@
 namespace morula::detail {
 
 /// Counts of edges and of non-manifold vertices, whether the surface is closed, oriented and manifold, and its volume;
-/// all else stays as it is in a new report. Cost: linear, a third of inspect()'s.
+/// all else stays as it is in a new report. Cost: linear; inspect() sorts as well.
 MeshReport inspect_sides(const MeshView& mesh, const Connectivity& connectivity);
 
 }  // namespace morula::detail

@@ -9,6 +9,8 @@
 #include <morula/query/power_diagram.hpp>
 #include <numeric>
 
+#include "query/owner_by_power.hpp"
+
 namespace morula {
 namespace {
 
@@ -77,13 +79,7 @@ class Cutter {
 
  private:
   std::uint32_t owner_at(const Vec3& x, std::span<const std::uint32_t> candidates) const {
-    std::uint32_t best = candidates[0];
-    double least = power(spheres_[best], x);
-    for (const std::uint32_t i : candidates.subspan(1)) {
-      const double p = power(spheres_[i], x);
-      if (p < least) least = p, best = i;
-    }
-    return best;
+    return detail::owner_by_power(x, spheres_, candidates);
   }
 
   // Candidates that can own a part of the polygon: their least power over its bounding ball is not above the least

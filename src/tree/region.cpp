@@ -70,11 +70,11 @@ Region whole_surface(const Mesh& mesh) {
 
 void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points) {
   points.clear();
-  VertexMemo<bool> seen(region.size());
+  SeenVertices seen(region.size());
   for (std::size_t k = 0; k < region.size(); ++k) {
     if (region.is_whole(k)) {
       for (const std::uint32_t v : mesh.facets[region.facet[k]])
-        seen.of(v, [&] { return points.push_back(mesh.positions[v]), true; });
+        if (seen.is_new(v)) points.push_back(mesh.positions[v]);
       continue;
     }
     const Triangle t = mesh.corners(region.facet[k]);

@@ -37,4 +37,19 @@ class VertexMemo {
   std::vector<Entry> entries_;  // a power of two of them
 };
 
+/// Tells a vertex that comes for the first time from most of those that have come before.
+class SeenVertices {
+ public:
+  explicit SeenVertices(std::size_t facets) : seen_(facets) {}
+  /// False only for a vertex that has come before.
+  bool is_new(std::uint32_t vertex) {
+    bool first = false;
+    seen_.of(vertex, [&] { return first = true; });
+    return first;
+  }
+
+ private:
+  VertexMemo<bool> seen_;
+};
+
 }  // namespace morula::detail

@@ -50,15 +50,15 @@ std::vector<std::vector<std::pair<std::uint32_t, std::vector<Barycentric>>>> div
     CutFacet cut;
     cut_by_power(geometry, region.polygon(k), spheres, all, cut);
     for (std::size_t piece = 0; piece < cut.size(); ++piece) {
-      const Sphere& own = spheres[cut.owner[piece]];
-      double farthest = 0;
-      for (const Barycentric& b : cut.polygon(piece))
-        farthest = std::max(farthest, squared_distance(own.center, at_barycentric(geometry.corners, b)));
       const auto polygon = cut.polygon(piece);
-      if (farthest <= own.radius * own.radius)
-        parts[cut.owner[piece]].push_back({facet, {polygon.begin(), polygon.end()}});
-      else
+      std::vector<Vec3> corners;
+      for (const Barycentric& b : polygon) corners.push_back(at_barycentric(geometry.corners, b));
+      const Sphere& own = spheres[cut.owner[piece]];
+      const double square = own.radius * own.radius;
+      if (std::ranges::any_of(corners, [&](const Vec3& p) { return squared_distance(own.center, p) > square; }))
         ++leftovers;
+      else
+        parts[cut.owner[piece]].push_back({facet, {polygon.begin(), polygon.end()}});
     }
   }
   return parts;

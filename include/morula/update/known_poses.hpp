@@ -25,7 +25,7 @@ struct KnownPoseOptions {
   /// A pose gets a tree of its own when the tightest of those there are is somewhere this many times as loose there as
   /// at the pose it was made for; above 1.
   double looser_by = 1.5;
-  std::size_t most = 24;  ///< trees added at most; one for every tenth along each axis of principal_strains()
+  std::size_t most = 24;  ///< trees added at most; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
   /// After every tree: how many there are, and by how much the tightest one is looser at the worst pose. May be empty.
   std::function<void(std::size_t count, double worst)> progress{};

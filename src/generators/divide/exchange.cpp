@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <morula/geometry/box.hpp>
@@ -14,6 +13,7 @@
 #include "generators/fit/extremes.hpp"
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/free_space.hpp"
+#include "geometry/each_bit.hpp"
 #include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
@@ -120,13 +120,6 @@ class NearBalls {
   std::vector<std::uint64_t> bits_;
   VertexMemo<Words> at_vertices_;
 };
-
-template <class Visit>
-void each_bit(std::span<const std::uint64_t> bits, const Visit& visit) {
-  for (std::size_t word = 0; word < bits.size(); ++word)
-    for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
-      visit(64 * word + static_cast<std::size_t>(std::countr_zero(left)));
-}
 
 class Exchange {
  public:

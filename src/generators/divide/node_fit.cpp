@@ -64,17 +64,13 @@ class ThinnedPoints {
 // Corners of every patch and a triangular lattice on it.
 void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoints& points) {
   constexpr int most_steps = 200;
-  VertexMemo<bool> added(region.size());
+  SeenVertices seen(region.size());
   for (std::size_t k = 0; k < region.size(); ++k) {
     const Triangle t = mesh.corners(region.facet[k]);
     const auto polygon = region.polygon(k);
-    for (std::size_t c = 0; c < polygon.size(); ++c) {
-      const Vec3 p = at_barycentric(t, polygon[c]);
-      if (region.is_whole(k))
-        added.of(mesh.facets[region.facet[k]][c], [&] { return points.add(p), true; });
-      else
-        points.add(p);
-    }
+    for (std::size_t c = 0; c < polygon.size(); ++c)
+      if (!region.is_whole(k) || seen.is_new(mesh.facets[region.facet[k]][c]))
+        points.add(at_barycentric(t, polygon[c]));
     const Vec3 a = at_barycentric(t, polygon[0]);
     for (std::size_t c = 2; c < polygon.size(); ++c) {
       const Vec3 p = at_barycentric(t, polygon[c - 1]), q = at_barycentric(t, polygon[c]);

@@ -2,28 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "generators/fit/partition.hpp"
 
+#include <algorithm>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
 
+#include "query/owner_by_power.hpp"
 #include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
 namespace {
 
-// Whose a point is by power, as cut_by_power decides, and how far it is from that sphere's centre.
-struct PointOwner {
+// Whose a vertex is by power, and whether that sphere contains it.
+struct VertexOwner {
   std::uint32_t sphere;
-  double squared_distance;
+  bool is_inside;
+  bool operator==(const VertexOwner&) const = default;
 };
-PointOwner owner_of(const Vec3& x, std::span<const Sphere> spheres) {
-  PointOwner owner{0, squared_distance(spheres[0].center, x)};
-  double least = owner.squared_distance - spheres[0].radius * spheres[0].radius;
-  for (std::uint32_t i = 1; i < spheres.size(); ++i) {
-    const double squared = squared_distance(spheres[i].center, x);
-    const double power = squared - spheres[i].radius * spheres[i].radius;
-    if (power < least) least = power, owner = {i, squared};
-  }
-  return owner;
+
+bool contains(const Sphere& sphere, const Vec3& x) {
+  return squared_distance(sphere.center, x) <= sphere.radius * sphere.radius;
 }
 
 }  // namespace
@@ -37,19 +34,21 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
   Region leftovers;
   CutFacet cut;
   std::vector<Vec3> points;
-  VertexMemo<PointOwner> owners(region.size());
-  const auto owner_of_vertex = [&](std::uint32_t v) {
-    return owners.of(v, [&] { return owner_of(mesh.positions[v], spheres); });
+  VertexMemo<VertexOwner> owners(region.size());
+  const auto owner_of = [&](std::uint32_t v) {
+    return owners.of(v, [&] {
+      const Vec3& x = mesh.positions[v];
+      const std::uint32_t owner = owner_by_power(x, spheres, all);
+      return VertexOwner{owner, contains(spheres[owner], x)};
+    });
   };
   for (std::size_t k = 0; k < region.size(); ++k) {
     if (region.is_whole(k)) {
-      const Facet& f = mesh.facets[region.facet[k]];
-      const std::array<PointOwner, 3> of{owner_of_vertex(f[0]), owner_of_vertex(f[1]), owner_of_vertex(f[2])};
-      const Sphere& own = spheres[of[0].sphere];
-      const double farthest = std::max({of[0].squared_distance, of[1].squared_distance, of[2].squared_distance});
       // Differences of powers are affine: whose all three corners are, theirs is the facet.
-      if (of[1].sphere == of[0].sphere && of[2].sphere == of[0].sphere && farthest <= own.radius * own.radius) {
-        result.regions[of[0].sphere].add_whole(region.facet[k]);
+      const auto& [a, b, c] = mesh.facets[region.facet[k]];
+      const VertexOwner own = owner_of(a);
+      if (own.is_inside && owner_of(b) == own && owner_of(c) == own) {
+        result.regions[own.sphere].add_whole(region.facet[k]);
         continue;
       }
     }
@@ -57,11 +56,10 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
     cut.clear();
     cut_by_power(facet, region.polygon(k), spheres, all, cut);
     for (std::size_t piece = 0; piece < cut.size(); ++piece) {
-      const Sphere& own = spheres[cut.owner[piece]];
-      double farthest = 0;
-      for (const Barycentric& b : cut.polygon(piece))
-        farthest = std::max(farthest, squared_distance(own.center, at_barycentric(facet.corners, b)));
-      Region& target = farthest <= own.radius * own.radius ? result.regions[cut.owner[piece]] : leftovers;
+      const bool is_inside = std::ranges::all_of(cut.polygon(piece), [&](const Barycentric& b) {
+        return contains(spheres[cut.owner[piece]], at_barycentric(facet.corners, b));
+      });
+      Region& target = is_inside ? result.regions[cut.owner[piece]] : leftovers;
       target.add(region.facet[k], cut.polygon(piece));
     }
   }

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/each_bit.hpp"
+
 namespace morula::detail {
 
 /// A subset of samples 0 … count − 1. Sets that meet in an operation must have the same count.
@@ -47,9 +49,7 @@ class SampleSet {
   /// Members in ascending order.
   template <class Visitor>
   void for_each(const Visitor& visit) const {
-    for (std::size_t w = 0; w < words_.size(); ++w)
-      for (std::uint64_t left = words_[w]; left != 0; left &= left - 1)
-        visit(64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+    each_bit(words_, visit);
   }
 
  private:

@@ -31,33 +31,33 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
-void farthest_of_groups(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
-                        const Vec3f& center, float* groups) {
-  const auto add = [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
-    farthest(points, run, list, {&center, 1}, groups++);
-  };
+// visit(run, list) for each group, one of which it is.
+template <class Visit>
+void each_group(std::span<const PointRun> runs, std::span<const std::uint32_t> index, const Visit& visit) {
   for (const PointRun& run : runs)
     for (std::uint32_t p = run.begin; p != run.end; p += points_per_group) {
       const PointRun group{p, p + static_cast<std::uint32_t>(points_per_group)};
-      add({&group, 1}, {});
+      visit(std::span(&group, 1), std::span<const std::uint32_t>());
     }
-  for (std::size_t p = 0; p != index.size(); p += points_per_group) add({}, index.subspan(p, points_per_group));
+  for (std::size_t p = 0; p != index.size(); p += points_per_group)
+    visit(std::span<const PointRun>(), index.subspan(p, points_per_group));
+}
+
+void farthest_of_groups(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
+                        const Vec3f& center, float* groups) {
+  each_group(runs, index, [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
+    farthest(points, run, list, {&center, 1}, groups++);
+  });
 }
 
 float farthest_of_some(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
                        const Vec3f& center, const float* groups, float least) {
   float most = 0;
-  const auto add = [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
+  each_group(runs, index, [&](std::span<const PointRun> run, std::span<const std::uint32_t> list) {
     float squared = 0;
     if (*groups++ >= least) farthest(points, run, list, {&center, 1}, &squared);
     most = std::max(most, squared);
-  };
-  for (const PointRun& run : runs)
-    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group) {
-      const PointRun group{p, p + static_cast<std::uint32_t>(points_per_group)};
-      add({&group, 1}, {});
-    }
-  for (std::size_t p = 0; p != index.size(); p += points_per_group) add({}, index.subspan(p, points_per_group));
+  });
   return most;
 }
 

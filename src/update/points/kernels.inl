@@ -58,28 +58,30 @@ template <class Row>
   return farthest;
 }
 
+// visit(row) for each group.
+template <class Visit>
+[[gnu::always_inline]] inline void each_group(const LocalPoint* points, std::span<const PointRun> runs,
+                                              std::span<const std::uint32_t> index, const Visit& visit) {
+  for (const PointRun& run : runs)
+    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group)
+      visit([&](std::size_t i) { return load_run(points + p + i); });
+  for (std::size_t p = 0; p != index.size(); p += points_per_group)
+    visit([&](std::size_t i) { return gather(points, &index[p + i]); });
+}
+
 void farthest_of_groups(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
                         const Vec3f& center, float* groups) {
   const Wide x = all(center.x), y = all(center.y), z = all(center.z);
-  for (const PointRun& run : runs)
-    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group)
-      *groups++ = largest_lane(farthest_of_group([&](std::size_t i) { return load_run(points + p + i); }, x, y, z));
-  for (std::size_t p = 0; p != index.size(); p += points_per_group)
-    *groups++ = largest_lane(farthest_of_group([&](std::size_t i) { return gather(points, &index[p + i]); }, x, y, z));
+  each_group(points, runs, index, [&](const auto& row) { *groups++ = largest_lane(farthest_of_group(row, x, y, z)); });
 }
 
 float farthest_of_some(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
                        const Vec3f& center, const float* groups, float least) {
   const Wide x = all(center.x), y = all(center.y), z = all(center.z);
   Wide farthest{};
-  for (const PointRun& run : runs)
-    for (std::uint32_t p = run.begin; p != run.end; p += points_per_group)
-      if (*groups++ >= least)
-        farthest = max(farthest_of_group([&](std::size_t i) { return load_run(points + p + i); }, x, y, z), farthest);
-  for (std::size_t p = 0; p != index.size(); p += points_per_group)
-    if (*groups++ >= least)
-      farthest =
-          max(farthest_of_group([&](std::size_t i) { return gather(points, &index[p + i]); }, x, y, z), farthest);
+  each_group(points, runs, index, [&](const auto& row) {
+    if (*groups++ >= least) farthest = max(farthest_of_group(row, x, y, z), farthest);
+  });
   return largest_lane(farthest);
 }
 

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A set of small numbers that is filled, walked upwards and emptied in every update of a part.
+// A set of small numbers that is filled, walked upwards and emptied over and over.
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "geometry/each_bit.hpp"
 
 namespace morula::detail {
 
@@ -22,9 +23,7 @@ class Marks {
   /// visit(i) for each, ascending. Nothing is to be added meanwhile.
   template <class Visit>
   void each(const Visit& visit) const {
-    for (std::size_t w = 0; w < words_.size(); ++w)
-      for (std::uint64_t left = words_[w]; left != 0; left &= left - 1)
-        visit(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left)));
+    each_bit(words_, [&](std::size_t i) { visit(static_cast<std::uint32_t>(i)); });
   }
 
  private:

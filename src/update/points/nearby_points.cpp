@@ -3,16 +3,8 @@
 #include "update/points/nearby_points.hpp"
 
 #include <algorithm>
-#include <bit>
 
 namespace morula::detail {
-
-void PointSet::take(std::vector<std::uint32_t>& points) {
-  points.clear();
-  for (std::size_t w = 0; w < words_.size(); ++w)
-    for (std::uint64_t& bits = words_[w]; bits != 0; bits &= bits - 1)
-      points.push_back(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(bits)));
-}
 
 NearbyPoints::NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership)
     : rest_(&rest), ownership_(&ownership) {
@@ -26,7 +18,7 @@ NearbyPoints::NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafO
   }
 }
 
-void NearbyPoints::add(const Sphere& around, PointSet& points) const {
+void NearbyPoints::add(const Sphere& around, Marks& points) const {
   for (std::size_t k = 0; k < leaf_vertices_.size(); ++k) {
     const Sphere& leaf = leaf_vertices_[k];
     if (leaf.radius < 0 || distance(leaf.center, around.center) > (leaf.radius + around.radius) * (1 + 1e-9)) continue;

@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <stdexcept>

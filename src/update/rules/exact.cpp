@@ -39,7 +39,7 @@ ExactRule::ExactRule(const Binding& binding)
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
   const NearbyPoints nearby(binding.mesh, tree, order, ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    PointSet points(binding.local.points().size());
+    Marks points(binding.local.points().size());
     std::vector<std::uint32_t> candidates;
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t node = walk_.nodes()[k];
@@ -57,7 +57,9 @@ ExactRule::ExactRule(const Binding& binding)
       const Sphere& at_rest = tree.spheres[node];
       for (const std::uint32_t p : owned) points.add(p);
       nearby.add({at_rest.center, reach * at_rest.radius}, points);
-      points.take(candidates);
+      candidates.clear();
+      points.each([&](std::uint32_t p) { candidates.push_back(p); });
+      points.clear();
       const Spheref& rest = binding.tree_spheres[node];
       chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
     }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/rebuilt_body.hpp>
@@ -65,6 +66,25 @@ inline void move_while_trees_change(RebuildOptions options) {
     expect_cover(body.body(), positions, "frame " + std::to_string(frame));
   }
   EXPECT_GT(body.report().swapped, 2u);
+}
+
+/// Of the limb, in six frames of a stretch.
+inline std::vector<std::uint64_t> hashes_of_a_stretch(RebuiltBody& body) {
+  std::vector<std::uint64_t> hashes;
+  for (int frame = 1; frame <= 6; ++frame) {
+    EXPECT_TRUE(body.update(stretched_limb(frame / 6.0)));
+    hashes.push_back(body.body().hash());
+  }
+  return hashes;
+}
+
+/// A body that was updated: positions that are no numbers change nothing.
+inline void refuse_bad_positions(RebuiltBody& body, std::vector<Vec3> positions) {
+  const std::uint64_t hash = body.body().hash(), dealing = body.body().pose().dealing;
+  positions[7].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(body.update(positions));
+  EXPECT_EQ(body.body().hash(), hash);
+  EXPECT_EQ(body.body().pose().dealing, dealing);
 }
 
 }  // namespace morula::test

@@ -16,10 +16,7 @@
 namespace morula {
 namespace {
 
-using test::limb;
-using test::limb_tree;
-using test::Specimen;
-using test::stretched_limb;
+using namespace test;
 using Job = std::function<void()>;
 
 constexpr double always = -1e9;  // gain

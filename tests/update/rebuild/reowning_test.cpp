@@ -19,10 +19,7 @@
 namespace morula {
 namespace {
 
-using test::limb;
-using test::limb_tree;
-using test::Specimen;
-using test::stretched_limb;
+using namespace test;
 
 constexpr std::size_t plenty = 1'000'000;
 
@@ -116,11 +113,7 @@ TEST(Reowning, returns_to_rest_bit_for_bit_and_goes_on_from_there_as_before) {
   const Body plain(limb(), limb_tree());
   std::vector<std::uint64_t> first;
   for (int excursion = 0; excursion < 2; ++excursion) {
-    std::vector<std::uint64_t> hashes;
-    for (int frame = 1; frame <= 6; ++frame) {
-      ASSERT_TRUE(body.update(stretched_limb(frame / 6.0)));
-      hashes.push_back(body.body().hash());
-    }
+    const std::vector<std::uint64_t> hashes = hashes_of_a_stretch(body);
     EXPECT_NE(body.body().pose().dealing, 0u);
     if (excursion == 0) first = hashes;
     EXPECT_EQ(hashes, first);
@@ -160,12 +153,7 @@ TEST(Reowning, copies_keep_what_they_own_and_follow_parts_and_lazily) {
 TEST(Reowning, refuses_bad_positions_and_keeps_what_was) {
   RebuiltBody body(limb(), limb_tree(), reowning());
   for (int frame = 1; frame <= 6; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 6.0)));
-  const std::uint64_t hash = body.body().hash(), dealing = body.body().pose().dealing;
-  std::vector<Vec3> bad = stretched_limb(1);
-  bad[7].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(body.update(bad));
-  EXPECT_EQ(body.body().hash(), hash);
-  EXPECT_EQ(body.body().pose().dealing, dealing);
+  refuse_bad_positions(body, stretched_limb(1));
   test::expect_cover(body.body(), stretched_limb(1), "after a refusal");
 }
 

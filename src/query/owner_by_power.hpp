@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Whose a point is, of a few spheres.
+#pragma once
+
+#include <cstdint>
+#include <morula/geometry/sphere.hpp>
+#include <span>
+
+namespace morula::detail {
+
+/// The candidate of least power at x; the first of equals. candidates: indices into spheres, at least one.
+inline std::uint32_t owner_by_power(const Vec3& x, std::span<const Sphere> spheres,
+                                    std::span<const std::uint32_t> candidates) {
+  std::uint32_t best = candidates[0];
+  double least = power(spheres[best], x);
+  for (const std::uint32_t i : candidates.subspan(1)) {
+    const double p = power(spheres[i], x);
+    if (p < least) least = p, best = i;
+  }
+  return best;
+}
+
+}  // namespace morula::detail
