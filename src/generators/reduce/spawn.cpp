@@ -100,14 +100,13 @@ class Spawn {
     return remotest;
   }
 
-  // How many samples the sphere would take; those just outside count for a part. Negative when it misses `must`.
-  double gain(const Sphere& sphere, const Vec3& must, const std::vector<Vec3>& left) const {
-    if (!(sphere.radius > 0) || squared_distance(must, sphere.center) > sphere.radius * sphere.radius) return -1;
+  // How many samples a sphere would take; those just outside count for a part. squares: their squared distances from
+  // the centre. No less for a larger radius.
+  static double gain(double radius, const std::vector<double>& squares) {
     constexpr double edge = 1.2, edge_worth = 0.3;  // shares of the radius and of a sample
-    const double inner = sphere.radius * sphere.radius, outer = edge * edge * inner;
+    const double inner = radius * radius, outer = edge * edge * inner;
     double sum = 0;
-    for (const Vec3& p : left) {
-      const double d = squared_distance(p, sphere.center);
+    for (const double d : squares) {
       if (d <= inner)
         sum += 1;
       else if (d < outer)
@@ -116,20 +115,64 @@ class Spawn {
     return sum;
   }
 
+  // The sphere of protrusion s that contains `must` and takes most of `left`, sought about good centres.
+  class Best {
+   public:
+    Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left) : node_(node), s_(s), must_(must) {
+      left.for_each([&](std::size_t k) { points_.push_back(node.samples[k]); });
+      squares_.resize(points_.size());
+      sphere_.center = must;
+      stand_at(must);
+      consider_radius(std::max(0.0, s - node.shape(must)));
+    }
+    const Sphere& sphere() const { return sphere_; }
+
+    /// Whether it is better than all before.
+    bool consider(const Vec3& center, double signed_distance) {
+      stand_at(center);
+      return consider_radius(s_ - signed_distance);
+    }
+    /// The same, but asks for the distance only if the sphere can be better: samples lie on the surface, so the centre
+    /// is no deeper than the nearest sample is far, and a larger radius gains no less. The allowance is for rounding.
+    bool consider(const Vec3& center) {
+      stand_at(center);
+      const double nearest = *std::min_element(squares_.begin(), squares_.end());
+      const double largest = (s_ + std::sqrt(nearest)) * (1 + 1e-9);
+      return gain_of(largest) > most_ && consider_radius(s_ - node_.shape(center));
+    }
+
+   private:
+    void stand_at(const Vec3& center) {
+      center_ = center;
+      for (std::size_t k = 0; k < points_.size(); ++k) squares_[k] = squared_distance(points_[k], center);
+    }
+    // Negative when it misses `must`.
+    double gain_of(double radius) const {
+      if (!(radius > 0) || squared_distance(must_, center_) > radius * radius) return -1;
+      return gain(radius, squares_);
+    }
+    bool consider_radius(double radius) {
+      const double g = gain_of(radius);
+      if (!(g > most_)) return false;
+      most_ = g;
+      sphere_ = {center_, radius};
+      return true;
+    }
+
+    const ReducerInput& node_;
+    double s_;
+    Vec3 must_, center_;
+    std::vector<Vec3> points_;
+    std::vector<double> squares_;
+    Sphere sphere_;
+    double most_ = -2;
+  };
+
   Sphere best_sphere(double s, const Vec3& must, const SampleSet& left, std::span<const Sphere> previous) const {
-    std::vector<Vec3> points;
-    left.for_each([&](std::size_t k) { points.push_back(node_.samples[k]); });
-    Sphere best{must, std::max(0.0, s - node_.shape(must))};
-    double most = gain(best, must, points);
-    const auto consider = [&](const Vec3& center, double radius) {
-      const double g = gain({center, radius}, must, points);
-      if (g > most) most = g, best = {center, radius};
-      return g;
-    };
-    for (const Seed& seed : nearest_seeds(s, must)) consider(seed.center, s - seed.distance);
+    Best best(node_, s, must, left);
+    for (const Seed& seed : nearest_seeds(s, must)) best.consider(seed.center, seed.distance);
     for (const Sphere& old : previous)
-      if (squared_distance(old.center, must) <= old.radius * old.radius)
-        consider(old.center, s - node_.shape(old.center));
+      if (squared_distance(old.center, must) <= old.radius * old.radius) best.consider(old.center);
 
     constexpr std::array<Vec3, 6> directions{Vec3{1, 0, 0},  Vec3{-1, 0, 0}, Vec3{0, 1, 0},
                                              Vec3{0, -1, 0}, Vec3{0, 0, 1},  Vec3{0, 0, -1}};
@@ -140,14 +183,12 @@ class Spawn {
       bool improved = false;
       for (std::size_t k = 0; k < directions.size() && !improved; ++k, ++evaluations) {
         const std::size_t d = (first + k) % directions.size();
-        const Vec3 center = best.center + directions[d] * (step * best.radius);
-        const double before = most;
-        consider(center, s - node_.shape(center));
-        if (most > before) improved = true, first = d;
+        improved = best.consider(best.sphere().center + directions[d] * (step * best.sphere().radius));
+        if (improved) first = d;
       }
       if (!improved) step *= 0.5;
     }
-    return best;
+    return best.sphere();
   }
 
   // The seeds whose spheres contain `must` earliest.

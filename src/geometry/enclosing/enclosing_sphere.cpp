@@ -20,14 +20,12 @@ struct Support {
   int count = 0;
 };
 
-// Smallest sphere with all support points on it. Points that are affinely dependent on the earlier ones are left out;
-// `independent` says how many were used.
-Sphere circumsphere(const Support& support, int& independent) {
+// Smallest sphere with all support points on it. Points that are affinely dependent on the earlier ones are left out.
+Sphere circumsphere(const Support& support) {
   // Centre = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
   // dependence as a vanishing remainder.
   std::array<Vec3, 3> basis;
   Vec3 center = support.count > 0 ? support.points[0] : Vec3{};
-  independent = support.count > 0 ? 1 : 0;
   double squared_radius = 0;
   int dimension = 0;
   for (int i = 1; i < support.count; ++i) {
@@ -43,51 +41,90 @@ Sphere circumsphere(const Support& support, int& independent) {
     center += direction * shift;
     squared_radius += shift * shift;
     basis[dimension++] = direction;
-    ++independent;
   }
   return {center, std::sqrt(squared_radius)};
 }
 
-// Smallest enclosing sphere of at most five points, the last of which is outside that of the others: the smallest
-// circumsphere of a subset that has the last point and contains them all. Exhaustive, so nothing about the order of
-// points can go wrong. Returns the support. Computed relative to the first point: far from the origin, coordinates
-// differ exactly although their squares do not.
-Sphere smallest_of_few(std::span<const Vec3> absolute, Support& best_support) {
-  std::array<Vec3, 5> relative;
-  for (std::size_t i = 0; i < absolute.size(); ++i) relative[i] = absolute[i] - absolute[0];
-  const std::span<const Vec3> points(relative.data(), absolute.size());
-  Sphere best{{}, -1};
-  unsigned best_subset = 0;
-  const unsigned last = 1u << (points.size() - 1);
-  for (unsigned subset = last; subset < 2 * last; ++subset) {
-    Support support;
-    bool too_many = false;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (subset >> i & 1u) {
-        if (support.count == 4) {
-          too_many = true;
-          break;
-        }
-        support.points[support.count++] = points[i];
+// Smallest circumsphere of a subset of at most five points that has the last one and contains them all. Every such
+// subset is looked at, so nothing about the order of points can go wrong, but for those with a subset whose sphere
+// contains all already or is no smaller than the best so far: a circumsphere is no smaller than those of its subsets.
+class SmallestOfFew {
+ public:
+  /// points: the last of them at the origin, last in order.
+  explicit SmallestOfFew(std::span<const Vec3> points) : points_(points), last_(points.size() - 1) {
+    grow({{}, 0, {}, {}, 0}, 0, 1u << last_);
+  }
+  /// One bit for each point of the support.
+  unsigned subset() const { return best_; }
+
+ private:
+  // A sphere through the last point and some others, its centre in what directions span.
+  struct Partial {
+    Vec3 center;
+    double squared_radius;
+    std::array<Vec3, 3> directions;
+    std::array<double, 3> inverse_squares;
+    int dimension;
+  };
+
+  void grow(const Partial& partial, std::size_t first, unsigned subset) {
+    for (std::size_t i = first; i < last_ && partial.dimension < 3; ++i) {
+      const double squared = squared_length(points_[i]);
+      Vec3 rest = points_[i];
+      for (int k = 0; k < partial.dimension; ++k)
+        rest -= partial.directions[k] * (dot(rest, partial.directions[k]) * partial.inverse_squares[k]);
+      const double height = squared_length(rest);
+      if (!(height > 1e-20 * squared)) continue;
+      // The centre moves along what is new until the new point is as far as the others.
+      const Vec3 to_point = points_[i] - partial.center;
+      const double shift = (squared_length(to_point) - partial.squared_radius) / (2 * dot(to_point, rest));
+      Partial larger = partial;
+      larger.center += rest * shift;
+      larger.squared_radius += shift * shift * height;
+      if (!(larger.squared_radius < smallest_)) continue;
+      const unsigned with = subset | 1u << i;
+      if (contains_all(larger, with)) {
+        smallest_ = larger.squared_radius;
+        best_ = with;
+        continue;
       }
-    if (too_many) continue;
-    int independent = 0;
-    const Sphere sphere = circumsphere(support, independent);
-    if (independent < support.count) continue;
-    if (best.radius >= 0 && sphere.radius >= best.radius) continue;
-    const double reach = sphere.radius * (1 + 1e-12);
-    bool contains_all = true;
-    for (const Vec3& p : points) contains_all = contains_all && squared_distance(p, sphere.center) <= reach * reach;
-    if (contains_all) {
-      best = sphere;
-      best_subset = subset;
+      larger.directions[larger.dimension] = rest;
+      larger.inverse_squares[larger.dimension++] = 1 / height;
+      grow(larger, i + 1, with);
     }
   }
-  best.center += absolute[0];
-  best_support.count = 0;
-  for (std::size_t i = 0; i < absolute.size(); ++i)
-    if (best_subset >> i & 1u) best_support.points[best_support.count++] = absolute[i];
-  return best;
+  bool contains_all(const Partial& sphere, unsigned subset) const {
+    for (std::size_t i = 0; i < last_; ++i)
+      if (!(subset >> i & 1u) &&
+          !(squared_distance(points_[i], sphere.center) <= sphere.squared_radius * (1 + 2e-12)))
+        return false;
+    return true;
+  }
+
+  std::span<const Vec3> points_;
+  std::size_t last_;
+  unsigned best_ = 0;
+  double smallest_ = std::numeric_limits<double>::infinity();
+};
+
+// Smallest enclosing sphere of at most five points, the last of which is outside that of the others; -1 for its radius
+// if rounding leaves none. Returns the support. Computed relative to one of them: far from the origin, coordinates
+// differ exactly although their squares do not.
+Sphere smallest_of_few(std::span<const Vec3> points, Support& support) {
+  std::array<Vec3, 5> relative;
+  for (std::size_t i = 0; i < points.size(); ++i) relative[i] = points[i] - points.back();
+  const unsigned subset = SmallestOfFew(std::span<const Vec3>(relative.data(), points.size())).subset();
+  if (subset == 0) return {{}, -1};
+  Support apart;
+  support.count = apart.count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (subset >> i & 1u) {
+      support.points[support.count++] = points[i];
+      apart.points[apart.count++] = points[i] - points[0];
+    }
+  Sphere sphere = circumsphere(apart);
+  sphere.center += points[0];
+  return sphere;
 }
 
 class Columns {
