@@ -38,8 +38,8 @@ constexpr ReduceSettings thorough{
 
 CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                           const ReduceSettings& settings) {
-  const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, cells_for(run, shape.bvh()), workers);
+  const ObjectShape shape(mesh, workers);
+  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
     constexpr int rounds = 2;
@@ -64,12 +64,12 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
   }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (settings.balance[0] == 0 || run.depth < 2 || flat)
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape, &lines,
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape.distance(), &lines,
                     exchange_parts);
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);
-  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape,
+  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape.distance(),
                   &lines, exchange_parts);
 }
 
@@ -87,8 +87,8 @@ Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> re
   Proposals proposals;
   for (const Reduction r : reductions) {
     std::vector<Sphere> spheres;
-    if (r == Reduction::merge) spheres = grown(merge(set, node.branching, node.shape));
-    if (r == Reduction::burst) spheres = grown(burst(set, node.branching, node.shape));
+    if (r == Reduction::merge) spheres = grown(merge(set, node.branching, node.shape.distance()));
+    if (r == Reduction::burst) spheres = grown(burst(set, node.branching, node.shape.distance()));
     if (r == Reduction::expand) spheres = expand(set, node.branching, GrowBy::power);
     if (!spheres.empty()) proposals.push_back({name(r), std::move(spheres)});
   }

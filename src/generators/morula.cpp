@@ -221,7 +221,7 @@ class OwnDivider {
   Workers& workers_;
 };
 
-std::vector<Sphere> medial_set(const Mesh& mesh, const SignedDistance& shape, std::size_t count, std::uint64_t seed,
+std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::size_t count, std::uint64_t seed,
                                Workers& workers) {
   if (count == 0 || !shape.has_volume()) return {};
   std::vector<Vec3> points, normals;
@@ -230,7 +230,7 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const SignedDistance& shape, st
     points.push_back(s.point);
     normals.push_back(normalized(cross(t[1] - t[0], t[2] - t[0])) * shape.orientation());
   }
-  return shrinking_balls(shape, points, normals, workers).balls;
+  return shrinking_balls(shape.distance(), points, normals, workers).balls;
 }
 
 }  // namespace
@@ -240,15 +240,17 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, &input.shape,
+  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, nullptr,
                   &input.lines);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  const SignedDistance shape(mesh, workers);
-  const ObjectLines lines(mesh, shape, cells_for(run, shape.bvh()), workers);
-  const FitInput input = fit_input(mesh, shape, lines);
   const Effort& effort = effort_of(run.quality);
+  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
+  const bool asks_for_distances = effort.inscribed || flat;
+  const ObjectShape shape = asks_for_distances ? ObjectShape(mesh, workers) : ObjectShape(mesh);
+  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
+  const FitInput input = fit_input(mesh, shape, lines);
   const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
@@ -280,17 +282,17 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
         .quick = effort.balance[0] == 0};
     return flat_set(input, fine, run, by, workers);
   }
-  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {
     const OwnDivider divide(input, run, effort, balls, {}, workers);
-    return top_down(mesh, run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
+    return top_down(mesh, run, {}, divide, workers, flat ? &shape.distance() : nullptr, &lines,
+                    exchange_parts(effort.exchanges));
   }
   constexpr double first_share = 0.15;
   CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  return top_down(mesh, second_run, {}, divide, workers, &shape, &lines, exchange_parts(effort.exchanges));
+  return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges));
 }
 
 }  // namespace morula::detail

@@ -18,7 +18,7 @@ namespace {
 // A whole mesh as the node whose children are sought.
 struct WholeFit {
   Mesh mesh;
-  SignedDistance shape;
+  ObjectShape shape;
   ObjectLines lines;
   FitInput input;
   BuildNode node;
@@ -35,7 +35,7 @@ struct WholeFit {
   explicit WholeFit(Mesh m, std::size_t most = 8, std::uint64_t seed = 1, double cell = 0.25)
       : mesh(std::move(m)),
         shape(mesh),
-        lines(mesh, shape, lattice_cells(shape.bvh(), 8, 3), serial_workers()),
+        lines(mesh, shape, lattice_cells(mesh, shape, 8, 3), serial_workers()),
         input(fit_input(mesh, shape, lines)),
         node(root_of(mesh, seed)),
         points(region_points(input, node, most, 0.1)),
@@ -170,7 +170,7 @@ TEST(Group, objective_is_the_outside_volume_of_the_union) {
       const Vec3 e = box.extent();
       const Vec3 p = box.lower + Vec3{e.x * random.uniform(), e.y * random.uniform(), e.z * random.uniform()};
       hits += std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return power(s, p) < 0; }) &&
-              !whole.shape.is_inside(p);
+              !whole.shape.distance().is_inside(p);
     }
     const double expected = box.extent().x * box.extent().y * box.extent().z * hits / samples;
     EXPECT_NEAR(found, expected, 0.02 * (expected + signed_volume(whole.mesh))) << body;

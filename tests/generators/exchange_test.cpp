@@ -21,7 +21,7 @@ struct Made {
   std::vector<BuildNode> before, after;  // of level 2
 };
 Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
-  const SignedDistance shape(mesh);
+  const ObjectShape shape(mesh);
   const ObjectLines lines(mesh, shape, 96, serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
   const BuildRun run({.method = Method::grid, .depth = 2}, mesh);
@@ -30,7 +30,7 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
       .changes = {0, 0, 0},
       .move_every = 5};
   Made made;
-  made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, &shape, nullptr,
+  made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, nullptr, nullptr,
                         [&](std::vector<BuildNode>& nodes) {
                           if (nodes[0].level != 2) return;
                           made.before = nodes;
@@ -84,9 +84,9 @@ TEST(Exchange, has_the_same_bits_for_any_number_of_workers) {
 TEST(Demand, is_positive_and_larger_where_the_surface_is_finely_structured) {
   const Mesh mesh =
       test::joined(test::icosphere(4), test::translated(test::scaled(sample_body("torus", 16), 0.15), {1.25, 0, 0}));
-  const SignedDistance shape(mesh);
+  const ObjectShape shape(mesh);
   const BuildRun run({.method = Method::morula, .depth = 2, .quality = Quality::fast}, mesh);
-  const ObjectLines lines(mesh, shape, lattice_cells(shape.bvh(), run.branching, run.depth), serial_workers());
+  const ObjectLines lines(mesh, shape, lattice_cells(mesh, shape, run.branching, run.depth), serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
   const CoveredTree first = fast_tree(input, run, serial_workers());
   const Demand demand = demand_from(input, first, serial_workers());

@@ -38,7 +38,7 @@ TEST(FreeSpace, beside_no_other_is_what_is_outside_the_object) {
   // On the axis, one that is little but the layer between it and the facets; beside it; across the end; far out.
   for (const Sphere& s :
        {Sphere{{0.1, 0, 0}, 0.51}, Sphere{{0.3, 0.4, 0.1}, 0.3}, Sphere{{1.4, 0.1, 0}, 0.4}, Sphere{{0, 3, 0}, 0.7}}) {
-    const double exact = outside_volume(on.shape, s);
+    const double exact = outside_volume(on.shape.distance(), s);
     EXPECT_NEAR(on.beside(s, {}, {s.center + Vec3{0.02, -0.01, 0.03}, 1.3 * s.radius}), exact, 0.02 * exact)
         << "at " << s.center.x << ", " << s.center.y;
   }

@@ -14,7 +14,7 @@ using namespace detail;
 namespace {
 
 double width_of_parts(const Mesh& mesh, std::size_t most) {
-  const SignedDistance shape(mesh);
+  const ObjectShape shape(mesh);
   const ObjectLines lines(mesh, shape, 64, serial_workers());
   const BuildNode root = root_node(mesh, BuildRun(BuildOptions{}, mesh), {});
   return region_points(fit_input(mesh, shape, lines), root, most, 0.1).width;

@@ -14,7 +14,7 @@ using namespace detail;
 namespace {
 
 ObjectLines lines_of(const Mesh& mesh, int cells, Workers& workers = serial_workers()) {
-  return {mesh, SignedDistance(mesh), cells, workers};
+  return {mesh, ObjectShape(mesh), cells, workers};
 }
 
 template <class Visit>

@@ -11,7 +11,7 @@ namespace morula::test {
 
 struct OnCapsule {
   Mesh mesh = sample_body("capsule", 24);
-  SignedDistance shape{mesh};
+  detail::ObjectShape shape{mesh};
   detail::ObjectLines lines{mesh, shape, 400, serial_workers()};
 };
 

@@ -21,7 +21,7 @@ struct Solid {
   const char* name;
   Mesh mesh;
   double deep;  // about the radius of the largest ball inside
-  SignedDistance shape;
+  ObjectShape shape;
   ObjectLines lines;
 
   Solid(const char* n, Mesh m, double d)
@@ -86,7 +86,7 @@ Sphere random_ball(const Solid& body, Kind kind, Random& random) {
   if (kind == Kind::outside) return {p + direction(random) * body.deep * 3.0, body.deep * random.uniform(0.4, 1)};
   for (;;) {
     const Vec3 c = p + way(random, 0.5, 1.2) * body.deep;
-    const double depth = -body.shape(c);
+    const double depth = -body.shape.distance()(c);
     if (depth > 0.6 * body.deep) return {c, depth * random.uniform(1, 1.1)};
   }
 }
@@ -105,7 +105,7 @@ Errors errors_at(const Solid& body, Kind kind, double cells_per_radius) {
     box.add(wanted.center);
     OutsideGrid grid(body.lines, with_room(box, 1.2 * wanted.radius), wanted.radius / cells_per_radius);
     const GridBall ball(grid, wanted);
-    const double error = std::abs(cost_of(grid, ball, 0) - outside_volume(body.shape, ball.exact)) / volume(ball.exact);
+    const double error = std::abs(cost_of(grid, ball, 0) - outside_volume(body.shape.distance(), ball.exact)) / volume(ball.exact);
     errors.worst = std::max(errors.worst, error);
     errors.mean += error / trials;
   }
@@ -207,7 +207,7 @@ TEST(OutsideGrid, counts_the_union_of_balls_across_the_surface) {
       for (int i = 0; i < samples; ++i) {
         const double out = std::cbrt(random.uniform());
         const Vec3 p = a.exact.center + direction(random) * a.exact.radius * out;
-        hits += distance(p, b.exact.center) > b.exact.radius && !body->shape.is_inside(p);
+        hits += distance(p, b.exact.center) > b.exact.radius && !body->shape.distance().is_inside(p);
       }
       EXPECT_NEAR(found / volume(a.exact), static_cast<double>(hits) / samples, 0.02) << body->name;
     }

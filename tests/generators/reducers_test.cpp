@@ -22,7 +22,7 @@ namespace {
 // A mesh as a single node.
 struct WholeNode {
   Mesh mesh;
-  SignedDistance shape;
+  ObjectShape shape;
   std::vector<Vec3> samples, normals;
   Sphere sphere;
 
@@ -66,7 +66,8 @@ TEST(Reducers, contain_the_samples_with_few_spheres) {
 }
 
 TEST(Reducers, leave_what_cannot_be_done_to_halving) {
-  const SignedDistance shape(test::box_mesh({0, 0, 0}, {1, 1, 1}));
+  const Mesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
+  const ObjectShape shape(box);
   // Without normals, as on facets without area, no ball can be inscribed.
   const std::vector<Vec3> equal(20, Vec3{0.5, 0.5, 0}), normals(20, Vec3{0, 0, 0});
   std::vector<Vec3> line, plane;
@@ -92,13 +93,14 @@ TEST(Reducers, leave_what_cannot_be_done_to_halving) {
 }
 
 TEST(AdaptiveMedial, has_inscribed_balls_on_a_flat_part) {
-  const SignedDistance shape(test::box_mesh({0, 0, 0}, {1, 1, 1}));
+  const Mesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
+  const ObjectShape shape(box);
   std::vector<Vec3> plane;
   for (int i = 0; i < 20; ++i) plane.push_back({0.1 + 0.2 * (i % 5), 0.2 + 0.2 * (i / 5), 0});
   const std::vector<Vec3> normals(plane.size(), Vec3{0, 0, -1});
   const BallSet set = adaptive_medial({plane, normals, enclosing_sphere(plane), 4, 1, shape});
   ASSERT_GT(set.size(), 5u);
-  for (std::size_t i = 0; i < set.size(); ++i) EXPECT_NEAR(set.ball(i).radius, -shape(set.ball(i).center), 1e-9);
+  for (std::size_t i = 0; i < set.size(); ++i) EXPECT_NEAR(set.ball(i).radius, -shape.distance()(set.ball(i).center), 1e-9);
 }
 
 TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
@@ -110,8 +112,8 @@ TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
     std::size_t within_target = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {
       balls.push_back(set.ball(i));
-      EXPECT_NEAR(set.distance(i), node.shape(set.ball(i).center), 1e-12);
-      within_target += set.protrusion(i, set.ball(i).radius) <= 0.5 * node.shape.protrusion_bound(node.sphere);
+      EXPECT_NEAR(set.distance(i), node.shape.distance()(set.ball(i).center), 1e-12);
+      within_target += set.protrusion(i, set.ball(i).radius) <= 0.5 * node.shape.distance().protrusion_bound(node.sphere);
     }
     EXPECT_GE(10 * within_target, 9 * set.size()) << body;
     std::size_t missed = 0;
@@ -130,11 +132,11 @@ TEST(Optimise, never_makes_the_worst_sphere_worse_and_keeps_the_samples) {
     // What there is to start from: the proposal with its samples shared out, which `balance` without room leaves.
     for (const Optimiser optimiser : {Optimiser::refit, Optimiser::simplex, Optimiser::balance}) {
       Proposal p = grid[0];
-      const double before = worst_protrusion(node.shape, p.spheres);
+      const double before = worst_protrusion(node.shape.distance(), p.spheres);
       optimise(p, node.input(), optimiser, 0);
       EXPECT_TRUE(contain_all(p.spheres, node.samples)) << name(optimiser);
       EXPECT_LE(p.spheres.size(), grid[0].spheres.size());
-      EXPECT_LT(worst_protrusion(node.shape, p.spheres), before) << name(optimiser);
+      EXPECT_LT(worst_protrusion(node.shape.distance(), p.spheres), before) << name(optimiser);
       Proposal again = grid[0];
       optimise(again, node.input(), optimiser, 0);
       EXPECT_EQ(again.spheres, p.spheres);

@@ -22,7 +22,7 @@ TEST(UnionLines, of_one_sphere_are_its_outside_volume) {
     UnionLines lines(on.lines, {&s, 1}, on.lines.cell());
     EXPECT_EQ(lines.outside(), 0);
     lines.count(0, true);
-    const double exact = outside_volume(on.shape, s);
+    const double exact = outside_volume(on.shape.distance(), s);
     EXPECT_NEAR(lines.outside(), exact, 0.02 * exact) << "at " << s.center.x << ", " << s.center.y;
   }
 }
@@ -37,7 +37,7 @@ TEST(UnionLines, count_what_spheres_share_once) {
   lines.count(1, true), lines.count(2, true);
   EXPECT_EQ(lines.outside(), one);
   lines.count(3, true);
-  const double apart = outside_volume(on.shape, spheres[3]);
+  const double apart = outside_volume(on.shape.distance(), spheres[3]);
   EXPECT_NEAR(lines.outside(), one + apart, 0.03 * apart);
   lines.count(4, true);
   EXPECT_GT(lines.outside(), one + apart * 1.1);

@@ -168,8 +168,8 @@ class FlatSet {
     if (set.leaves.size() >= most) return;
     std::vector<double> worth;
     const auto judged = [&](const BuildNode& leaf) {
-      return input_.shape.has_volume() ? outside_volume(input_.shape, leaf.sphere)
-                                       : input_.shape.protrusion_bound(leaf.sphere);
+      return input_.shape.has_volume() ? outside_volume(input_.shape.distance(), leaf.sphere)
+                                       : input_.shape.distance().protrusion_bound(leaf.sphere);
     };
     for (const BuildNode& leaf : set.leaves) worth.push_back(judged(leaf));
     constexpr int most_failures = 3;
@@ -275,7 +275,7 @@ class FlatSet {
     for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
       report_.early_leaves += built.tree.is_leaf(i);
     double worst = 0;
-    for (const BuildNode& leaf : leaves) worst = std::max(worst, input_.shape.protrusion_bound(leaf.sphere));
+    for (const BuildNode& leaf : leaves) worst = std::max(worst, input_.shape.distance().protrusion_bound(leaf.sphere));
     report_.protrusion_bound = worst;
     if (out_of_time) {
       report_.complete = false;

@@ -43,9 +43,9 @@ inline BuildRun of_levels(const BuildRun& run, int depth) {
   return tree;
 }
 /// Cells along the longest side of the lattice that a run's fits go by: a flat set's are those of one level.
-inline int cells_for(const BuildRun& run, const TriangleBvh& facets) {
-  return is_flat_set(run) ? lattice_cells(facets, static_cast<int>(run.spheres), 1)
-                          : lattice_cells(facets, run.branching, run.depth);
+inline int cells_for(const BuildRun& run, const Mesh& mesh, const ObjectShape& shape) {
+  return is_flat_set(run) ? lattice_cells(mesh, shape, static_cast<int>(run.spheres), 1)
+                          : lattice_cells(mesh, shape, run.branching, run.depth);
 }
 
 }  // namespace morula::detail

@@ -88,19 +88,19 @@ void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoint
 
 }  // namespace
 
-FitInput fit_input(const Mesh& mesh, const SignedDistance& shape, const ObjectLines& lines) {
-  return {mesh, shape, lines, largest_coordinate(shape.bvh().bounding_box())};
+FitInput fit_input(const Mesh& mesh, const ObjectShape& shape, const ObjectLines& lines) {
+  return {mesh, shape, lines, largest_coordinate(shape.bounding_box())};
 }
 
-int lattice_cells(const TriangleBvh& facets, int branching, int depth) {
+int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int depth) {
   double surface = 0;
-  for (std::uint32_t f = 0; f < facets.facet_count(); ++f) surface += area(facets.triangle(f));
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
   // Deeper levels than this share the finest lattice: it is what memory allows.
   constexpr double most_parts = 4096, fewest = 64, most = 512;
   double parts = branching;
   for (int level = 1; level < depth; ++level) parts = std::min(most_parts, parts * branching);
   const double cell = NodeFit::Settings{}.cell * std::sqrt(surface / parts);
-  const double longest = max_norm(facets.bounding_box().extent());
+  const double longest = max_norm(shape.bounding_box().extent());
   return static_cast<int>(cell > 0 ? std::clamp(longest / cell, fewest, most) : fewest);
 }
 

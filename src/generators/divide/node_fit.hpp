@@ -15,13 +15,13 @@ namespace morula::detail {
 /// What the fits of a build share. Borrowed by them.
 struct FitInput {
   const Mesh& mesh;
-  const SignedDistance& shape;
+  const ObjectShape& shape;
   const ObjectLines& lines;
   double pad;  ///< largest coordinate, for rounding radii up
 };
-FitInput fit_input(const Mesh& mesh, const SignedDistance& shape, const ObjectLines& lines);
+FitInput fit_input(const Mesh& mesh, const ObjectShape& shape, const ObjectLines& lines);
 /// Cells along the longest side that ObjectLines needs for a build of this depth and branching.
-int lattice_cells(const TriangleBvh& facets, int branching, int depth);
+int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int depth);
 
 /// Demand of a surface point for spheres of later levels; any unit.
 using Demand = std::function<float(const Vec3&)>;

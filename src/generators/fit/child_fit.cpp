@@ -35,7 +35,7 @@ Spheref sphere_of(const GroupBall& b) {
 
 }  // namespace
 
-Group::Group(OutsideGrid& grid, const GroupPoints& points, const SignedDistance& shape, std::size_t most,
+Group::Group(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t most,
              const Sphere& start, const Settings& settings, std::uint64_t seed)
     : grid_(grid),
       points_(points),
@@ -321,7 +321,7 @@ void Group::sweep_inscribed(float taken) {
   std::vector<float> squares(most_, -1);
   for (std::size_t b = 0; b < most_; ++b) {
     if (!(balls_[b].radius > 0)) continue;
-    const double inside = -shape_(grid_.from_grid(balls_[b].center)) / grid_.cell();
+    const double inside = -shape_.distance()(grid_.from_grid(balls_[b].center)) / grid_.cell();
     const float inscribed = std::clamp(static_cast<float>(inside), 0.0F, balls_[b].radius);
     squares[b] = inscribed * inscribed;
   }

@@ -7,9 +7,10 @@
 #include <cstdint>
 #include <morula/geometry/box.hpp>
 #include <morula/parallel/workers.hpp>
-#include <morula/query/signed_distance.hpp>
 #include <span>
 #include <vector>
+
+#include "generators/fit/object_shape.hpp"
 
 namespace morula::detail {
 
@@ -21,8 +22,8 @@ class ObjectLines {
   /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
   /// when two of the three lines through its centre say so, and lines enter and leave at cell walls.
   /// Cost: O(F + lines crossed).
-  ObjectLines(const Mesh& mesh, const SignedDistance& shape, int cells, Workers& workers)
-      : ObjectLines(mesh, shape.bvh().bounding_box(), shape.has_volume(), cells, workers) {}
+  ObjectLines(const Mesh& mesh, const ObjectShape& shape, int cells, Workers& workers)
+      : ObjectLines(mesh, shape.bounding_box(), shape.has_volume(), cells, workers) {}
   /// closed_and_oriented: as inspect() has it. box: of the mesh.
   ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers);
 

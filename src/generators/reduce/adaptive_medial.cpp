@@ -33,7 +33,7 @@ struct Budget {
 class AdaptiveMedial {
  public:
   explicit AdaptiveMedial(const ReducerInput& node)
-      : node_(node), budget_(node.branching), box_(around(node.sphere)), diagram_(box_, node.shape) {
+      : node_(node), budget_(node.branching), box_(around(node.sphere)), diagram_(box_, node.shape.distance()) {
     nearest_point_.assign(node.samples.size(), 0);
     nearest_squared_.assign(node.samples.size(), infinity);
   }
@@ -121,7 +121,7 @@ class AdaptiveMedial {
   bool is_medial(const Slot& s) const { return s.usable && (s.inner || s.cover); }
 
   void refine() {
-    const double target = 0.5 * node_.shape.protrusion_bound(node_.sphere);
+    const double target = 0.5 * node_.shape.distance().protrusion_bound(node_.sphere);
     constexpr std::size_t points_at_once = 40;
     constexpr int most_rounds = 16;
     std::size_t inserted = 0;
@@ -140,7 +140,7 @@ class AdaptiveMedial {
         if (points.size() == std::min(points_at_once, budget_.insertions - inserted)) break;
         if (-negative <= target && count >= budget_.least_balls) break;
         slots_[s].blocked = true;
-        const Vec3 point = node_.shape.at(diagram_.balls()[s].ball.center).closest.point;
+        const Vec3 point = node_.shape.distance().at(diagram_.balls()[s].ball.center).closest.point;
         if (inside_box(point)) points.push_back(point);
       }
       if (points.empty()) return;
@@ -162,9 +162,9 @@ class AdaptiveMedial {
       points.push_back(node_.samples[k]);
       normals.push_back(node_.normals[k]);
     }
-    for (const Sphere& ball : shrinking_balls(node_.shape, points, normals).balls) {
+    for (const Sphere& ball : shrinking_balls(node_.shape.distance(), points, normals).balls) {
       balls.push_back(ball);
-      distances.push_back(node_.shape(ball.center));
+      distances.push_back(node_.shape.distance()(ball.center));
     }
   }
 

@@ -55,7 +55,7 @@ class Hubbard {
     }
     Reduced result;
     for (const Group& g : groups_)
-      if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape(g.ball.center));
+      if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape.distance()(g.ball.center));
     return equally_grown(GrowBy::power, result.balls, result.distances, node_.samples);
   }
 
@@ -66,7 +66,7 @@ class Hubbard {
     Box box;
     box.add(node_.sphere.center - Vec3{reach, reach, reach});
     box.add(node_.sphere.center + Vec3{reach, reach, reach});
-    VoronoiBalls diagram(box, node_.shape);
+    VoronoiBalls diagram(box, node_.shape.distance());
     diagram.insert(points_);
     // The diagram keeps some of the points, in order.
     std::vector<std::uint32_t> point_of = numbered(diagram.samples());
@@ -119,7 +119,7 @@ class Hubbard {
     std::vector<Vec3> result;
     for (const auto& [negative, s] : order) {
       if (result.size() >= most) break;
-      const Vec3 p = node_.shape.at(diagram.balls()[s].ball.center).closest.point;
+      const Vec3 p = node_.shape.distance().at(diagram.balls()[s].ball.center).closest.point;
       bool inside = true;
       for (int axis = 0; axis < 3; ++axis) inside = inside && p[axis] >= box.lower[axis] && p[axis] <= box.upper[axis];
       if (inside) result.push_back(p);

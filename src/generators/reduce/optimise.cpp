@@ -40,7 +40,7 @@ class Optimisation {
   // Samples to the balls that they are deepest in by power; those in none to the nearest surface.
   Shares shared_out(std::span<const Sphere> balls) const {
     Shares shares;
-    for (const Sphere& ball : balls) shares.push_back({ball, node_.shape(ball.center), 0, {}});
+    for (const Sphere& ball : balls) shares.push_back({ball, node_.shape.distance()(ball.center), 0, {}});
     for (std::uint32_t k = 0; k < node_.samples.size(); ++k) {
       std::size_t owner = 0;
       double least = std::numeric_limits<double>::infinity();
@@ -59,8 +59,8 @@ class Optimisation {
     for (int round = 0; round < rounds; ++round) {
       Shares moved = best;
       for (Share& s : moved) {
-        const Sphere ball = refit(points_of(s), s.ball.center, node_.shape);
-        const double distance = node_.shape(ball.center);
+        const Sphere ball = refit(points_of(s), s.ball.center, node_.shape.distance());
+        const double distance = node_.shape.distance()(ball.center);
         if (const double p = std::max(0.0, ball.radius + distance); p < s.protrusion)
           s = {ball, distance, p, std::move(s.samples)};
       }
@@ -154,7 +154,7 @@ class Optimisation {
       touched[j] = next[j].samples.size() != before;
     }
     next[i].ball = trial;
-    next[i].distance = node_.shape(trial.center);
+    next[i].distance = node_.shape.distance()(trial.center);
     next[i].samples = std::move(own);
     touched[i] = true;
     for (const std::uint32_t k : lost) {
@@ -204,7 +204,7 @@ Shares one_fewer(const Shares& shares, const ReducerInput& node, const Optimisat
   std::vector<double> distances;
   for (const Share& s : shares) balls.push_back(s.ball), distances.push_back(s.distance);
   return optimisation.shared_out(
-      burst({std::move(balls), std::move(distances), node.samples}, shares.size() - 1, node.shape).balls);
+      burst({std::move(balls), std::move(distances), node.samples}, shares.size() - 1, node.shape.distance()).balls);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ struct ReducerInput {
   Sphere sphere;                  ///< the node's
   std::size_t branching;          ///< most spheres wanted
   std::uint64_t seed;
-  const SignedDistance& shape;
+  const ObjectShape& shape;
 };
 /// At most `branching` spheres that together contain the samples, or nearly.
 struct Proposal {

@@ -36,8 +36,8 @@ std::vector<Seed> medial_seeds(const ReducerInput& node) {
     normals.push_back(node.normals[k]);
   }
   std::vector<Seed> seeds;
-  for (const Sphere& ball : shrinking_balls(node.shape, points, normals).balls)
-    seeds.push_back({ball.center, node.shape(ball.center)});
+  for (const Sphere& ball : shrinking_balls(node.shape.distance(), points, normals).balls)
+    seeds.push_back({ball.center, node.shape.distance()(ball.center)});
   return seeds;
 }
 
@@ -52,7 +52,7 @@ class Spawn {
 
   std::vector<Sphere> run() {
     // The node's own sphere is a success.
-    double high = node_.shape.protrusion_bound(node_.sphere);
+    double high = node_.shape.distance().protrusion_bound(node_.sphere);
     if (!(high > 0)) return {};
     double low = high / 1024;
     std::vector<Sphere> best;
@@ -123,7 +123,7 @@ class Spawn {
       squares_.resize(points_.size());
       sphere_.center = must;
       stand_at(must);
-      consider_radius(std::max(0.0, s - node.shape(must)));
+      consider_radius(std::max(0.0, s - node.shape.distance()(must)));
     }
     const Sphere& sphere() const { return sphere_; }
 
@@ -138,7 +138,7 @@ class Spawn {
       stand_at(center);
       const double nearest = *std::min_element(squares_.begin(), squares_.end());
       const double largest = (s_ + std::sqrt(nearest)) * (1 + 1e-9);
-      return gain_of(largest) > most_ && consider_radius(s_ - node_.shape(center));
+      return gain_of(largest) > most_ && consider_radius(s_ - node_.shape.distance()(center));
     }
 
    private:
@@ -218,7 +218,7 @@ Proposals propose_spawn(const ReducerInput& node) {
   const std::vector<Sphere> laid = Spawn(node).run();
   if (laid.empty()) return {};
   std::vector<double> distances;
-  for (const Sphere& s : laid) distances.push_back(node.shape(s.center));
+  for (const Sphere& s : laid) distances.push_back(node.shape.distance()(s.center));
   return {{"spawn", equally_grown(GrowBy::power, laid, distances, node.samples)}};
 }
 
