@@ -3,6 +3,7 @@
 // Lists of reducers, and the generators made of them.
 
 #include <algorithm>
+#include <optional>
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
@@ -38,7 +39,8 @@ constexpr ReduceSettings thorough{
 
 CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                           const ReduceSettings& settings) {
-  const ObjectShape shape(mesh, workers);
+  std::optional<ObjectShape> object(std::in_place, mesh, workers);
+  const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
@@ -63,14 +65,15 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
     return flat_set(input, fine, run, by, workers);
   }
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
+  const auto forget = [&] { object.reset(); };
   if (settings.balance[0] == 0 || run.depth < 2 || flat)
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape.distance(), &lines,
-                    exchange_parts);
+    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape.distance(),
+                    &lines, exchange_parts, forget);
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);
   return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape.distance(),
-                  &lines, exchange_parts);
+                  &lines, exchange_parts, forget);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {

@@ -17,6 +17,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <mutex>
+#include <optional>
 
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
@@ -248,7 +249,9 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const Effort& effort = effort_of(run.quality);
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   const bool asks_for_distances = effort.inscribed || flat;
-  const ObjectShape shape = asks_for_distances ? ObjectShape(mesh, workers) : ObjectShape(mesh);
+  std::optional<ObjectShape> object;
+  asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
+  const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
   const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
@@ -292,7 +295,9 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
   const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges));
+  first = {};
+  return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges),
+                  [&] { object.reset(); });
 }
 
 }  // namespace morula::detail

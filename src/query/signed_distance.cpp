@@ -26,6 +26,15 @@ constexpr std::uint32_t undecided = several_facets;
 // what touches it is decided by the winding number.
 constexpr double sliver_ratio = 1e-7;
 
+// Unit; zero where it would be meaningless.
+Vec3 normal_of(const Triangle& t) {
+  const Vec3 normal = area_vector(t);
+  const double twice_area = length(normal);
+  const double longest =
+      std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])});
+  return twice_area > sliver_ratio * longest ? normal / twice_area : Vec3{};
+}
+
 }  // namespace
 
 // What is found out before the index is made, so that the connectivity is gone when the index needs the memory.
@@ -82,18 +91,11 @@ bool SignedDistance::separates_sides() const {
 
 SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers)
     : facets(mesh.facets.begin(), mesh.facets.end()),
-      of_facet(mesh.facet_count()),
       of_vertex(mesh.vertex_count()),
       neighbors(mesh.facet_count()) {
+  std::vector<Vec3> of_facet(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Triangle t = mesh.corners(f);
-      const Vec3 normal = area_vector(t);
-      const double twice_area = length(normal);
-      const double longest =
-          std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])});
-      if (twice_area > sliver_ratio * longest) of_facet[f] = normal / twice_area;
-    }
+    for (std::size_t f = begin; f < end; ++f) of_facet[f] = normal_of(mesh.corners(f));
   });
 
   const auto is_sliver = [&](std::uint32_t f) { return of_facet[f] == Vec3{}; };
@@ -147,7 +149,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
     const std::array<double, 3>& b = closest.barycentric;
     const std::size_t corner = b[0] > 0 ? 0 : b[1] > 0 ? 1 : 2;
     const int zeros = (b[0] == 0) + (b[1] == 0) + (b[2] == 0);
-    Vec3 normal = normals_.of_facet[closest.facet];
+    Vec3 normal = normal_of(bvh_.triangle(closest.facet));
     if (zeros == 2) {
       normal = normals_.of_vertex[normals_.facets[closest.facet][corner]];
     } else if (zeros == 1) {
@@ -155,7 +157,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
       if (other == undecided || normal == Vec3{}) {
         normal = {};
       } else if (other != no_facet) {
-        normal = (normal + normals_.of_facet[other]) * 0.5;
+        normal = (normal + normal_of(bvh_.triangle(other))) * 0.5;
       }
     }
     // From a corner rather than from the nearest point: the normal is at right angles to the facet or edge between

@@ -45,10 +45,9 @@ class SignedDistance {
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  // For pseudo_normal only. A normal is zero where slivers make it meaningless.
+  // For pseudo_normal only. A normal is zero where slivers make it meaningless. Those of facets are made when asked for.
   struct Normals {
     std::vector<Facet> facets;
-    std::vector<Vec3> of_facet;                           // unit
     std::vector<Vec3> of_vertex;                          // angle-weighted average
     std::vector<std::array<std::uint32_t, 3>> neighbors;  // the facet across the edge opposite to corner k
 

@@ -73,7 +73,7 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
 
 CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
                      Workers& workers, const SignedDistance* shape, const ObjectLines* lines,
-                     const LevelHook& new_level) {
+                     const LevelHook& new_level, const std::function<void()>& divided) {
   run.throw_if_stopped();
   if (run.spheres > 0 || run.max_protrusion > 0) {
     if (shape) return best_first(mesh, run, root_cell, divide, *shape, workers);
@@ -95,10 +95,10 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
   report.level_seconds.push_back(told);
 
   for (int depth = 0; depth < run.depth && !level.empty() && report.complete; ++depth) {
-    LevelDivision divided = divide_level(level, run, divide, too_small, estimate, workers);
+    LevelDivision made = divide_level(level, run, divide, too_small, estimate, workers);
     std::vector<BuildNode> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
-      Division& division = divided.divisions[i];
+      Division& division = made.divisions[i];
       report.leftover_patches += division.leftover_patches;
       winners.add(division);
       for (BuildNode& child : division.children) {
@@ -124,12 +124,13 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
     if (!next.empty()) built.tree.append_level(child_counts, spheres);
     report.level_seconds.push_back(run.seconds() - told);
     told = run.seconds();
-    if (divided.undivided > 0)
-      note_time_limit(run, divided.undivided, level.size(), depth + 1 < run.depth ? next.size() : 0, report);
+    if (made.undivided > 0)
+      note_time_limit(run, made.undivided, level.size(), depth + 1 < run.depth ? next.size() : 0, report);
     level = std::move(next);
   }
   for (BuildNode& node : level) finished.push_back(std::move(node.region));
   report.level_seconds.resize(built.tree.level_count());
+  if (divided) divided();
   built.cover = assemble_cover(mesh, built.tree, std::move(finished));
   for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
     report.early_leaves += built.tree.is_leaf(i);
