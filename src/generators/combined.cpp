@@ -72,8 +72,8 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
   const BuildRun second = run.pass(first_share, 1);
-  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers, &shape.distance(),
-                  &lines, exchange_parts, forget);
+  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers,
+                  &shape.distance(), &lines, exchange_parts, forget);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {

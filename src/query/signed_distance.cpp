@@ -90,9 +90,7 @@ bool SignedDistance::separates_sides() const {
 }
 
 SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers)
-    : facets(mesh.facets.begin(), mesh.facets.end()),
-      of_vertex(mesh.vertex_count()),
-      neighbors(mesh.facet_count()) {
+    : facets(mesh.facets.begin(), mesh.facets.end()), of_vertex(mesh.vertex_count()), neighbors(mesh.facet_count()) {
   std::vector<Vec3> of_facet(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) of_facet[f] = normal_of(mesh.corners(f));

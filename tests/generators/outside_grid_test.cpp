@@ -105,7 +105,8 @@ Errors errors_at(const Solid& body, Kind kind, double cells_per_radius) {
     box.add(wanted.center);
     OutsideGrid grid(body.lines, with_room(box, 1.2 * wanted.radius), wanted.radius / cells_per_radius);
     const GridBall ball(grid, wanted);
-    const double error = std::abs(cost_of(grid, ball, 0) - outside_volume(body.shape.distance(), ball.exact)) / volume(ball.exact);
+    const double error =
+        std::abs(cost_of(grid, ball, 0) - outside_volume(body.shape.distance(), ball.exact)) / volume(ball.exact);
     errors.worst = std::max(errors.worst, error);
     errors.mean += error / trials;
   }

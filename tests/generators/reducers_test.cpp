@@ -100,7 +100,8 @@ TEST(AdaptiveMedial, has_inscribed_balls_on_a_flat_part) {
   const std::vector<Vec3> normals(plane.size(), Vec3{0, 0, -1});
   const BallSet set = adaptive_medial({plane, normals, enclosing_sphere(plane), 4, 1, shape});
   ASSERT_GT(set.size(), 5u);
-  for (std::size_t i = 0; i < set.size(); ++i) EXPECT_NEAR(set.ball(i).radius, -shape.distance()(set.ball(i).center), 1e-9);
+  for (std::size_t i = 0; i < set.size(); ++i)
+    EXPECT_NEAR(set.ball(i).radius, -shape.distance()(set.ball(i).center), 1e-9);
 }
 
 TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
@@ -113,7 +114,8 @@ TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
     for (std::size_t i = 0; i < set.size(); ++i) {
       balls.push_back(set.ball(i));
       EXPECT_NEAR(set.distance(i), node.shape.distance()(set.ball(i).center), 1e-12);
-      within_target += set.protrusion(i, set.ball(i).radius) <= 0.5 * node.shape.distance().protrusion_bound(node.sphere);
+      within_target +=
+          set.protrusion(i, set.ball(i).radius) <= 0.5 * node.shape.distance().protrusion_bound(node.sphere);
     }
     EXPECT_GE(10 * within_target, 9 * set.size()) << body;
     std::size_t missed = 0;

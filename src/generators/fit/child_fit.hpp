@@ -23,8 +23,8 @@ class Group {
     float balance = 0;  // weight of unequal demand among children
   };
   /// grid, points, shape: borrowed. most: balls wanted. start: the node's own ball, mesh coordinates.
-  Group(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t most,
-        const Sphere& start, const Settings& settings, std::uint64_t seed);
+  Group(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t most, const Sphere& start,
+        const Settings& settings, std::uint64_t seed);
 
   /// One ball over all points, then split until there are as many as wanted or splitting does not pay.
   void split_from_one();

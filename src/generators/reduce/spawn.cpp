@@ -118,7 +118,8 @@ class Spawn {
   // The sphere of protrusion s that contains `must` and takes most of `left`, sought about good centres.
   class Best {
    public:
-    Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left) : node_(node), s_(s), must_(must) {
+    Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left)
+        : node_(node), s_(s), must_(must) {
       left.for_each([&](std::size_t k) { points_.push_back(node.samples[k]); });
       squares_.resize(points_.size());
       sphere_.center = must;

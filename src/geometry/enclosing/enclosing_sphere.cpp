@@ -95,8 +95,7 @@ class SmallestOfFew {
   }
   bool contains_all(const Partial& sphere, unsigned subset) const {
     for (std::size_t i = 0; i < last_; ++i)
-      if (!(subset >> i & 1u) &&
-          !(squared_distance(points_[i], sphere.center) <= sphere.squared_radius * (1 + 2e-12)))
+      if (!(subset >> i & 1u) && !(squared_distance(points_[i], sphere.center) <= sphere.squared_radius * (1 + 2e-12)))
         return false;
     return true;
   }
