@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sampling.hpp>
@@ -68,6 +70,65 @@ TEST(EnclosingSphere, finds_a_unit_sphere_from_points_on_it_anywhere_and_at_any_
       EXPECT_NEAR(s.radius / scale, 1, 1e-4);
       EXPECT_LT(distance(s.center, center) / scale, 1e-2);
     }
+}
+
+// The smallest of the circumspheres of all sets of one to four points that contains them all, each found by Gaussian
+// elimination on the equations of its centre.
+double radius_by_all_subsets(std::span<const Vec3> points) {
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t n = points.size();
+  for (unsigned subset = 1; subset < 1u << n; ++subset) {
+    std::vector<Vec3> on;
+    for (std::size_t i = 0; i < n; ++i)
+      if (subset >> i & 1u) on.push_back(points[i]);
+    if (on.size() > 4) continue;
+    // The centre is on[0] + Σ weight_j edge_j, as far from on[0] as from each other: Σ 2 edge_i·edge_j weight_j = edge_i².
+    const std::size_t m = on.size() - 1;
+    std::vector<std::vector<long double>> rows(m, std::vector<long double>(m + 1));
+    const auto edge = [&](std::size_t i) { return on[i + 1] - on[0]; };
+    for (std::size_t i = 0; i < m; ++i) {
+      for (std::size_t j = 0; j < m; ++j) rows[i][j] = 2 * static_cast<long double>(dot(edge(i), edge(j)));
+      rows[i][m] = static_cast<long double>(dot(edge(i), edge(i)));
+    }
+    bool is_independent = true;
+    for (std::size_t column = 0; column < m && is_independent; ++column) {
+      std::size_t pivot = column;
+      for (std::size_t i = column; i < m; ++i)
+        if (std::abs(rows[i][column]) > std::abs(rows[pivot][column])) pivot = i;
+      std::swap(rows[pivot], rows[column]);
+      is_independent = std::abs(rows[column][column]) > 1e-9L;
+      for (std::size_t i = 0; i < m && is_independent; ++i) {
+        if (i == column) continue;
+        const long double share = rows[i][column] / rows[column][column];
+        for (std::size_t j = 0; j <= m; ++j) rows[i][j] -= share * rows[column][j];
+      }
+    }
+    if (!is_independent) continue;
+    Vec3 center = on[0];
+    for (std::size_t i = 0; i < m; ++i) center += edge(i) * static_cast<double>(rows[i][m] / rows[i][i]);
+    double radius = 0;
+    for (const Vec3& p : points) radius = std::max(radius, distance(center, p));
+    if (radius <= distance(center, on[0]) * (1 + 1e-9)) least = std::min(least, radius);
+  }
+  return least;
+}
+
+TEST(EnclosingSphere, is_the_smallest_of_few_points_on_a_coarse_lattice) {
+  // Points that repeat, lie on lines, in planes and on spheres together.
+  Random random(7);
+  for (int i = 0; i < 3000; ++i) {
+    const std::size_t count = 2 + random.next() % 9;
+    const int side = 1 + static_cast<int>(random.next() % 3), flat = static_cast<int>(random.next() % 3);
+    std::vector<Vec3> points;
+    for (std::size_t k = 0; k < count; ++k) {
+      Vec3 p;
+      for (int axis = 0; axis < 3 - flat; ++axis)
+        p[axis] = static_cast<double>(random.next() % (static_cast<std::uint64_t>(side) + 1));
+      points.push_back(p);
+    }
+    const double smallest = radius_by_all_subsets(points);
+    EXPECT_NEAR(enclosing_sphere(points).radius, smallest, 1e-9 * (1 + smallest)) << i;
+  }
 }
 
 TEST(EnclosingSphere, survives_degenerate_sets) {
