@@ -40,6 +40,38 @@ void expect_same_file_for_any_number_of_threads(const std::string& options) {
   EXPECT_EQ(bench.read("one.morula"), bench.read("three.morula"));
 }
 
+TEST(BuildCommand, adds_trees_for_known_poses) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 8");
+  bench.require("deform bar.obj -o bent.npy --stretch 2 --frames 4");
+  const auto poses = [&](const std::string& of) {
+    return bench.require("build bar.obj -o t.morula --quality fast --depth 2 --json --poses " + of).json()["poses"];
+  };
+  const auto strains = poses("strains");
+  EXPECT_GT(strains["trees"].size(), 0u);
+  EXPECT_EQ(strains["source"], "strains");
+  EXPECT_EQ(read_covered_tree(bench / "t.morula", read_mesh(bench / "bar.obj")).poses.size(), strains["trees"].size());
+  const auto bent = poses("bent.npy");
+  EXPECT_EQ(bent["source"], "bent.npy");
+  EXPECT_GT(bent["trees"].size(), 0u);
+}
+
+TEST(BuildCommand, refuses_poses_before_it_builds) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 96");
+  bench.require("sample bar -o bar.obj --resolution 8");
+  bench.require("deform bar.obj -o bent.npy --bend 90 --frames 3");
+  for (const auto& [poses, words] : std::vector<std::pair<std::string, std::string>>{
+           {"strain", "did you mean strains?"}, {"nowhere", "no such folder"}, {"bent.npy", "vertices"}}) {
+    // A build of best quality would take far longer than this.
+    const CommandResult result =
+        bench.shell("timeout 10 \"$MORULA\" build limb.obj -o t.morula --quality best --poses " + poses);
+    EXPECT_EQ(result.exit_code, 2) << poses;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(bench / "t.morula")) << poses;
+  }
+}
+
 TEST(BuildCommand, gives_the_same_file_for_any_number_of_threads) {
   expect_same_file_for_any_number_of_threads(" --quality fast");
 }

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <morula/generators/build.hpp>
@@ -171,16 +172,27 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
   fmt::print("written       {}\n", o.output);
 }
 
-std::vector<NamedPose> candidate_poses(const BuildArguments& o, const Mesh& mesh) {
-  if (o.poses == "strains") return principal_strains(mesh);
-  const Motion motion(o.poses, mesh);
+constexpr const char* strains = "strains";
+
+// Of poses; opened before the build, so that a wrong name or a motion of another mesh is told at once.
+std::optional<Motion> open_motion(const BuildArguments& o, const Mesh& mesh) {
+  if (o.poses.empty() || o.poses == strains) return std::nullopt;
+  if (!std::filesystem::exists(o.poses) && !nearest_name(o.poses, {strains}).empty())
+    throw UsageError(fmt::format("--poses {}: there is no such motion; did you mean {}?", o.poses, strains));
+  Motion motion(o.poses, mesh);
+  motion.frame(0);
+  return motion;
+}
+
+std::vector<NamedPose> candidate_poses(const std::optional<Motion>& motion, const Mesh& mesh) {
+  if (!motion) return principal_strains(mesh);
   std::vector<NamedPose> poses;
-  for (std::size_t i = 0; i < motion.frame_count(); ++i) poses.push_back({motion.frame_name(i), motion.frame(i)});
+  for (std::size_t i = 0; i < motion->frame_count(); ++i) poses.push_back({motion->frame_name(i), motion->frame(i)});
   return poses;
 }
 
-KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, CoveredTree& built, const Interrupt& interrupt,
-                           Workers& workers) {
+KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, const std::optional<Motion>& motion,
+                           CoveredTree& built, const Interrupt& interrupt, Workers& workers) {
   if (o.poses.empty()) return {};
   Progress progress("trees for known poses");
   KnownPoseOptions options{.method = parse_method(o.method),
@@ -194,7 +206,7 @@ KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, CoveredTre
     const auto share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, o.most_poses));
     progress.update(share, fmt::format("{}: at worst {} times as loose", counted(count, "tree"), figure(worst)));
   };
-  return add_known_poses(mesh, built, candidate_poses(o, mesh), options, workers);
+  return add_known_poses(mesh, built, candidate_poses(motion, mesh), options, workers);
 }
 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
@@ -205,6 +217,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   Stopwatch watch;
   Seconds seconds{};
   const Mesh mesh = read_mesh(o.mesh);
+  const std::optional<Motion> motion = open_motion(o, mesh);
   seconds.read = watch.lap();
   options.stop = interrupt.token();
   CoveredTree built = [&] {
@@ -217,7 +230,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
     };
     return build(mesh, options, workers);
   }();
-  const KnownPosesReport poses = add_poses(o, mesh, built, interrupt, workers);
+  const KnownPosesReport poses = add_poses(o, mesh, motion, built, interrupt, workers);
   seconds.build = watch.lap();
   const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
   const std::vector<std::string> faults = validate(mesh, built);
