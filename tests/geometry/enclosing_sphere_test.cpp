@@ -82,7 +82,7 @@ double radius_by_all_subsets(std::span<const Vec3> points) {
     for (std::size_t i = 0; i < n; ++i)
       if (subset >> i & 1u) on.push_back(points[i]);
     if (on.size() > 4) continue;
-    // The centre is on[0] + Σ weight_j edge_j, as far from on[0] as from each other: Σ 2 edge_i·edge_j weight_j = edge_i².
+    // The centre is on[0] + Σ weight_j edge_j, as far from on[0] as from each: Σ 2 edge_i·edge_j weight_j = edge_i².
     const std::size_t m = on.size() - 1;
     std::vector<std::vector<long double>> rows(m, std::vector<long double>(m + 1));
     const auto edge = [&](std::size_t i) { return on[i + 1] - on[0]; };
