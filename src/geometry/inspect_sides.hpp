@@ -11,4 +11,9 @@ namespace morula::detail {
 /// all else stays as it is in a new report. Cost: linear; inspect() sorts as well.
 MeshReport inspect_sides(const MeshView& mesh, const Connectivity& connectivity);
 
+/// −1 for a closed mesh inside out, else 1.
+inline double orientation(const MeshReport& report) {
+  return report.has_volume() && report.volume < 0 ? -1 : 1;
+}
+
 }  // namespace morula::detail

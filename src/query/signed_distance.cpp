@@ -39,7 +39,8 @@ Vec3 normal_of(const Triangle& t) {
 
 // What is found out before the index is made, so that the connectivity is gone when the index needs the memory.
 struct SignedDistance::Sides {
-  bool has_volume, is_inside_out;
+  bool has_volume;
+  double orientation;
   Normals normals;  // where pseudo_normal is possible and may be wanted
 
   Sides(const MeshView& mesh, const SignMethod* method, Workers& workers) {
@@ -48,7 +49,7 @@ struct SignedDistance::Sides {
     const Connectivity sides = connectivity(mesh);
     const MeshReport report = inspect_sides(mesh, sides);
     has_volume = report.has_volume();
-    is_inside_out = has_volume && report.volume < 0;
+    orientation = detail::orientation(report);
     if (method ? *method == SignMethod::pseudo_normal : has_volume && report.manifold)
       normals = Normals(mesh, sides, workers);
   }
@@ -64,7 +65,7 @@ SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, S
     : normals_(std::move(sides.normals)),
       bvh_(mesh, workers),
       has_volume_(sides.has_volume),
-      orientation_(sides.is_inside_out ? -1 : 1) {
+      orientation_(sides.orientation) {
   const StandardFloats standard;
   if (method)
     method_ = *method;

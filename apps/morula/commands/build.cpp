@@ -184,6 +184,7 @@ std::optional<Motion> open_motion(const BuildArguments& o, const Mesh& mesh) {
   return motion;
 }
 
+// Without a motion, of strains.
 std::vector<NamedPose> candidate_poses(const std::optional<Motion>& motion, const Mesh& mesh) {
   if (!motion) return principal_strains(mesh);
   std::vector<NamedPose> poses;

@@ -45,8 +45,7 @@ class SignedDistance {
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  // For pseudo_normal only. A normal is zero where slivers make it meaningless. Those of facets are made when asked
-  // for.
+  // For pseudo_normal only, beside the normals of facets. One is zero where slivers make it meaningless.
   struct Normals {
     std::vector<Facet> facets;
     std::vector<Vec3> of_vertex;                          // angle-weighted average

@@ -42,8 +42,8 @@ using LevelHook = std::function<void(std::vector<BuildNode>&)>;
 
 /// root_cell: of the root node. The divider must return at most options.branching children with non-empty regions.
 /// shape, lines: of the mesh, borrowed, where the generator has them anyway. With lines no level is looser than the
-/// level above it. divided: called when nothing is divided any more, so that what only dividing needs is gone when the
-/// cover takes its memory.
+/// level above it. divided: called when no level is divided any more, so that what only dividing needs is gone when the
+/// cover takes its memory; not where the run asks for a flat set.
 CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
                      Workers& workers, const SignedDistance* shape = nullptr, const ObjectLines* lines = nullptr,
                      const LevelHook& new_level = {}, const std::function<void()>& divided = {});

@@ -9,7 +9,7 @@ namespace morula::detail {
 ObjectShape::ObjectShape(const Mesh& mesh) : mesh_(mesh) {
   const MeshReport report = inspect_sides(mesh, connectivity(mesh));
   has_volume_ = report.has_volume();
-  orientation_ = has_volume_ && report.volume < 0 ? -1 : 1;
+  orientation_ = detail::orientation(report);
   for (const Facet& facet : mesh.facets)
     for (const std::uint32_t v : facet) box_.add(mesh.positions[v]);
 }

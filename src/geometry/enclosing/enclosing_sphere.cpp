@@ -121,6 +121,7 @@ Sphere smallest_of_few(std::span<const Vec3> points, Support& support) {
       support.points[support.count++] = points[i];
       apart.points[apart.count++] = points[i] - points[0];
     }
+  // Again from its support alone, so that the order of the search leaves no trace in it.
   Sphere sphere = circumsphere(apart);
   sphere.center += points[0];
   return sphere;
