@@ -38,12 +38,13 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 }  // namespace
 
 RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-                       std::shared_ptr<const StrainGauge> gauge, ReownedBody::Ways ways)
+                       std::shared_ptr<const StrainGauge> gauge, SphereVolumes volumes, ReownedBody::Ways ways)
     : snapshot_(home),
       build_(build),
       estimator_(home, sample_count),
       levels_(levels),
       gauge_(std::move(gauge)),
+      volumes_(std::move(volumes)),
       ways_(ways) {
   earlier_.fill(home.positions);
   last_pose_ = home.positions;
@@ -95,6 +96,7 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
                                              std::vector<double>(levels_), std::vector<float>(gauge_->length_count()),
                                              std::vector<double>(levels_)});
   gauge_->measure(snapshot_.positions, epoch->lengths);
+  epoch->volume_at_build = volumes_.of(epoch->body);
   estimator_.pose(snapshot_.positions);
   estimator_.estimate(epoch->body, epoch->looseness_at_build);
   // The frame that takes it over lies between the pose it was asked for at and the one it was made for.

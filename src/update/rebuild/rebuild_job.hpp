@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "update/rebuild/sphere_volumes.hpp"
 #include "update/rebuild/strain_gauge.hpp"
 #include "update/reowned_body.hpp"
 
@@ -28,6 +29,8 @@ struct Epoch {
   std::vector<float> lengths;
   std::vector<double> looseness_elsewhere;
   double strain_elsewhere = 0;
+  double volume_at_build = 0;    ///< of its spheres (SphereVolumes)
+  std::uint64_t seen_frame = 0;  ///< when it was last updated beside another that served
 };
 
 /// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
@@ -36,7 +39,7 @@ class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
   RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-             std::shared_ptr<const StrainGauge> gauge, ReownedBody::Ways ways);
+             std::shared_ptr<const StrainGauge> gauge, SphereVolumes volumes, ReownedBody::Ways ways);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -74,6 +77,7 @@ class RebuildJob {
   LoosenessEstimator estimator_;
   std::size_t levels_;
   std::shared_ptr<const StrainGauge> gauge_;
+  SphereVolumes volumes_;
   ReownedBody::Ways ways_;
   std::stop_source stop_;
   std::unique_ptr<Epoch> retired_{};

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <stdexcept>
@@ -73,6 +74,15 @@ constexpr double least_gain = 0.02;
 constexpr double usual_cost = 10, least_cost = 2;
 // Below this the strain since an ownership was built says nothing about what strain costs.
 constexpr double least_strain = 0.02;
+// Where the spheres of an ownership take up so many times what they did where it was made, another is looked at in each
+// frame, whatever is expected of it.
+constexpr double grown = 1.15;
+// What spheres take up is clearly more, or clearly less, above and below these shares.
+constexpr double much_more = 1.15, much_less = 0.8;
+// An ownership that was seen to be no better is looked at again after so many frames: meanwhile others are.
+constexpr std::uint64_t seen_lately = 4;
+// Every so many frames it is the turn of the one not seen for longest, so that none is left aside for ever.
+constexpr std::uint64_t turn_every = 3;
 // Frames over which one estimate is spread at most.
 constexpr std::size_t most_steps = 8;
 
@@ -92,7 +102,12 @@ struct RebuiltBody::State {
   }
   UpdateStatus follow(Epoch& ownership, bool resting, const PositionView& positions, Workers& workers) noexcept;
   bool at_rest(const PositionView& positions) const noexcept;
-  Epoch* choose(const PositionView& positions) noexcept;
+  double gain() const noexcept { return std::max(least_gain, options.gain); }
+  template <typename Visit>
+  void for_others(const Visit& visit) noexcept;
+  Epoch& made_for_this() noexcept;
+  Epoch& tightest_seen(const PositionView& positions, Workers& workers) noexcept;
+  Epoch* next_to_see(bool has_grown) noexcept;
   double cost_of_strain(const Epoch& ownership) const noexcept;
   double cost_over(const Epoch& ownership, std::span<const double> looseness, double strain) const noexcept;
   double expected_score(const Epoch& ownership) const noexcept;
@@ -122,6 +137,7 @@ struct RebuiltBody::State {
   std::vector<std::uint32_t> used;
   Epoch home;
   std::shared_ptr<const StrainGauge> gauge;
+  SphereVolumes volumes;
   LoosenessEstimator estimator;
   std::vector<Epoch> known;     // for known poses
   std::unique_ptr<Epoch> away;  // rebuilt; kept as long as no other comes
@@ -173,6 +189,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       // Whether they belong together is what Body asks, so it comes first.
       home{ReownedBody::make(mesh, without_poses(built), workers, ways_of(options)), {}, {}, {}},
       gauge(std::make_shared<const StrainGauge>(mesh, built)),
+      volumes(home.body),
       estimator(mesh, options.sample_count),
       present(&home),
       lengths(gauge->length_count()),
@@ -181,7 +198,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), gauge, ways_of(options))) {
+                                       built.tree.level_count(), gauge, volumes, ways_of(options))) {
   home = epoch_of(mesh, std::move(home.body), threshold.size());
   for (const KnownPose& pose : built.poses) {
     const Mesh posed{pose.positions, mesh.facets};
@@ -207,6 +224,7 @@ Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t lev
   estimator.pose(posed.positions);
   estimator.estimate(made.body, made.looseness_at_build);
   gauge->measure(posed.positions, made.lengths);
+  made.volume_at_build = volumes.of(made.body);
   return made;
 }
 
@@ -257,7 +275,6 @@ void RebuiltBody::State::calibrate(const CoveredTree& built, Workers& workers) {
   if (!costs.empty()) strain_cost_growth = std::max(0.0, middle(costs));
 }
 
-// One ownership is updated, and that is the one that serves: which one, the positions alone tell.
 RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers& workers) noexcept {
   Epoch* chosen = present;
   const bool whole = positions.size() == rest.size(), resting = whole && at_rest(positions);
@@ -265,16 +282,16 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   if (resting) {
     chosen = &home;
   } else if (whole) {
-    chosen = choose(positions);
-    if (arrived && job->finished() != nullptr && takes_over(*job->finished())) chosen = job->finished();
+    gauge->measure(positions, lengths);
+    chosen = arrived && job->finished() != nullptr && takes_over(*job->finished()) ? job->finished() : &made_for_this();
   }
-  if (resting || chosen != present) ReownedBody::give_back(chosen->body);
   RebuildStatus status{.update = follow(*chosen, resting, positions, workers)};
   if (!status && chosen != present) status.update = follow(*(chosen = present), resting, positions, workers);
   if (!status) return status;
 
   const std::uint64_t before = epoch;
   ++frame;
+  if (chosen == present && !resting) chosen = &tightest_seen(positions, workers);
   // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
   try {
     if (chosen != present) {
@@ -294,10 +311,12 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   return status;
 }
 
-// At rest the home ownership serves as it is.
+// As it was made, where it has not served before this frame, and at rest.
 UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const PositionView& positions,
                                         Workers& workers) noexcept {
-  return ReownedBody::update(ownership.body, positions, resting ? 0 : options.reown_tests, workers);
+  const bool as_made = resting || &ownership != present;
+  if (as_made) ReownedBody::give_back(ownership.body);
+  return ReownedBody::update(ownership.body, positions, as_made ? 0 : options.reown_tests, workers);
 }
 
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
@@ -330,20 +349,53 @@ double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept
   return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + more(strain);
 }
 
-// The ownership that is expected to be the tightest. Where positions are not finite, nor are lengths, and the present
-// one stays.
-Epoch* RebuiltBody::State::choose(const PositionView& positions) noexcept {
-  gauge->measure(positions, lengths);
-  Epoch* best = present;
-  double least = (1 - std::max(least_gain, options.gain)) * expected_score(*present);
-  const auto consider = [&](Epoch& ownership) {
-    if (&ownership == present) return;
-    if (const double score = expected_score(ownership); score < least) least = score, best = &ownership;
+template <typename Visit>
+void RebuiltBody::State::for_others(const Visit& visit) noexcept {
+  const auto unless_present = [&](Epoch& ownership) {
+    if (&ownership != present) visit(ownership);
   };
-  consider(home);
-  for (Epoch& ownership : known) consider(ownership);
-  if (away) consider(*away);
-  return best;
+  unless_present(home);
+  for (Epoch& ownership : known) unless_present(ownership);
+  if (away) unless_present(*away);
+}
+
+// The ownership whose own pose this is; else the present one, as where positions are not finite, or where lengths feel
+// no difference: then rounding would choose.
+Epoch& RebuiltBody::State::made_for_this() noexcept {
+  Epoch* own = present;
+  double least = StrainGauge::strain(lengths, present->lengths);
+  if (least < still_strain) return *present;
+  for_others([&](Epoch& other) {
+    const double strain = StrainGauge::strain(lengths, other.lengths);
+    if (strain < still_strain && strain < least) least = strain, own = &other;
+  });
+  return *own;
+}
+
+// The present ownership, or another that is expected to be tighter and does not take up much more when it is updated in
+// this frame, or that takes up much less. What strain costs is a guess: where a body has parts that come apart, lengths
+// feel few of them. What spheres take up counts many times what they share.
+Epoch& RebuiltBody::State::tightest_seen(const PositionView& positions, Workers& workers) noexcept {
+  const double taken_up = volumes.of(present->body), promise = (1 - gain()) * expected_score(*present);
+  Epoch* const other = next_to_see(taken_up > grown * present->volume_at_build);
+  if (other == nullptr || !follow(*other, false, positions, workers)) return *present;
+  other->seen_frame = frame;
+  const double most = expected_score(*other) < promise ? much_more : much_less;
+  return volumes.of(other->body) < most * taken_up ? *other : *present;
+}
+
+// The one that is expected to be the tightest of those not seen lately, and now and then the one not seen for longest.
+// As long as the present one takes up what it did where it was made, only what promises to be better.
+Epoch* RebuiltBody::State::next_to_see(bool has_grown) noexcept {
+  Epoch* next = nullptr;
+  double least = has_grown ? std::numeric_limits<double>::infinity() : (1 - gain()) * expected_score(*present);
+  const bool in_turn = has_grown && frame % turn_every == 0;
+  for_others([&](Epoch& other) {
+    if (!in_turn && other.seen_frame != 0 && frame < other.seen_frame + seen_lately) return;
+    const double score = in_turn ? static_cast<double>(other.seen_frame) : expected_score(other);
+    if (score < least) least = score, next = &other;
+  });
+  return next;
 }
 
 bool RebuiltBody::State::takes_over(const Epoch& candidate) const noexcept {
