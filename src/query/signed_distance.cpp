@@ -69,7 +69,7 @@ SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, S
   const StandardFloats standard;
   if (method)
     method_ = *method;
-  else if (!normals_.facets.empty() && separates_sides())
+  else if (!normals_.neighbors.empty() && separates_sides())
     method_ = SignMethod::pseudo_normal;
   if (method_ != SignMethod::pseudo_normal) normals_ = {};
 }
@@ -80,7 +80,7 @@ bool SignedDistance::separates_sides() const {
   constexpr std::size_t probes = 1000;
   const std::size_t count = std::min(probes, bvh_.facet_count());
   for (std::size_t i = 0; i < count; ++i) {
-    const Triangle& t = bvh_.triangle(static_cast<std::uint32_t>(i * bvh_.facet_count() / count));
+    const Triangle t = bvh_.triangle(static_cast<std::uint32_t>(i * bvh_.facet_count() / count));
     if (!(length(area_vector(t)) > 0)) continue;
     const Vec3 middle = at_barycentric(t, {1.0 / 3, 1.0 / 3, 1.0 / 3});
     // A facet counts fully where it is met, and rounding decides on which side of it its middle lies: without itself.
@@ -91,7 +91,7 @@ bool SignedDistance::separates_sides() const {
 }
 
 SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers)
-    : facets(mesh.facets.begin(), mesh.facets.end()), of_vertex(mesh.vertex_count()), neighbors(mesh.facet_count()) {
+    : of_vertex(mesh.vertex_count()), neighbors(mesh.facet_count()) {
   std::vector<Vec3> of_facet(mesh.facet_count());
   parallel_for(workers, mesh.facet_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) of_facet[f] = normal_of(mesh.corners(f));
@@ -150,7 +150,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
     const int zeros = (b[0] == 0) + (b[1] == 0) + (b[2] == 0);
     Vec3 normal = normal_of(bvh_.triangle(closest.facet));
     if (zeros == 2) {
-      normal = normals_.of_vertex[normals_.facets[closest.facet][corner]];
+      normal = normals_.of_vertex[bvh_.corners(closest.facet)[corner]];
     } else if (zeros == 1) {
       const std::uint32_t other = normals_.neighbors[closest.facet][b[0] == 0 ? 0 : b[1] == 0 ? 1 : 2];
       if (other == undecided || normal == Vec3{}) {

@@ -129,7 +129,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
 
   double cones = 0, near_solid_angle = 0, near_modulo_turn = 0;
   for (const std::uint32_t f : near) {
-    const Triangle& t = object.bvh().triangle(f);
+    const Triangle t = object.bvh().triangle(f);
     Triangle local;
     bool is_at_corner = false;
     for (std::size_t k = 0; k < 3; ++k) {

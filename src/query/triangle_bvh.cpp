@@ -75,14 +75,14 @@ Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Dista
     if (is_apart) to(tree.boxes[next.leaf], distances);
     for (std::uint32_t k = 0; k < next.count; ++k) {
       if (is_apart && !(distances[k] <= limit_in_units)) continue;
-      const std::uint32_t slot = next.first + k;
-      const TrianglePoint found = morula::closest_point(tree.triangles[slot], p);
+      const std::uint32_t facet = tree.facets[next.first + k];
+      const TrianglePoint found = morula::closest_point(tree.triangle(facet), p);
       const bool nearer = found.squared_distance < limit;
-      const bool as_near = found.squared_distance == limit && tree.facets[slot] < best.facet;
+      const bool as_near = found.squared_distance == limit && facet < best.facet;
       if (!nearer && !as_near) continue;
       limit = found.squared_distance;
       limit_in_units = to.limit(limit * square);
-      best = {found, tree.facets[slot]};
+      best = {found, facet};
     }
   }
   return best;
@@ -122,8 +122,12 @@ const Box& TriangleBvh::bounding_box() const {
   return data_->tree.box;
 }
 
-const Triangle& TriangleBvh::triangle(std::uint32_t facet) const {
-  return data_->tree.triangles[data_->tree.slots[facet]];
+Triangle TriangleBvh::triangle(std::uint32_t facet) const {
+  return data_->tree.triangle(facet);
+}
+
+const Facet& TriangleBvh::corners(std::uint32_t facet) const {
+  return data_->tree.corners[facet];
 }
 
 std::optional<ClosestFacetPoint> TriangleBvh::closest_point(const Vec3& p, double max_distance) const {
@@ -162,7 +166,7 @@ void TriangleBvh::facets_touching(const Sphere& ball, std::vector<std::uint32_t>
         if (!(distances[k] <= limit_in_units)) continue;
         if (node.count[k] == 0) stack[top++] = node.first[k];
         for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
-          if (morula::closest_point(tree.triangles[slot], ball.center).squared_distance <= limit)
+          if (morula::closest_point(tree.triangle(tree.facets[slot]), ball.center).squared_distance <= limit)
             facets.push_back(tree.facets[slot]);
       }
     }
@@ -193,7 +197,7 @@ double TriangleBvh::winding_number(const Vec3& p, double accuracy) const {
       }
       if (node.count[k] == 0) stack[top++] = node.first[k];
       for (std::uint32_t slot = node.first[k]; slot < node.first[k] + node.count[k]; ++slot)
-        sum += solid_angle(tree.triangles[slot], p);
+        sum += solid_angle(tree.triangle(tree.facets[slot]), p);
     }
   }
   return sum / (4 * std::numbers::pi);

@@ -124,8 +124,9 @@ class Builder {
     const std::size_t count = mesh_.facet_count();
     references_.resize(count);
     tree_.facets.resize(count);
-    tree_.triangles.resize(count);
-    tree_.slots.resize(count);
+    tree_.corners.assign(mesh_.facets.begin(), mesh_.facets.end());
+    tree_.positions.resize(mesh_.vertex_count());
+    for (std::size_t v = 0; v < tree_.positions.size(); ++v) tree_.positions[v] = mesh_.positions[v];
     make_references();
     split_large_ranges();
 
@@ -138,7 +139,10 @@ class Builder {
       parallel_for(workers_, subtrees.size(), 1, [&](std::size_t i, std::size_t) {
         const Pending& pending = pending_[first + i];
         subtrees[i].nodes.reserve(pending.range.count() / 8);
+        subtrees[i].first_slot = pending.range.begin;
+        subtrees[i].triangles.resize(pending.range.count());
         subtrees[i].summary = build_node(subtrees[i], pending.range, pending.depth);
+        subtrees[i].triangles = {};
       });
       append(subtrees, std::span(pending_).subspan(first), summaries);
     }
@@ -152,6 +156,12 @@ class Builder {
     std::vector<Clusters> clusters;
     std::vector<OrientedBoxes> boxes;
     Summary summary;
+    // By slot, while it is made.
+    std::uint32_t first_slot = 0;
+    std::vector<Triangle> triangles;
+    std::span<const Triangle> patch(const Range& range) const {
+      return std::span(triangles).subspan(range.begin - first_slot, range.count());
+    }
   };
   // A node still to be made, and the child slot that will point to it.
   struct Pending {
@@ -290,7 +300,7 @@ class Builder {
       if (ranges[k].count() > largest_patch)
         maker.set(k, summaries[k].box);
       else
-        maker.set(k, std::span(tree_.triangles).subspan(ranges[k].begin, ranges[k].count()), summaries[k].area_vector);
+        maker.set(k, subtree.patch(ranges[k]), summaries[k].area_vector);
     subtree.nodes[index].boxes = maker.boxes();
     return joined(summaries, count);
   }
@@ -300,16 +310,16 @@ class Builder {
     for (std::uint32_t slot = range.begin; slot < range.end; ++slot) {
       const std::uint32_t facet = references_[slot].facet();
       tree_.facets[slot] = facet;
-      tree_.slots[facet] = slot;
-      tree_.triangles[slot] = mesh_.corners(facet);
-      summaries[slot - range.begin] = summary_of(tree_.triangles[slot]);
+      Triangle& corners = subtree.triangles[slot - subtree.first_slot];
+      corners = tree_.triangle(facet);
+      summaries[slot - range.begin] = summary_of(corners);
     }
     const auto count = static_cast<int>(range.count());
     const Summary whole = joined(summaries, count);
     BoxMaker maker(tree_.units, whole.box);
+    const auto patch = subtree.patch(range);
     for (int k = 0; k < count; ++k)
-      maker.set(k, std::span(&tree_.triangles[range.begin + static_cast<std::uint32_t>(k)], 1),
-                summaries[k].area_vector);
+      maker.set(k, patch.subspan(static_cast<std::size_t>(k), 1), summaries[k].area_vector);
     subtree.boxes.push_back(maker.boxes());
     return whole;
   }

@@ -49,8 +49,14 @@ struct Tree {
   std::vector<Clusters> clusters;     // one for each node
   std::vector<OrientedBoxes> boxes;   // one for each leaf, of its facets
   std::vector<std::uint32_t> facets;  // by slot: the facet's index in the mesh
-  std::vector<Triangle> triangles;    // by slot
-  std::vector<std::uint32_t> slots;   // by facet
+  // The mesh's own: corners by themselves would take a facet three times as much.
+  std::vector<Facet> corners;
+  std::vector<Vec3> positions;
+
+  Triangle triangle(std::uint32_t facet) const {
+    const auto& [a, b, c] = corners[facet];
+    return {positions[a], positions[b], positions[c]};
+  }
 };
 
 /// Depends on the mesh alone, not on the workers.

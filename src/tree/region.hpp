@@ -18,15 +18,22 @@ class Region {
 
   std::size_t size() const { return facet.size(); }
   bool empty() const { return facet.empty(); }
-  bool is_whole(std::size_t k) const { return cut_begin_[k] == cut_begin_[k + 1]; }
+  bool is_whole(std::size_t k) const { return cut_corner_count(k) == 0; }
   std::span<const Barycentric> polygon(std::size_t k) const {
     if (is_whole(k)) return whole_facet;
-    return std::span(cut_corners_).subspan(cut_begin_[k], cut_begin_[k + 1] - cut_begin_[k]);
+    return std::span(cut_corners_).subspan(cut_begin_[k], cut_corner_count(k));
   }
   std::size_t corner_count() const {
     std::size_t count = cut_corners_.size();
     for (std::size_t k = 0; k < size(); ++k) count += is_whole(k) ? whole_facet.size() : 0;
     return count;
+  }
+  /// Corners of a polygon that is cut; none of a whole facet.
+  std::size_t cut_corner_count(std::size_t k) const { return cut_begin_[k + 1] - cut_begin_[k]; }
+  void reserve(std::size_t polygons, std::size_t cut_corners) {
+    facet.reserve(polygons);
+    cut_begin_.reserve(polygons + 1);
+    cut_corners_.reserve(cut_corners);
   }
   void add_whole(std::uint32_t of_facet) {
     facet.push_back(of_facet);
@@ -38,6 +45,8 @@ class Region {
     cut_corners_.insert(cut_corners_.end(), polygon.begin(), polygon.end());
     cut_begin_.push_back(static_cast<std::uint32_t>(cut_corners_.size()));
   }
+  /// Polygon k of another region.
+  void add(const Region& other, std::size_t k) { add(other.facet[k], other.polygon(k)); }
 
  private:
   // Polygon k has corners [cut_begin_[k], cut_begin_[k + 1]); none when it is whole.

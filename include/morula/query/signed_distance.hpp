@@ -47,7 +47,6 @@ class SignedDistance {
  private:
   // For pseudo_normal only, beside the normals of facets. One is zero where slivers make it meaningless.
   struct Normals {
-    std::vector<Facet> facets;
     std::vector<Vec3> of_vertex;                          // angle-weighted average
     std::vector<std::array<std::uint32_t, 3>> neighbors;  // the facet across the edge opposite to corner k
 

@@ -33,8 +33,9 @@ class TriangleBvh {
   std::size_t facet_count() const;
   /// Of the corners of all facets.
   const Box& bounding_box() const;
-  /// The corners of a facet, by its index in the mesh.
-  const Triangle& triangle(std::uint32_t facet) const;
+  /// A facet, by its index in the mesh: where its corners are, and which vertices.
+  Triangle triangle(std::uint32_t facet) const;
+  const Facet& corners(std::uint32_t facet) const;
 
   /// Nearest surface point, or nothing if all of the surface is farther than max_distance (an early out: "only tell me
   /// if nearer than this"), or p is not finite or 2^200 or more from the origin along an axis. Among facets at the same

@@ -58,13 +58,28 @@ bool may_have_less_power(const Sphere& other, const Sphere& own, const Box& box)
   return least <= rounding;
 }
 
-// What one node gives to whom, itself included: one of `to` for each part.
+// What one node gives to whom, itself included. Most polygons go as they are: they are named, not copied.
 struct Gifts {
-  Region parts;
-  std::vector<std::uint32_t> to;
-  void add(std::uint32_t who, std::uint32_t facet, std::span<const Barycentric> polygon) {
-    parts.add(facet, polygon);
-    to.push_back(who);
+  struct Gift {
+    std::uint32_t polygon;  // of the node's region; counted on from there, of the pieces
+    std::uint32_t to;
+  };
+  std::vector<Gift> gifts;
+  Region pieces;
+  void add_polygon(std::uint32_t who, std::size_t polygon) {
+    gifts.push_back({static_cast<std::uint32_t>(polygon), who});
+  }
+  void add_piece(std::uint32_t who, const Region& region, std::size_t of_polygon, std::span<const Barycentric> piece) {
+    add_polygon(who, region.size() + pieces.size());
+    pieces.add(region.facet[of_polygon], piece);
+  }
+  // visit(receiver, region, polygon of that region)
+  template <class Visit>
+  void each(const Region& region, const Visit& visit) const {
+    for (const auto& [polygon, to] : gifts) {
+      const bool is_piece = polygon >= region.size();
+      visit(to, is_piece ? pieces : region, is_piece ? polygon - region.size() : polygon);
+    }
   }
 };
 
@@ -131,9 +146,7 @@ class Exchange {
     for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
     std::vector<Gifts> gifts(spheres.size());
     workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), spheres); });
-    for (BuildNode& node : nodes_) node.region = {};
-    for (const Gifts& g : gifts)
-      for (std::size_t k = 0; k < g.to.size(); ++k) nodes_[g.to[k]].region.add(g.parts.facet[k], g.parts.polygon(k));
+    hand_over(gifts);
   }
 
   void refit(Workers& workers) {
@@ -143,6 +156,28 @@ class Exchange {
   }
 
  private:
+  // On fine meshes regions are much of what a build holds, so they get exactly the room that they need, and what has
+  // been handed over goes at once.
+  void hand_over(std::vector<Gifts>& gifts) {
+    std::vector<std::size_t> polygons(nodes_.size(), 0), cut_corners(nodes_.size(), 0);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      gifts[i].each(nodes_[i].region, [&](std::uint32_t to, const Region& from, std::size_t k) {
+        ++polygons[to];
+        cut_corners[to] += from.cut_corner_count(k);
+      });
+    std::vector<Region> before(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) std::swap(before[i], nodes_[i].region);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      gifts[i].each(before[i], [&](std::uint32_t to, const Region& from, std::size_t k) {
+        Region& region = nodes_[to].region;
+        if (region.empty()) region.reserve(polygons[to], cut_corners[to]);
+        region.add(from, k);
+      });
+      before[i] = {};
+      gifts[i] = {};
+    }
+  }
+
   Gifts give(std::uint32_t from, std::span<const Sphere> spheres) const {
     Gifts gifts;
     const BuildNode& own = nodes_[from];
@@ -154,13 +189,14 @@ class Exchange {
     for (std::uint32_t j = 0; j < spheres.size(); ++j)
       if (j != from && may_have_less_power(spheres[j], spheres[from], box)) near.push_back(j);
     NearBalls balls(near, spheres, spheres[from], own.region.size());
+    gifts.gifts.reserve(own.region.size() + own.region.size() / 8);
     CutFacet cut;
     for (std::size_t k = 0; k < own.region.size(); ++k) {
       const std::uint32_t facet = own.region.facet[k];
       const auto polygon = own.region.polygon(k);
       const auto with_less_power = balls.with_less_power(mesh_, facet);
       if (std::ranges::none_of(with_less_power, [](std::uint64_t word) { return word != 0; })) {
-        gifts.add(from, facet, polygon);
+        gifts.add_polygon(from, k);
         continue;
       }
       const FacetGeometry geometry = facet_geometry(mesh_, facet);
@@ -178,26 +214,28 @@ class Exchange {
       });
       std::sort(allowed.begin(), allowed.end());
       if (allowed.size() == 1) {
-        gifts.add(from, facet, polygon);
+        gifts.add_polygon(from, k);
         continue;
       }
       cut.clear();
       cut_by_power(geometry, polygon, spheres, allowed, cut);
       const bool whole = std::all_of(cut.owner.begin(), cut.owner.end(), [&](std::uint32_t o) { return o == from; });
       if (whole) {
-        gifts.add(from, facet, polygon);
+        gifts.add_polygon(from, k);
         continue;
       }
       for (std::size_t piece = 0; piece < cut.size(); ++piece) {
         corners.clear();
         for (const Barycentric& b : cut.polygon(piece)) corners.push_back(at_barycentric(geometry.corners, b));
         const std::uint32_t to = cut.owner[piece];
-        gifts.add(to != from && contains(spheres[to], corners) ? to : from, facet, cut.polygon(piece));
+        gifts.add_piece(to != from && contains(spheres[to], corners) ? to : from, own.region, k, cut.polygon(piece));
       }
     }
     // A place that is given up is lost for the level: who would give everything keeps everything.
-    if (std::ranges::find(gifts.to, from) != gifts.to.end()) return gifts;
-    return {own.region, std::vector<std::uint32_t>(own.region.size(), from)};
+    if (std::ranges::find(gifts.gifts, from, &Gifts::Gift::to) != gifts.gifts.end()) return gifts;
+    gifts = {};
+    for (std::size_t k = 0; k < own.region.size(); ++k) gifts.add_polygon(from, k);
+    return gifts;
   }
 
   Sphere fit(std::size_t i) const {
