@@ -56,12 +56,31 @@ BoxMaker::BoxMaker(const Units& units, const Box& all) : units_(units) {
 }
 
 void BoxMaker::set(int k, const Box& box) {
-  set(k, coordinates, units_.of(box.lower) - center_, units_.of(box.upper) - center_);
+  set(k, coordinates, {units_.of(box.lower) - center_, units_.of(box.upper) - center_});
 }
 
-// Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
 void BoxMaker::set(int k, std::span<const Triangle> patch, const Vec3& area_vector) {
   const Axes axes = axes_along(patch, area_vector);
+  set(k, axes, along(axes, patch));
+}
+
+FacetBoxes BoxMaker::facets_of(int k, std::span<const Triangle> patch) const {
+  Axes axes{};
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t c = 0; c < 3; ++c) axes[a][c] = boxes_.axis[a][c][k];
+  FacetBoxes facets{};
+  for (std::size_t f = 0; f < patch.size(); ++f) {
+    const Box box = along(axes, patch.subspan(f, 1));
+    for (int a = 0; a < 3; ++a) {
+      facets.lower[a][f] = static_cast<float>(box.lower[a] - pad_);
+      facets.upper[a][f] = static_cast<float>(box.upper[a] + pad_);
+    }
+  }
+  return facets;
+}
+
+// In Units, from the centre. Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
+Box BoxMaker::along(const Axes& axes, std::span<const Triangle> patch) const {
   const Vec3 rows[3] = {row(axes[0]), row(axes[1]), row(axes[2])};
   Vec3 lower{infinity, infinity, infinity}, upper = -lower;
   for (const Triangle& t : patch)
@@ -72,14 +91,14 @@ void BoxMaker::set(int k, std::span<const Triangle> patch, const Vec3& area_vect
     }
   const Vec3 center = center_ + units_.origin * units_.scale;
   const Vec3 start{dot(rows[0], center), dot(rows[1], center), dot(rows[2], center)};
-  set(k, axes, lower * units_.scale - start, upper * units_.scale - start);
+  return {lower * units_.scale - start, upper * units_.scale - start};
 }
 
-void BoxMaker::set(int k, const Axes& axes, const Vec3& lower, const Vec3& upper) {
+void BoxMaker::set(int k, const Axes& axes, const Box& box) {
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t c = 0; c < 3; ++c) boxes_.axis[a][c][k] = axes[a][c];
-    boxes_.lower[a][k] = static_cast<float>(lower[static_cast<int>(a)] - pad_);
-    boxes_.upper[a][k] = static_cast<float>(upper[static_cast<int>(a)] + pad_);
+    boxes_.lower[a][k] = static_cast<float>(box.lower[static_cast<int>(a)] - pad_);
+    boxes_.upper[a][k] = static_cast<float>(box.upper[static_cast<int>(a)] + pad_);
   }
   if (axes != coordinates) boxes_.far_share = 1 - 0x1p-20f;
 }
@@ -106,21 +125,28 @@ BoxMaker::Axes BoxMaker::axes_along(std::span<const Triangle> patch, const Vec3&
 
 // Heights are off by 2^-50 |q|, and |q| is hardly more than the distance. Axes of a box's own lengthen by 1.5 * 2^-22,
 // those of the coordinates not at all.
-void FarDistances::operator()(const OrientedBoxes& boxes, double* result) const {
-  const double sure = (1 - 0x1p-44) * static_cast<double>(boxes.far_share);
-  const Vec3 q = p_ - Vec3{static_cast<double>(boxes.center[0]), static_cast<double>(boxes.center[1]),
-                           static_cast<double>(boxes.center[2])};
-  for (int k = 0; k < OrientedBoxes::count; ++k) {
-    double sum = 0;
-    for (int a = 0; a < 3; ++a) {
-      double height = 0;
-      for (int c = 0; c < 3; ++c) height += q[c] * static_cast<double>(boxes.axis[a][c][k]);
-      const double gap = std::max(
-          {static_cast<double>(boxes.lower[a][k]) - height, height - static_cast<double>(boxes.upper[a][k]), 0.0});
-      sum += gap * gap;
-    }
-    result[k] = sum * sure;
+template <class Boxes>
+double FarDistances::squared(const OrientedBoxes& axes, int k, const Boxes& boxes, int which) const {
+  const double sure = (1 - 0x1p-44) * static_cast<double>(axes.far_share);
+  const Vec3 q = p_ - Vec3{static_cast<double>(axes.center[0]), static_cast<double>(axes.center[1]),
+                           static_cast<double>(axes.center[2])};
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    double height = 0;
+    for (int c = 0; c < 3; ++c) height += q[c] * static_cast<double>(axes.axis[a][c][k]);
+    const double gap = std::max({static_cast<double>(boxes.lower[a][which]) - height,
+                                 height - static_cast<double>(boxes.upper[a][which]), 0.0});
+    sum += gap * gap;
   }
+  return sum * sure;
+}
+
+void FarDistances::operator()(const OrientedBoxes& boxes, double* result) const {
+  for (int k = 0; k < OrientedBoxes::count; ++k) result[k] = squared(boxes, k, boxes, k);
+}
+
+void FarDistances::operator()(const OrientedBoxes& boxes, int k, const FacetBoxes& facets, double* result) const {
+  for (int f = 0; f < OrientedBoxes::count; ++f) result[f] = squared(boxes, k, facets, f);
 }
 
 }  // namespace morula::detail

@@ -36,6 +36,12 @@ struct alignas(64) OrientedBoxes {
   float far_share;  // of squared distances in double, what is no more than the true one
 };
 
+/// Boxes about the facets of a patch, in the axes of the patch's own box and from its centre.
+struct alignas(16) FacetBoxes {
+  float lower[3][OrientedBoxes::count];
+  float upper[3][OrientedBoxes::count];
+};
+
 /// Makes boxes that contain what a computed closest point of their facets may be, and more, see NearDistances.
 class BoxMaker {
  public:
@@ -47,11 +53,14 @@ class BoxMaker {
   /// too short for a direction, the box lies along the coordinates.
   void set(int k, std::span<const Triangle> patch, const Vec3& area_vector);
   const OrientedBoxes& boxes() const { return boxes_; }
+  /// Boxes about each facet of the patch that box k was set to; no more than there is room for.
+  FacetBoxes facets_of(int k, std::span<const Triangle> patch) const;
 
  private:
   using Axes = std::array<std::array<float, 3>, 3>;
   Axes axes_along(std::span<const Triangle> patch, const Vec3& area_vector) const;
-  void set(int k, const Axes& axes, const Vec3& lower, const Vec3& upper);
+  Box along(const Axes& axes, std::span<const Triangle> patch) const;
+  void set(int k, const Axes& axes, const Box& box);
 
   Units units_;
   OrientedBoxes boxes_{};
@@ -82,21 +91,43 @@ class NearDistances {
   // together are at most (1 + (0.25 + 1.5 + 1.9) * 2^-22) D. Of the square that is less than 1 + 7.4 * 2^-22, with the
   // rounding of squares and sums less than 1 + 9 * 2^-22.
   void operator()(const OrientedBoxes& boxes, float* result) const {
-    const Float4 x(static_cast<float>(p_.x - static_cast<double>(boxes.center[0])));
-    const Float4 y(static_cast<float>(p_.y - static_cast<double>(boxes.center[1])));
-    const Float4 z(static_cast<float>(p_.z - static_cast<double>(boxes.center[2])));
+    const std::array<float, 3> q = from_center(boxes);
+    const Float4 x(q[0]), y(q[1]), z(q[2]);
+    squared(
+        [&](int a) {
+          return x * Float4::load(boxes.axis[a][0]) + y * Float4::load(boxes.axis[a][1]) +
+                 z * Float4::load(boxes.axis[a][2]);
+        },
+        boxes, result);
+  }
+  /// To facets of box k. What was said holds for them as well: axes, centre and pad are those of the box.
+  void operator()(const OrientedBoxes& boxes, int k, const FacetBoxes& facets, float* result) const {
+    const std::array<float, 3> q = from_center(boxes);
+    squared(
+        [&](int a) {
+          return Float4(q[0] * boxes.axis[a][0][k] + q[1] * boxes.axis[a][1][k] + q[2] * boxes.axis[a][2][k]);
+        },
+        facets, result);
+  }
+
+ private:
+  std::array<float, 3> from_center(const OrientedBoxes& boxes) const {
+    return {static_cast<float>(p_.x - static_cast<double>(boxes.center[0])),
+            static_cast<float>(p_.y - static_cast<double>(boxes.center[1])),
+            static_cast<float>(p_.z - static_cast<double>(boxes.center[2]))};
+  }
+  template <class Height, class Boxes>
+  static void squared(const Height& height_along, const Boxes& boxes, float* result) {
     const Float4 sure(1 - 0x1p-18f), zero(0);
     Float4 sum(0);
     for (int a = 0; a < 3; ++a) {
-      const Float4 height =
-          x * Float4::load(boxes.axis[a][0]) + y * Float4::load(boxes.axis[a][1]) + z * Float4::load(boxes.axis[a][2]);
+      const Float4 height = height_along(a);
       const Float4 gap = max(max(Float4::load(boxes.lower[a]) - height, height - Float4::load(boxes.upper[a])), zero);
       sum = sum + gap * gap;
     }
     (sum * sure).store(result);
   }
 
- private:
   Vec3 p_;
 };
 
@@ -107,8 +138,12 @@ class FarDistances {
   FarDistances(const Units& units, const Vec3& p) : p_(units.of(p)) {}
   static double limit(double squared) { return squared; }
   void operator()(const OrientedBoxes& boxes, double* result) const;
+  void operator()(const OrientedBoxes& boxes, int k, const FacetBoxes& facets, double* result) const;
 
  private:
+  template <class Boxes>
+  double squared(const OrientedBoxes& axes, int k, const Boxes& boxes, int which) const;
+
   Vec3 p_;
 };
 

@@ -31,18 +31,23 @@ constexpr double too_far = 0x1p200;
 template <class Scalar>
 struct Waiting {
   Scalar squared_distance;
-  std::uint32_t first, count, leaf;
+  std::uint32_t first;
+  std::uint32_t node;  // whose child it is, and which
+  std::uint8_t k, count;
 };
 
 // Nearest last, so that it is popped first. Children at the same distance keep their order.
 template <class Scalar>
-void push_by_distance(const Node& node, const Scalar* distances, Scalar limit, Waiting<Scalar>* stack, int& top) {
+void push_by_distance(const wide::Tree& tree, std::uint32_t index, const Scalar* distances, Scalar limit,
+                      Waiting<Scalar>* stack, int& top) {
+  const Node& node = tree.nodes[index];
   const int bottom = top;
   for (int k = node.size; k-- > 0;) {
     if (!(distances[k] <= limit)) continue;
     int at = top++;
     for (; at > bottom && stack[at - 1].squared_distance < distances[k]; --at) stack[at] = stack[at - 1];
-    stack[at] = {distances[k], node.first[k], node.count[k], node.leaf[k]};
+    stack[at] = {distances[k], node.first[k], index, static_cast<std::uint8_t>(k),
+                 static_cast<std::uint8_t>(node.count[k])};
   }
 }
 
@@ -61,18 +66,21 @@ Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Dista
   Scalar limit_in_units = to.limit(limit * square), distances[wide::width];
   Waiting<Scalar> stack[wide::stack_size];
   int top = 0;
-  stack[top++] = {0, 0, 0, 0};
+  stack[top++] = {};
   while (top > 0) {
     const Waiting<Scalar> next = stack[--top];
     if (!(next.squared_distance <= limit_in_units)) continue;
     if (next.count == 0) {
       to(tree.nodes[next.first].boxes, distances);
-      push_by_distance(tree.nodes[next.first], distances, limit_in_units, stack, top);
+      push_by_distance(tree, next.first, distances, limit_in_units, stack, top);
       continue;
     }
     // Where the point is in the leaf's box, it is in most of the facets' as well: they are not worth reading.
-    const bool is_apart = next.squared_distance > 0;
-    if (is_apart) to(tree.boxes[next.leaf], distances);
+    const bool is_apart = next.squared_distance > 0 && next.count > 1;
+    if (is_apart) {
+      const Node& parent = tree.nodes[next.node];
+      to(parent.boxes, next.k, tree.boxes[parent.leaf[next.k]], distances);
+    }
     for (std::uint32_t k = 0; k < next.count; ++k) {
       if (is_apart && !(distances[k] <= limit_in_units)) continue;
       const std::uint32_t facet = tree.facets[next.first + k];

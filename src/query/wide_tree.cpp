@@ -154,7 +154,7 @@ class Builder {
   struct Subtree {
     std::vector<Node> nodes;
     std::vector<Clusters> clusters;
-    std::vector<OrientedBoxes> boxes;
+    std::vector<FacetBoxes> boxes;
     Summary summary;
     // By slot, while it is made.
     std::uint32_t first_slot = 0;
@@ -228,18 +228,19 @@ class Builder {
   // Subtrees behind all nodes so far; pending: theirs first, then those still to come.
   void append(std::span<const Subtree> subtrees, std::span<const Pending> pending,
               std::vector<std::array<Summary, width>>& summaries) {
-    std::size_t nodes = 0, leaves = 0, facets = 0, all_facets = 0;
-    for (const Subtree& subtree : subtrees) nodes += subtree.nodes.size(), leaves += subtree.boxes.size();
+    std::size_t nodes = 0, boxes = 0, facets = 0, all_facets = 0;
+    for (const Subtree& subtree : subtrees) nodes += subtree.nodes.size(), boxes += subtree.boxes.size();
     for (std::size_t i = 0; i < pending.size(); ++i)
       all_facets += pending[i].range.count(), facets += i < subtrees.size() ? pending[i].range.count() : 0;
     // Room for those to come as well, if they are like these: growing by doubling would take it twice.
-    if (tree_.nodes.size() + nodes > tree_.nodes.capacity()) {
-      const double share = 1.02 * static_cast<double>(all_facets) / static_cast<double>(facets);
-      const auto expected = [&](std::size_t now) { return static_cast<std::size_t>(share * static_cast<double>(now)); };
-      tree_.nodes.reserve(tree_.nodes.size() + expected(nodes));
-      tree_.clusters.reserve(tree_.clusters.size() + expected(nodes));
-      tree_.boxes.reserve(tree_.boxes.size() + expected(leaves));
-    }
+    const double share = 1.1 * static_cast<double>(all_facets) / static_cast<double>(facets);
+    const auto make_room = [&](auto& all, std::size_t now) {
+      if (all.size() + now > all.capacity())
+        all.reserve(all.size() + static_cast<std::size_t>(share * static_cast<double>(now)));
+    };
+    make_room(tree_.nodes, nodes);
+    make_room(tree_.clusters, nodes);
+    make_room(tree_.boxes, boxes);
     for (std::size_t i = 0; i < subtrees.size(); ++i) {
       const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
       const auto first_leaf = static_cast<std::uint32_t>(tree_.boxes.size());
@@ -291,17 +292,24 @@ class Builder {
       Node& node = subtree.nodes[index];
       node.first[k] = is_leaf ? ranges[k].begin : next;
       node.count[k] = is_leaf ? ranges[k].count() : 0;
-      node.leaf[k] = is_leaf ? static_cast<std::uint32_t>(subtree.boxes.size() - 1) : 0;
       set_cluster(subtree.clusters[index], k, summaries[k]);
       all.add(summaries[k].box);
     }
     BoxMaker maker(tree_.units, all);
-    for (int k = 0; k < count; ++k)
-      if (ranges[k].count() > largest_patch)
+    Node& node = subtree.nodes[index];
+    for (int k = 0; k < count; ++k) {
+      if (ranges[k].count() > largest_patch) {
         maker.set(k, summaries[k].box);
-      else
-        maker.set(k, subtree.patch(ranges[k]), summaries[k].area_vector);
-    subtree.nodes[index].boxes = maker.boxes();
+        continue;
+      }
+      const auto patch = subtree.patch(ranges[k]);
+      maker.set(k, patch, summaries[k].area_vector);
+      // A leaf's box is as good as that of its only facet.
+      if (node.count[k] < 2) continue;
+      node.leaf[k] = static_cast<std::uint32_t>(subtree.boxes.size());
+      subtree.boxes.push_back(maker.facets_of(k, patch));
+    }
+    node.boxes = maker.boxes();
     return joined(summaries, count);
   }
 
@@ -314,14 +322,7 @@ class Builder {
       corners = tree_.triangle(facet);
       summaries[slot - range.begin] = summary_of(corners);
     }
-    const auto count = static_cast<int>(range.count());
-    const Summary whole = joined(summaries, count);
-    BoxMaker maker(tree_.units, whole.box);
-    const auto patch = subtree.patch(range);
-    for (int k = 0; k < count; ++k)
-      maker.set(k, patch.subspan(static_cast<std::size_t>(k), 1), summaries[k].area_vector);
-    subtree.boxes.push_back(maker.boxes());
-    return whole;
+    return joined(summaries, static_cast<int>(range.count()));
   }
 
   // Cuts a range into up to `width` parts. Parts that would do as a leaf are cut too while there is room: a tighter box

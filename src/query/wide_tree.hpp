@@ -28,7 +28,7 @@ struct alignas(64) Node {
   OrientedBoxes boxes;         // of the children
   std::uint32_t first[width];  // the child's node; in a leaf, the slot of its first facet
   std::uint32_t count[width];  // facets of a leaf; 0 where the child is a node
-  std::uint32_t leaf[width];   // where the boxes of a leaf's facets are
+  std::uint32_t leaf[width];   // where the boxes of a leaf's facets are, unless it has but one
   int size;                    // children in use, the first ones
 };
 static_assert(OrientedBoxes::count == width && largest_leaf <= width);
@@ -47,7 +47,7 @@ struct Tree {
   Units units;
   std::vector<Node> nodes;            // root first, children after their parents
   std::vector<Clusters> clusters;     // one for each node
-  std::vector<OrientedBoxes> boxes;   // one for each leaf, of its facets
+  std::vector<FacetBoxes> boxes;      // of the facets of leaves
   std::vector<std::uint32_t> facets;  // by slot: the facet's index in the mesh
   // The mesh's own: corners by themselves would take a facet three times as much.
   std::vector<Facet> corners;

@@ -10,6 +10,7 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <query/oriented_boxes.hpp>
+#include <span>
 #include <vector>
 
 namespace morula {
@@ -45,7 +46,7 @@ struct Place {
 
 enum class Axes { own, coordinates };
 
-OrientedBoxes boxes_about(const Place& place, const std::vector<std::vector<Triangle>>& patches, Axes axes) {
+BoxMaker boxes_about(const Place& place, const std::vector<std::vector<Triangle>>& patches, Axes axes) {
   Box all;
   for (const std::vector<Triangle>& patch : patches) all.add(padded_box(patch));
   BoxMaker maker(place.units(), all);
@@ -54,7 +55,7 @@ OrientedBoxes boxes_about(const Place& place, const std::vector<std::vector<Tria
       maker.set(static_cast<int>(k), patches[k], area_vector_of(patches[k]));
     else
       maker.set(static_cast<int>(k), padded_box(patches[k]));
-  return maker.boxes();
+  return maker;
 }
 
 // Squared, in Units: by the boxes, and by the facets themselves.
@@ -63,6 +64,16 @@ std::vector<double> bounds(const Units& units, const OrientedBoxes& boxes, const
     typename std::decay_t<decltype(to)>::Scalar distances[OrientedBoxes::count];
     to(boxes, distances);
     return std::vector<double>(distances, distances + OrientedBoxes::count);
+  });
+}
+// The same of single facets in the axes of their patch; those of the first four.
+std::vector<double> facet_bounds(const Units& units, const BoxMaker& maker, int k, const std::vector<Triangle>& patch,
+                                 const Vec3& p) {
+  const auto some = std::span(patch).first(std::min<std::size_t>(patch.size(), OrientedBoxes::count));
+  return with_distances(units, p, [&](const auto& to) {
+    typename std::decay_t<decltype(to)>::Scalar distances[OrientedBoxes::count];
+    to(maker.boxes(), k, maker.facets_of(k, some), distances);
+    return std::vector<double>(distances, distances + some.size());
   });
 }
 double least(const Units& units, const std::vector<Triangle>& patch, const Vec3& p) {
@@ -103,15 +114,20 @@ Vec3 point_above(Random& random, const Triangle& t, double height) {
 
 void expect_no_more(Random& random, const Place& place, double size, double lowest, double highest, Axes axes) {
   const auto patches = random_patches(random, place, size * place.size, random.next() % 2 == 0 ? 1 : 5);
-  const OrientedBoxes boxes = boxes_about(place, patches, axes);
+  const BoxMaker maker = boxes_about(place, patches, axes);
   const Units units = place.units();
   for (int i = 0; i < 8; ++i) {
     const std::size_t k = static_cast<std::size_t>(i) % patches.size();
     const double height = place.size * std::exp2(random.uniform(lowest, highest));
     const Vec3 p = point_above(random, patches[k][0], height);
-    const std::vector<double> bound = bounds(units, boxes, p);
-    for (std::size_t j = 0; j < patches.size(); ++j)
+    const std::vector<double> bound = bounds(units, maker.boxes(), p);
+    for (std::size_t j = 0; j < patches.size(); ++j) {
       ASSERT_LE(bound[j], least(units, patches[j], p)) << place.origin.x << ' ' << size << ' ' << height << ' ' << j;
+      const std::vector<double> of_facets = facet_bounds(units, maker, static_cast<int>(j), patches[j], p);
+      for (std::size_t f = 0; f < of_facets.size(); ++f)
+        ASSERT_LE(of_facets[f], least(units, {patches[j][f]}, p))
+            << place.origin.x << ' ' << size << ' ' << height << ' ' << j << ' ' << f;
+    }
   }
 }
 
@@ -182,12 +198,13 @@ TEST(OrientedBoxes, a_flat_facet_is_as_far_as_its_box) {
   for (int round = 0; round < 2000; ++round) {
     const Place place;
     const auto patches = random_patches(random, place, 0.01, 1);
-    const OrientedBoxes boxes = boxes_about(place, patches, Axes::own);
+    const BoxMaker maker = boxes_about(place, patches, Axes::own);
     const Triangle& t = patches[0][0];
     const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
     if (!(length(normal) > 1e-6)) continue;
     const Vec3 p = (t[0] + t[1] + t[2]) / 3.0 + normalized(normal) * random.uniform(0.1, 2);
-    ASSERT_GE(bounds(place.units(), boxes, p)[0], 0.9999 * least(place.units(), patches[0], p));
+    ASSERT_GE(facet_bounds(place.units(), maker, 0, patches[0], p)[0], 0.9999 * least(place.units(), patches[0], p));
+    ASSERT_GE(bounds(place.units(), maker.boxes(), p)[0], 0.9999 * least(place.units(), patches[0], p));
   }
 }
 
