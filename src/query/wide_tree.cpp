@@ -373,6 +373,14 @@ class Builder {
     }
   };
 
+  // Most ranges are of a few facets, and most of the work on them would be clearing bins.
+  Cut best_cut(const Range& range) {
+    return range.count() >= 32  ? best_cut<most_bins>(range)
+           : range.count() >= 8 ? best_cut<most_bins / 2>(range)
+                                : best_cut<most_bins / 4>(range);
+  }
+
+  template <int bin_count>
   Cut best_cut(const Range& range) {
     Reference* const begin = references_.data() + range.begin;
     Reference* const end = references_.data() + range.end;
@@ -381,14 +389,13 @@ class Builder {
       const Float4 center = r->box.doubled_center();
       centers.add({center, -center});
     }
-    const int bin_count = range.count() >= 32 ? most_bins : range.count() >= 8 ? most_bins / 2 : most_bins / 4;
     const auto bin_float = static_cast<float>(bin_count);
     const Float4 size = -centers.minus_upper - centers.lower;
     const auto scale = [&](int axis) { return size[axis] > 0 ? std::min(bin_float / size[axis], 1e30f) : 0.0f; };
     const float last = bin_float - 1;
     const Binning binning{centers.lower, {scale(0), scale(1), scale(2), 0}, {last, last, last, last}};
-    FloatBox bins[3][most_bins];
-    std::uint32_t counts[3][most_bins] = {};
+    FloatBox bins[3][bin_count];
+    std::uint32_t counts[3][bin_count] = {};
     for (const Reference* r = begin; r != end; ++r) {
       const Float4 at = binning(r->box);
       for (int axis = 0; axis < 3; ++axis) {
@@ -403,7 +410,7 @@ class Builder {
     Cut cut{};
     for (int axis = 0; axis < 3; ++axis) {
       // Cutting in front of bin b leaves bins b and up on the right.
-      float right_area[most_bins];
+      float right_area[bin_count];
       FloatBox right, left;
       for (int b = bin_count - 1; b > 0; --b) {
         right.add(bins[axis][b]);

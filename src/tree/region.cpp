@@ -77,8 +77,7 @@ void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>&
         if (seen.is_new(v)) points.push_back(mesh.positions[v]);
       continue;
     }
-    const Triangle t = mesh.corners(region.facet[k]);
-    for (const Barycentric& b : region.polygon(k)) points.push_back(at_barycentric(t, b));
+    each_corner(mesh, region, k, [&](const Vec3& p) { points.push_back(p); });
   }
 }
 
@@ -113,8 +112,11 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Regio
   const auto add_region = [&](const Region& region) {
     for (std::size_t k = 0; k < region.size(); ++k) {
       cover.patch_facet.push_back(region.facet[k]);
-      for (const Barycentric& b : region.polygon(k))
-        cover.corners.push_back(numbers.number(mesh.facets[region.facet[k]], b));
+      const Facet& facet = mesh.facets[region.facet[k]];
+      if (region.is_whole(k))
+        cover.corners.insert(cover.corners.end(), facet.begin(), facet.end());
+      else
+        for (const Barycentric& b : region.polygon(k)) cover.corners.push_back(numbers.number(facet, b));
       cover.corner_begin.push_back(static_cast<std::uint32_t>(cover.corners.size()));
     }
   };

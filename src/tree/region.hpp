@@ -61,6 +61,27 @@ inline FacetGeometry facet_geometry(const Mesh& mesh, std::uint32_t facet) {
   return {mesh.corners(facet), mesh.facets[facet]};
 }
 
+/// visit(position) for every corner of a polygon, in order.
+template <class Visit>
+void each_corner(const Mesh& mesh, const Region& region, std::size_t k, const Visit& visit) {
+  const Triangle t = mesh.corners(region.facet[k]);
+  if (region.is_whole(k))
+    for (const Vec3& corner : t) visit(corner);
+  else
+    for (const Barycentric& b : region.polygon(k)) visit(at_barycentric(t, b));
+}
+
+/// The area of one polygon and of those before it, triangle by triangle.
+inline double area_with(double before, const Mesh& mesh, const Region& region, std::size_t k) {
+  const Triangle t = mesh.corners(region.facet[k]);
+  if (region.is_whole(k)) return before + area(t);
+  const auto polygon = region.polygon(k);
+  const Vec3 first = at_barycentric(t, polygon[0]);
+  for (std::size_t c = 2; c < polygon.size(); ++c)
+    before += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
+  return before;
+}
+
 /// Positions of all corners, polygon by polygon; most that whole facets share come once.
 void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points);
 

@@ -64,18 +64,20 @@ class ThinnedPoints {
 // Corners of every patch and a triangular lattice on it.
 void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoints& points) {
   constexpr int most_steps = 200;
+  const double short_enough = 0.99 * spacing * spacing;
   SeenVertices seen(region.size());
+  std::vector<Vec3> corners;
   for (std::size_t k = 0; k < region.size(); ++k) {
-    const Triangle t = mesh.corners(region.facet[k]);
-    const auto polygon = region.polygon(k);
-    for (std::size_t c = 0; c < polygon.size(); ++c)
-      if (!region.is_whole(k) || seen.is_new(mesh.facets[region.facet[k]][c]))
-        points.add(at_barycentric(t, polygon[c]));
-    const Vec3 a = at_barycentric(t, polygon[0]);
-    for (std::size_t c = 2; c < polygon.size(); ++c) {
-      const Vec3 p = at_barycentric(t, polygon[c - 1]), q = at_barycentric(t, polygon[c]);
-      const double longest =
-          std::sqrt(std::max({squared_distance(a, p), squared_distance(p, q), squared_distance(q, a)}));
+    corners.clear();
+    each_corner(mesh, region, k, [&](const Vec3& p) { corners.push_back(p); });
+    for (std::size_t c = 0; c < corners.size(); ++c)
+      if (!region.is_whole(k) || seen.is_new(mesh.facets[region.facet[k]][c])) points.add(corners[c]);
+    const Vec3 a = corners[0];
+    for (std::size_t c = 2; c < corners.size(); ++c) {
+      const Vec3 p = corners[c - 1], q = corners[c];
+      const double squared = std::max({squared_distance(a, p), squared_distance(p, q), squared_distance(q, a)});
+      if (squared < short_enough) continue;  // n is 1
+      const double longest = std::sqrt(squared);
       const int n = static_cast<int>(std::min<double>(most_steps, std::ceil(longest / spacing)));
       for (int i = 0; n > 1 && i <= n; ++i)
         for (int j = 0; j <= n - i; ++j) {
@@ -106,13 +108,7 @@ int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int
 
 double area_of(const Mesh& mesh, const Region& region) {
   double total = 0;
-  for (std::size_t k = 0; k < region.size(); ++k) {
-    const Triangle t = mesh.corners(region.facet[k]);
-    const auto polygon = region.polygon(k);
-    const Vec3 first = at_barycentric(t, polygon[0]);
-    for (std::size_t c = 2; c < polygon.size(); ++c)
-      total += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
-  }
+  for (std::size_t k = 0; k < region.size(); ++k) total = area_with(total, mesh, region, k);
   return total;
 }
 

@@ -30,17 +30,15 @@ RegionSamples region_samples(const Mesh& mesh, const Region& region, double orie
   const std::size_t step = std::max<std::size_t>(1, region.corner_count() / most_corner_samples);
   std::vector<double> area_up_to(region.size());
   double total = 0;
-  std::size_t corner = 0;
+  std::size_t corner = 0, next_sample = 0;
   for (std::size_t k = 0; k < region.size(); ++k) {
-    const Triangle t = mesh.corners(region.facet[k]);
-    const Vec3 normal = unit_normal(t, orientation);
-    const auto polygon = region.polygon(k);
-    const Vec3 first = at_barycentric(t, polygon[0]);
-    for (std::size_t c = 2; c < polygon.size(); ++c)
-      total += area({first, at_barycentric(t, polygon[c - 1]), at_barycentric(t, polygon[c])});
+    total = area_with(total, mesh, region, k);
     area_up_to[k] = total;
-    for (const Barycentric& b : polygon)
-      if (corner++ % step == 0) add(at_barycentric(t, b), normal);
+    each_corner(mesh, region, k, [&](const Vec3& p) {
+      if (corner++ != next_sample) return;
+      add(p, unit_normal(mesh.corners(region.facet[k]), orientation));
+      next_sample += step;
+    });
   }
   if (!(total > 0)) return samples;
   Random random(seed);
