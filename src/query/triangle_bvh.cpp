@@ -36,6 +36,15 @@ struct Waiting {
   std::uint8_t k, count;
 };
 
+// On large meshes most of a query is waiting for nodes: those that are going to be looked at are fetched meanwhile.
+void fetch_early([[maybe_unused]] const Node& node) {
+#ifdef __GNUC__
+  constexpr std::size_t line = 64;
+  for (std::size_t at = 0; at < sizeof(Node); at += line)
+    __builtin_prefetch(reinterpret_cast<const std::byte*>(&node) + at);
+#endif
+}
+
 // Nearest last, so that it is popped first. Children at the same distance keep their order.
 template <class Scalar>
 void push_by_distance(const wide::Tree& tree, std::uint32_t index, const Scalar* distances, Scalar limit,
@@ -44,6 +53,7 @@ void push_by_distance(const wide::Tree& tree, std::uint32_t index, const Scalar*
   const int bottom = top;
   for (int k = node.size; k-- > 0;) {
     if (!(distances[k] <= limit)) continue;
+    if (node.count[k] == 0) fetch_early(tree.nodes[node.first[k]]);
     int at = top++;
     for (; at > bottom && stack[at - 1].squared_distance < distances[k]; --at) stack[at] = stack[at - 1];
     stack[at] = {distances[k], node.first[k], index, static_cast<std::uint8_t>(k),

@@ -281,10 +281,18 @@ class VectorFloat4 {
     return VectorFloat4(a.v_ / b.v_);
   }
   friend VectorFloat4 min(VectorFloat4 a, VectorFloat4 b) {
+#if defined(__x86_64__)
+    return VectorFloat4(_mm_min_ps(a.v_, b.v_));
+#else
     return VectorFloat4(a.v_ < b.v_ ? a.v_ : b.v_);
+#endif
   }
   friend VectorFloat4 max(VectorFloat4 a, VectorFloat4 b) {
+#if defined(__x86_64__)
+    return VectorFloat4(_mm_max_ps(a.v_, b.v_));
+#else
     return VectorFloat4(a.v_ > b.v_ ? a.v_ : b.v_);
+#endif
   }
   friend VectorFloat4 sqrt(VectorFloat4 a) {
 #if defined(__x86_64__)

@@ -2,19 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tree/region.hpp"
 
+#include <bit>
 #include <utility>
 
-#include "geometry/hash.hpp"
 #include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
 namespace {
 
+// For a table of this run: no file holds it, so a few multiplications will do.
 std::uint64_t hash_of(const CutPoint& c) {
-  Hasher hash;
-  for (const std::uint32_t v : c.vertex) hash.add(v);
-  for (const double w : c.weight) hash.add(w);
-  return hash.value();
+  std::uint64_t hash = 0;
+  const auto add = [&](std::uint64_t number) {
+    hash = (hash ^ number) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 32;
+  };
+  add(std::uint64_t{c.vertex[0]} << 32 | c.vertex[1]);
+  add(c.vertex[2]);
+  for (const double w : c.weight) add(std::bit_cast<std::uint64_t>(w));
+  return hash;
 }
 
 // Gives every distinct corner a number, in the order of first use. A table of places with open addressing: cut points

@@ -23,11 +23,7 @@ class Region {
     if (is_whole(k)) return whole_facet;
     return std::span(cut_corners_).subspan(cut_begin_[k], cut_corner_count(k));
   }
-  std::size_t corner_count() const {
-    std::size_t count = cut_corners_.size();
-    for (std::size_t k = 0; k < size(); ++k) count += is_whole(k) ? whole_facet.size() : 0;
-    return count;
-  }
+  std::size_t corner_count() const { return cut_corners_.size() + whole_count_ * whole_facet.size(); }
   /// Corners of a polygon that is cut; none of a whole facet.
   std::size_t cut_corner_count(std::size_t k) const { return cut_begin_[k + 1] - cut_begin_[k]; }
   void reserve(std::size_t polygons, std::size_t cut_corners) {
@@ -38,6 +34,7 @@ class Region {
   void add_whole(std::uint32_t of_facet) {
     facet.push_back(of_facet);
     cut_begin_.push_back(cut_begin_.back());
+    ++whole_count_;
   }
   void add(std::uint32_t of_facet, std::span<const Barycentric> polygon) {
     if (std::ranges::equal(polygon, whole_facet)) return add_whole(of_facet);
@@ -52,6 +49,7 @@ class Region {
   // Polygon k has corners [cut_begin_[k], cut_begin_[k + 1]); none when it is whole.
   std::vector<std::uint32_t> cut_begin_{0};
   std::vector<Barycentric> cut_corners_;
+  std::size_t whole_count_ = 0;
 };
 
 /// All facets, uncut.

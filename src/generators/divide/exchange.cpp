@@ -139,8 +139,17 @@ class NearBalls {
 class Exchange {
  public:
   Exchange(const FitInput& input, std::vector<BuildNode>& nodes)
-      : mesh_(input.mesh), lines_(input.lines), nodes_(nodes), pad_(input.pad) {}
+      : mesh_(input.mesh), lines_(input.lines), nodes_(nodes), pad_(input.pad), boxes_(nodes.size()) {}
 
+  void look(Workers& workers) {
+    workers.run(nodes_.size(), [&](std::size_t i) {
+      std::vector<Vec3> corners;
+      corner_positions(mesh_, nodes_[i].region, corners);
+      boxes_[i] = box_of(corners);
+    });
+  }
+
+  // Asks for the boxes that look() or refit() has left.
   void trade(Workers& workers) {
     std::vector<Sphere> spheres;
     for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
@@ -151,7 +160,12 @@ class Exchange {
 
   void refit(Workers& workers) {
     std::vector<Sphere> fitted(nodes_.size());
-    workers.run(nodes_.size(), [&](std::size_t i) { fitted[i] = fit(i); });
+    workers.run(nodes_.size(), [&](std::size_t i) {
+      std::vector<Vec3> corners;
+      corner_positions(mesh_, nodes_[i].region, corners);
+      fitted[i] = fit(i, corners);
+      boxes_[i] = box_of(corners);
+    });
     for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].sphere = fitted[i];
   }
 
@@ -181,10 +195,8 @@ class Exchange {
   Gifts give(std::uint32_t from, std::span<const Sphere> spheres) const {
     Gifts gifts;
     const BuildNode& own = nodes_[from];
+    const Box& box = boxes_[from];
     std::vector<Vec3> corners;
-    corner_positions(mesh_, own.region, corners);
-    Box box;
-    for (const Vec3& p : corners) box.add(p);
     std::vector<std::uint32_t> near, allowed;
     for (std::uint32_t j = 0; j < spheres.size(); ++j)
       if (j != from && may_have_less_power(spheres[j], spheres[from], box)) near.push_back(j);
@@ -238,10 +250,14 @@ class Exchange {
     return gifts;
   }
 
-  Sphere fit(std::size_t i) const {
+  static Box box_of(std::span<const Vec3> points) {
+    Box box;
+    for (const Vec3& p : points) box.add(p);
+    return box;
+  }
+
+  Sphere fit(std::size_t i, std::span<const Vec3> corners) const {
     const BuildNode& node = nodes_[i];
-    std::vector<Vec3> corners;
-    corner_positions(mesh_, node.region, corners);
     const double radius = farthest_distance(node.sphere.center, corners);
     if (!(radius > 0)) return node.sphere;
     // Nodes of a level overlap, on a tube by nearly all they have: what counts is the space that no other has.
@@ -264,12 +280,14 @@ class Exchange {
   const ObjectLines& lines_;
   std::vector<BuildNode>& nodes_;
   double pad_;
+  std::vector<Box> boxes_;  // of regions
 };
 
 }  // namespace
 
 void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
   Exchange level(input, nodes);
+  level.look(workers);
   for (int round = 0; round < rounds; ++round) {
     level.trade(workers);
     level.refit(workers);
