@@ -176,6 +176,7 @@ TEST(OrientedBoxes, a_direction_along_the_facet_is_no_danger) {
     for (int i = 0; i < 8; ++i) {
       const Vec3 p = point_above(random, t, std::exp2(random.uniform(-4, 4)));
       for (const double bound : bounds(place.units(), maker.boxes(), p)) ASSERT_LE(bound, least(place.units(), {t}, p));
+      ASSERT_LE(facet_bounds(place.units(), maker, 0, {t}, p)[0], least(place.units(), {t}, p));
     }
   }
 }
@@ -219,6 +220,7 @@ TEST(OrientedBoxes, meshes_without_extent_keep_all_their_facets) {
     for (const double away : {0.0, 0x1p-120, 1.0, 0x1p90, 0x1p199}) {
       const Vec3 p = place + Vec3{0, away, 0};
       EXPECT_LE(bounds(units, maker.boxes(), p)[0], least(units, {point}, p)) << at << ' ' << away;
+      EXPECT_LE(facet_bounds(units, maker, 0, {point}, p)[0], least(units, {point}, p)) << at << ' ' << away;
     }
   }
 }
