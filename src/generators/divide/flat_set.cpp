@@ -40,7 +40,7 @@ class FlatSet {
  public:
   FlatSet(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by, Workers& workers)
       : input_(input),
-        lines_(lines),
+        union_(lines),
         run_(run),
         by_(by),
         workers_(workers),
@@ -75,20 +75,20 @@ class FlatSet {
   }
 
  private:
-  double outside(const std::vector<BuildNode>& leaves) const {
+  double outside(const std::vector<BuildNode>& leaves) {
     std::vector<Sphere> spheres;
     for (const BuildNode& leaf : leaves) spheres.push_back(leaf.sphere);
-    return union_outside(lines_, spheres);
+    return union_.outside(spheres);
   }
 
-  Set only_root() const {
+  Set only_root() {
     Set set;
     set.leaves.push_back(root_);
     set.outside = outside(set.leaves);
     return set;
   }
 
-  Set one_level(std::size_t most) const {
+  Set one_level(std::size_t most) {
     Division division = children_of(root_, by_.one_level(most), too_small_);
     if (division.children.empty()) return only_root();
     Set set{std::move(division.children), 0, division.leftover_patches, division.reducer};
@@ -132,7 +132,7 @@ class FlatSet {
     return tree_.leaves.size() > most ? only_root() : tree_;
   }
 
-  Set leaves_of_tree(int depth) const {
+  Set leaves_of_tree(int depth) {
     Set set = only_root();
     const Divider divide = by_.levels(depth);
     std::vector<BuildNode> finished;  // cannot be divided further
@@ -164,7 +164,7 @@ class FlatSet {
   }
 
   // Places that are left go to the spheres that take in most, as long as that helps.
-  void spend_rest(Set& set, std::size_t most) const {
+  void spend_rest(Set& set, std::size_t most) {
     if (set.leaves.size() >= most) return;
     std::vector<double> worth;
     const auto judged = [&](const BuildNode& leaf) {
@@ -298,7 +298,7 @@ class FlatSet {
   }
 
   const FitInput& input_;
-  const ObjectLines& lines_;
+  UnionVolume union_;
   const BuildRun& run_;
   const FlatSetBy& by_;
   Workers& workers_;

@@ -4,16 +4,150 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <morula/geometry/box.hpp>
+#include <tuple>
 
 namespace morula::detail {
 namespace {
 
-struct Chord {
-  double from, to;
-};
+bool comes_before(const Sphere& a, const Sphere& b) {
+  const auto key = [](const Sphere& s) { return std::tuple(s.center.x, s.center.y, s.center.z, s.radius); };
+  return key(a) < key(b);
+}
+
+Box box_of(const std::vector<Sphere>& spheres) {
+  Box box;
+  box.add({0, 0, 0});
+  for (const Sphere& s : spheres) {
+    const Vec3 reach{s.radius, s.radius, s.radius};
+    box.add(s.center - reach);
+    box.add(s.center + reach);
+  }
+  return box;
+}
+
+}  // namespace
+
+UnionVolume::UnionVolume(const ObjectLines& lines) : lines_(lines) {
+  constexpr int lines_wanted = 96;  // along the longest side
+  const std::array<int, 3>& count = lines.count();
+  stride_ = std::max(1, *std::max_element(count.begin(), count.end()) / lines_wanted);
+  middle_ = stride_ / 2;
+}
+
+int UnionVolume::number(double position) const {
+  return static_cast<int>(std::floor(position / stride_));
+}
+
+double UnionVolume::outside(std::span<const Sphere> spheres) {
+  std::vector<Sphere> local;
+  for (const Sphere& s : spheres) local.push_back({lines_.to_lattice(s.center), s.radius / lines_.cell()});
+  std::sort(local.begin(), local.end(), comes_before);
+  if (!has_room(local)) {
+    make_room(local);
+    last_.clear();
+  }
+  // A line's chords are merged in the order of where they begin, whoever has them: where they are the same as before,
+  // so is what they leave.
+  std::vector<Sphere> changed;
+  std::set_symmetric_difference(local.begin(), local.end(), last_.begin(), last_.end(), std::back_inserter(changed),
+                                comes_before);
+  last_ = std::move(local);
+  double total = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Axis& a = axes_[static_cast<std::size_t>(axis)];
+    const auto row_length = static_cast<std::size_t>(a.u_end - a.u_begin);
+    for (int v = a.v_begin; v < a.v_end; ++v) {
+      renew_row(axis, v, last_, changed);
+      const auto row = static_cast<std::size_t>(v - a.v_begin);
+      const Met& met = a.met[row];
+      for (int u = met.begin; u < met.end; ++u) total += a.outside[row * row_length + static_cast<std::size_t>(u)];
+    }
+  }
+  const double cell = lines_.cell();
+  return total / 3 * stride_ * stride_ * cell * cell * cell;
+}
+
+bool UnionVolume::has_room(const std::vector<Sphere>& spheres) const {
+  const Box box = box_of(spheres);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Axis& a = axes_[static_cast<std::size_t>(axis)];
+    const int ua = (axis + 1) % 3, va = (axis + 2) % 3;
+    if (number(box.lower[ua]) < a.u_begin || number(box.upper[ua]) >= a.u_end || number(box.lower[va]) < a.v_begin ||
+        number(box.upper[va]) >= a.v_end)
+      return false;
+  }
+  return true;
+}
+
+// No sphere has a chord beside the rows and lines that its box has numbers of: each line is half a cell from those
+// ends.
+void UnionVolume::make_room(const std::vector<Sphere>& spheres) {
+  const Box box = box_of(spheres);
+  for (int axis = 0; axis < 3; ++axis) {
+    Axis& a = axes_[static_cast<std::size_t>(axis)];
+    const int ua = (axis + 1) % 3, va = (axis + 2) % 3;
+    a.u_begin = std::min(a.u_begin, number(box.lower[ua])), a.u_end = std::max(a.u_end, number(box.upper[ua]) + 1);
+    a.v_begin = std::min(a.v_begin, number(box.lower[va])), a.v_end = std::max(a.v_end, number(box.upper[va]) + 1);
+    const auto row_length = static_cast<std::size_t>(a.u_end - a.u_begin),
+               rows = static_cast<std::size_t>(a.v_end - a.v_begin);
+    a.outside.assign(rows * row_length, 0);
+    a.met.assign(rows, {});
+    row_.resize(std::max(row_.size(), row_length));
+    is_changed_.resize(std::max(is_changed_.size(), row_length), 0);
+  }
+}
+
+// Lines of a row near a sphere: [first, last], and the square of half its width there.
+template <class Visit>
+void UnionVolume::each_in_row(int axis, int v, const Sphere& sphere, const Visit& visit) const {
+  const double dv = v * stride_ + middle_ + 0.5 - sphere.center[(axis + 2) % 3];
+  const double in_row = sphere.radius * sphere.radius - dv * dv;
+  if (!(in_row > 0)) return;
+  const double middle = sphere.center[(axis + 1) % 3], half = std::sqrt(in_row);
+  const int u_begin = axes_[static_cast<std::size_t>(axis)].u_begin;
+  visit(number(middle - half) - u_begin, number(middle + half) - u_begin, in_row);
+}
+
+void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed) {
+  Axis& a = axes_[static_cast<std::size_t>(axis)];
+  const auto row = static_cast<std::size_t>(v - a.v_begin), row_length = static_cast<std::size_t>(a.u_end - a.u_begin);
+  int begin = a.u_end - a.u_begin, end = 0;  // of the lines that change
+  for (const Sphere& s : changed)
+    each_in_row(axis, v, s, [&](int first, int last, double) {
+      std::fill(is_changed_.begin() + first, is_changed_.begin() + last + 1, std::uint8_t{1});
+      begin = std::min(begin, first), end = std::max(end, last + 1);
+    });
+  if (begin >= end) return;
+  for (const Sphere& s : spheres)
+    each_in_row(axis, v, s, [&](int first, int last, double in_row) {
+      for (int u = std::max(first, begin); u <= std::min(last, end - 1); ++u) {
+        if (is_changed_[static_cast<std::size_t>(u)] == 0) continue;
+        const double du = (u + a.u_begin) * stride_ + middle_ + 0.5 - s.center[(axis + 1) % 3];
+        const double in_line = in_row - du * du;
+        if (!(in_line > 0)) continue;
+        const double chord = std::sqrt(in_line);
+        row_[static_cast<std::size_t>(u)].push_back({s.center[axis] - chord, s.center[axis] + chord});
+      }
+    });
+  for (int u = begin; u < end; ++u) {
+    const auto line = static_cast<std::size_t>(u);
+    if (is_changed_[line] == 0) continue;
+    is_changed_[line] = 0;
+    std::vector<Chord>& chords = row_[line];
+    a.outside[row * row_length + line] =
+        chords.empty()
+            ? 0
+            : outside_of(chords, lines_.line(axis, (u + a.u_begin) * stride_ + middle_, v * stride_ + middle_));
+    chords.clear();
+  }
+  Met& met = a.met[row];
+  met = met.begin < met.end ? Met{std::min(met.begin, begin), std::max(met.end, end)} : Met{begin, end};
+}
 
 // What merged chords have outside the object. crossings: enter, leave, enter, …
-double outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Crossing> crossings) {
+double UnionVolume::outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Crossing> crossings) {
   std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.from < b.from; });
   double sum = 0;
   std::size_t inside = 0;
@@ -37,56 +171,6 @@ double outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Cross
   }
   add(merged);
   return sum;
-}
-
-}  // namespace
-
-double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres) {
-  constexpr int lines_wanted = 96;  // along the longest side
-  const std::array<int, 3>& count = lines.count();
-  const int stride = std::max(1, *std::max_element(count.begin(), count.end()) / lines_wanted);
-  const int middle = stride / 2;
-  double total = 0;
-  std::vector<std::vector<Chord>> row;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u_axis = (axis + 1) % 3, v_axis = (axis + 2) % 3;
-    std::vector<Sphere> local;
-    double u_low = 0, u_high = 0, v_low = 0, v_high = 0;
-    for (const Sphere& s : spheres) {
-      local.push_back({lines.to_lattice(s.center), s.radius / lines.cell()});
-      const auto& [c, r] = local.back();
-      u_low = std::min(u_low, c[u_axis] - r), u_high = std::max(u_high, c[u_axis] + r);
-      v_low = std::min(v_low, c[v_axis] - r), v_high = std::max(v_high, c[v_axis] + r);
-    }
-    const auto number = [&](double position) { return static_cast<int>(std::floor(position / stride)); };
-    const int u_begin = number(u_low), u_end = number(u_high) + 1;
-    row.resize(static_cast<std::size_t>(u_end - u_begin));
-    for (int v = number(v_low); v <= number(v_high); ++v) {
-      const int v_line = v * stride + middle;
-      for (const Sphere& s : local) {
-        const double dv = v_line + 0.5 - s.center[v_axis];
-        const double in_row = s.radius * s.radius - dv * dv;
-        if (!(in_row > 0)) continue;
-        const double half = std::sqrt(in_row);
-        const int last = number(s.center[u_axis] + half);
-        for (int u = number(s.center[u_axis] - half); u <= last; ++u) {
-          const double du = u * stride + middle + 0.5 - s.center[u_axis];
-          const double in_line = in_row - du * du;
-          if (!(in_line > 0)) continue;
-          const double chord = std::sqrt(in_line);
-          row[static_cast<std::size_t>(u - u_begin)].push_back({s.center[axis] - chord, s.center[axis] + chord});
-        }
-      }
-      for (int u = u_begin; u < u_end; ++u) {
-        std::vector<Chord>& chords = row[static_cast<std::size_t>(u - u_begin)];
-        if (chords.empty()) continue;
-        total += outside_of(chords, lines.line(axis, u * stride + middle, v_line));
-        chords.clear();
-      }
-    }
-  }
-  const double cell = lines.cell();
-  return total / 3 * stride * stride * cell * cell * cell;
 }
 
 }  // namespace morula::detail

@@ -3,14 +3,50 @@
 // Union volume: how much space a set of spheres takes in outside the object, overlaps once.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "generators/fit/object_lines.hpp"
 
 namespace morula::detail {
 
 /// Along lines of all three axes, on which the chords of all spheres are merged: exact along each line. Mesh units
-/// cubed. Cost: O(lines × spheres over each).
-double union_outside(const ObjectLines& lines, std::span<const Sphere> spheres);
+/// cubed. A set has the same bits whatever was asked about before. For one thread at a time.
+class UnionVolume {
+ public:
+  explicit UnionVolume(const ObjectLines& lines);  ///< lines: borrowed
+  /// Cost: O(lines × spheres over each), for lines that meet a sphere which this set or the last one has alone.
+  double outside(std::span<const Sphere> spheres);
+
+ private:
+  struct Chord {
+    double from, to;
+  };
+  // Lines [begin, end) of a row that some sphere has met.
+  struct Met {
+    int begin = 0, end = 0;
+  };
+  struct Axis {
+    int u_begin = 0, u_end = 0, v_begin = 0, v_end = 0;
+    std::vector<double> outside;  // per line, row by row
+    std::vector<Met> met;         // per row
+  };
+  int number(double position) const;
+  bool has_room(const std::vector<Sphere>& spheres) const;
+  void make_room(const std::vector<Sphere>& spheres);
+  void renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed);
+  template <class Visit>
+  void each_in_row(int axis, int v, const Sphere& sphere, const Visit& visit) const;
+  static double outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Crossing> crossings);
+
+  const ObjectLines& lines_;
+  int stride_, middle_;
+  std::vector<Sphere> last_;  // in lattice coordinates, sorted
+  std::array<Axis, 3> axes_;
+  std::vector<std::vector<Chord>> row_;  // scratch: chords of each line of a row
+  std::vector<std::uint8_t> is_changed_;
+};
 
 }  // namespace morula::detail
