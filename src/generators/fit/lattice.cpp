@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/each_bit.hpp"
+
 namespace morula::detail {
 
 Axes principal_axes(std::span<const Vec3> points) {
@@ -147,18 +149,6 @@ bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::s
   return true;
 }
 
-namespace {
-
-// std::popcount without a processor's instruction is a function call with a table; this is a dozen operations in line.
-int bit_count(std::uint64_t bits) {
-  bits -= bits >> 1 & 0x5555555555555555u;
-  bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
-  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-  return static_cast<int>(bits * 0x0101010101010101u >> 56);
-}
-
-}  // namespace
-
 std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points) {
   const std::size_t words = (points.size() + 63) / 64;
   std::vector<std::uint64_t> contained(words * centers.size());
@@ -170,10 +160,9 @@ std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double ra
   std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
   std::vector<std::uint32_t> chosen;
   for (;;) {
-    std::size_t best = 0;
-    int most = 0;
+    std::size_t best = 0, most = 0;
     for (std::size_t c = 0; c < centers.size(); ++c) {
-      int gain = 0;
+      std::size_t gain = 0;
       for (std::size_t w = 0; w < words; ++w) gain += bit_count(contained[c * words + w] & open[w]);
       if (gain > most) most = gain, best = c;
     }

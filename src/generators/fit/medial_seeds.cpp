@@ -3,11 +3,11 @@
 #include "generators/fit/medial_seeds.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "generators/fit/fit_kernels.hpp"
+#include "geometry/each_bit.hpp"
 
 namespace morula::detail {
 namespace {
@@ -98,8 +98,7 @@ class SeedSearch {
       std::size_t best = 0, largest = 0;
       for (std::size_t c = 0; c < candidates_; ++c) {
         std::size_t gain = 0;
-        for (std::size_t w = 0; w < words; ++w)
-          gain += static_cast<std::size_t>(std::popcount(reached[c * words + w] & open[w]));
+        for (std::size_t w = 0; w < words; ++w) gain += bit_count(reached[c * words + w] & open[w]);
         if (gain > largest) largest = gain, best = c;
       }
       if (largest == 0) return {};

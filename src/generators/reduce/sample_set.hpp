@@ -3,7 +3,6 @@
 // Sets of samples, as bits.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,7 +24,7 @@ class SampleSet {
 
   std::size_t size() const {
     std::size_t n = 0;
-    for (const std::uint64_t w : words_) n += static_cast<std::size_t>(std::popcount(w));
+    for (const std::uint64_t w : words_) n += bit_count(w);
     return n;
   }
   bool empty() const {
@@ -36,8 +35,7 @@ class SampleSet {
   /// How many members are not in `other`.
   std::size_t size_without(const SampleSet& other) const {
     std::size_t n = 0;
-    for (std::size_t w = 0; w < words_.size(); ++w)
-      n += static_cast<std::size_t>(std::popcount(words_[w] & ~other.words_[w]));
+    for (std::size_t w = 0; w < words_.size(); ++w) n += bit_count(words_[w] & ~other.words_[w]);
     return n;
   }
   SampleSet& operator|=(const SampleSet& other) {
