@@ -106,7 +106,7 @@ class OwnDivider {
     std::mutex choosing;
     const auto fit = [&](std::size_t k) {
       run_.throw_if_stopped();
-      NodeFit::Exact exact = attempt(nodes[k], points, level, k);
+      NodeFit::Exact exact = attempt(nodes[k], points, level, k, starts > 1);
       const std::lock_guard lock(choosing);
       const bool is_better =
           tightest_start == starts || exact.cost < tightest.cost || (exact.cost == tightest.cost && k < tightest_start);
@@ -143,8 +143,8 @@ class OwnDivider {
     return fit.group().spheres();
   }
 
-  NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level,
-                         std::size_t start) const {
+  NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level, std::size_t start,
+                         bool wants_cost) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     const std::vector<Sphere> spheres = first_spheres(node, points, start);
     double mean_radius = 0;
@@ -168,7 +168,7 @@ class OwnDivider {
     run_.throw_if_stopped();
     constexpr int move_every = 5;
     group.try_changes(static_cast<int>(shared_among_children(effort_.changes[level])), move_every);
-    NodeFit::Exact exact = fit.exact();
+    NodeFit::Exact exact = fit.exact(wants_cost);
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
     return exact;

@@ -200,6 +200,21 @@ TEST(FitKernels, numbers_at_most_a_limit_are_bits) {
     }
 }
 
+TEST(FitKernels, bytes_equal_to_one_are_bits) {
+  Random random(8);
+  for (const std::size_t count : {1, 7, 63, 64, 65, 128, 200, 333})
+    for (const FitKernels& kernels : all_fit_kernels())
+      for (const std::size_t wanted : {0, 1, 127, 128, 255}) {
+        std::vector<std::uint8_t> bytes;
+        for (std::size_t i = 0; i < count; ++i)
+          bytes.push_back(static_cast<std::uint8_t>(below(random, 2) == 0 ? wanted : below(random, 256)));
+        std::vector<std::uint64_t> bits((count + 63) / 64, ~std::uint64_t{0});
+        kernels.equal(bytes.data(), count, static_cast<std::uint8_t>(wanted), bits.data());
+        for (std::size_t i = 0; i < 64 * bits.size(); ++i)
+          ASSERT_EQ(bits[i / 64] >> (i % 64) & 1u, i < count && bytes[i] == wanted ? 1u : 0u) << i << " of " << count;
+      }
+}
+
 TEST(FitKernels, balls_with_less_power_at_a_corner_are_bits) {
   Random random(7);
   for (const std::size_t count : {8, 16, 64, 72, 136})

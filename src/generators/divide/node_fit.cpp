@@ -156,10 +156,10 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
 }
 
 NodeFit::Exact NodeFit::divided_anyway(std::vector<Sphere> spheres) {
-  return exact_from(std::move(spheres), 1, true);
+  return exact_from(std::move(spheres), 1, true, true);
 }
 
-NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool from_node_center) {
+NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool wants_cost, bool from_node_center) {
   Exact best;
   best.cost = std::numeric_limits<double>::infinity();
   std::vector<Vec3> corners;
@@ -185,7 +185,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       now.regions.push_back(std::move(divided.regions[i]));
     }
     group_->take_in_grid(balls);
-    now.cost = group_->objective() * grid_->cell_volume();
+    if (rounds > 1 || wants_cost) now.cost = group_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);
   }

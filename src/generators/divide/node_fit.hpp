@@ -58,16 +58,18 @@ class NodeFit {
     std::vector<Sphere> spheres;  // padded
     std::vector<Region> regions;  // none empty
     std::size_t leftover_patches = 0;
-    double cost = 0;  // outside volume, and what balance adds; mesh units
+    double cost = 0;  // outside volume, and what balance adds; mesh units; 0 where none is wanted
   };
   /// The region divided exactly among the group's balls, each ball fitted again to what it owns; the best of some
-  /// rounds. The group is left with that result.
-  Exact exact() { return exact_from(group_->spheres(), settings_.exact_rounds, false); }
+  /// rounds. The group is left with that result. wants_cost: it will be compared with others.
+  Exact exact(bool wants_cost = true) {
+    return exact_from(group_->spheres(), settings_.exact_rounds, wants_cost, false);
+  }
   /// Once, from other spheres, each also tried at the node's own centre: what one ball does as well as many.
   Exact divided_anyway(std::vector<Sphere> spheres);
 
  private:
-  Exact exact_from(std::vector<Sphere> spheres, int rounds, bool from_node_center);
+  Exact exact_from(std::vector<Sphere> spheres, int rounds, bool wants_cost, bool from_node_center);
 
   const FitInput& input_;
   const BuildNode& node_;

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/lattice.hpp"
+#include "geometry/each_bit.hpp"
 
 namespace morula::detail {
 namespace {
@@ -57,24 +57,16 @@ Group::Group(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& sh
   for (std::size_t i = 0; i < points.size(); ++i) mixed_.push_back(mixed(i));
 }
 
-// Points of a ball in ascending order. A ball of many has few of the points: eight others are passed at a time.
+// Points of a ball in ascending order.
 template <class Visit>
 void Group::each_owned(std::size_t ball, const Visit& visit) const {
-  const std::uint8_t* const owner = owner_.data();
-  const std::size_t n = owner_.size();
-  const auto wanted = static_cast<std::uint8_t>(ball);
-  std::size_t i = 0;
-  for (; i + 8 <= n; i += 8) {
-    std::uint64_t eight;
-    std::memcpy(&eight, owner + i, sizeof eight);
-    constexpr std::uint64_t ones = 0x0101010101010101u;
-    const std::uint64_t different = eight ^ (ones * wanted);
-    if (((different - ones) & ~different & (ones << 7)) == 0) continue;  // no byte of it is zero
-    for (std::size_t k = i; k < i + 8; ++k)
-      if (owner[k] == wanted) visit(k);
+  constexpr std::size_t some = 4096;
+  std::array<std::uint64_t, some / 64> bits;
+  for (std::size_t begin = 0; begin < owner_.size(); begin += some) {
+    const std::size_t count = std::min(some, owner_.size() - begin);
+    fit_kernels().equal(owner_.data() + begin, count, static_cast<std::uint8_t>(ball), bits.data());
+    each_bit(std::span(bits).first((count + 63) / 64), [&](std::size_t i) { visit(begin + i); });
   }
-  for (; i < n; ++i)
-    if (owner[i] == wanted) visit(i);
 }
 
 void Group::recount() {
@@ -109,10 +101,10 @@ void Group::restore(const State& state) {
 void Group::gather(std::size_t ball) {
   own_index_.clear();
   each_owned(ball, [&](std::size_t i) { own_index_.push_back(static_cast<std::uint32_t>(i)); });
-  own_.clear();
-  for (const std::uint32_t i : own_index_) own_.x.push_back(points_.x[i]);
-  for (const std::uint32_t i : own_index_) own_.y.push_back(points_.y[i]);
-  for (const std::uint32_t i : own_index_) own_.z.push_back(points_.z[i]);
+  for (const auto& [own, all] : {std::pair(&own_.x, &points_.x), {&own_.y, &points_.y}, {&own_.z, &points_.z}}) {
+    own->resize(own_index_.size());
+    for (std::size_t k = 0; k < own_index_.size(); ++k) (*own)[k] = (*all)[own_index_[k]];
+  }
 }
 
 bool Group::fits_already(std::size_t ball, float taken) const {
@@ -180,7 +172,6 @@ void Group::split_from_one() {
   scale_ = balls_[0].cost / 4;
   fill(settings_.taken_while_splitting);
   scale_ = -1;
-  objective();
 }
 
 void Group::take_in_grid(std::span<const GroupBall> balls) {
@@ -276,16 +267,18 @@ void Group::give_what_others_contain(std::size_t ball) {
       near.push_back(j);
   }
   if (near.empty()) return;
+  // Siblings are numbered from 1 on: a point where none has a power below 0 stays with number 0, the ball itself, and
+  // so does one where a power is just 0.
+  std::vector<float> least(own_.size(), 0.0F);
+  std::vector<std::uint32_t> owners(own_.size(), 0);
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    const GroupBall& other = balls_[near[n]];
+    fit_kernels().offer(own_.columns(), other.center, other.radius * other.radius * (1 - 1e-5F),
+                        static_cast<std::uint32_t>(n + 1), {least.data(), owners.data()});
+  }
   for (std::size_t k = 0; k < own_.size(); ++k) {
-    float least = 0;
-    std::size_t to = ball;
-    for (const std::size_t j : near) {
-      const float dx = own_.x[k] - balls_[j].center.x, dy = own_.y[k] - balls_[j].center.y,
-                  dz = own_.z[k] - balls_[j].center.z;
-      const float p = dx * dx + dy * dy + dz * dz - balls_[j].radius * balls_[j].radius * (1 - 1e-5F);
-      if (p < least) least = p, to = j;
-    }
-    if (to == ball) continue;
+    if (owners[k] == 0) continue;
+    const std::size_t to = near[owners[k] - 1];
     const std::uint32_t i = own_index_[k];
     owner_[i] = static_cast<std::uint8_t>(to);
     --count_[ball];
@@ -449,17 +442,26 @@ std::vector<float> Group::reach_without(std::size_t ball, const Give& give) cons
   return reach;
 }
 
+float Group::growth_without(std::size_t ball) const {
+  const std::vector<float> reach = reach_without(ball, [](std::size_t, std::size_t) {});
+  float grown = 0;
+  for (std::size_t j = 0; j < most_; ++j)
+    if (j != ball && used(j)) grown += unit_ball_volume * (cube(reach[j]) - cube(balls_[j].radius));
+  return grown;
+}
+
 // Removes the ball that is missed least and splits the one that costs most.
-void Group::teleport() {
+void Group::teleport(std::vector<float>& missed) {
+  if (missed.empty()) {
+    missed.resize(most_);
+    for (std::size_t b = 0; b < most_; ++b)
+      if (used(b)) missed[b] = growth_without(b);
+  }
   std::size_t gone = most_;
   float least = infinity;
   for (std::size_t b = 0; b < most_; ++b) {
     if (!used(b)) continue;
-    const std::vector<float> reach = reach_without(b, [](std::size_t, std::size_t) {});
-    float grown = 0;
-    for (std::size_t j = 0; j < most_; ++j)
-      if (j != b && used(j)) grown += unit_ball_volume * (cube(reach[j]) - cube(balls_[j].radius));
-    const float loss = (0.5F * grown - balls_[b].cost) * (1 + 0.6F * static_cast<float>(random_.uniform()));
+    const float loss = (0.5F * missed[b] - balls_[b].cost) * (1 + 0.6F * static_cast<float>(random_.uniform()));
     if (loss < least) least = loss, gone = b;
   }
   std::size_t from = most_;
@@ -504,19 +506,22 @@ void Group::nudge() {
 }
 
 void Group::try_changes(int count, int move_every) {
+  if (count <= 0) return;
   State best = snapshot();
   double least = objective();
+  std::vector<float> missed;  // in that state
   for (int trial = 0; trial < count; ++trial) {
     if (trial % move_every != 0) {
       nudge();
     } else {
-      teleport();
+      teleport(missed);
       sweep(settings_.taken, true);
       sweep(settings_.taken, true);
     }
     if (const double now = objective(); now < least) {
       least = now;
       best = snapshot();
+      missed.clear();
     } else {
       restore(best);
     }

@@ -78,7 +78,9 @@ class Group {
   float key(std::size_t ball) const;
   template <class Give>
   std::vector<float> reach_without(std::size_t ball, const Give& give) const;
-  void teleport();
+  float growth_without(std::size_t ball) const;
+  // missed: by how much siblings would have to grow without each ball; empty when not known.
+  void teleport(std::vector<float>& missed);
   void nudge();
   double imbalance() const;
 

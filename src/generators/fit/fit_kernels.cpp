@@ -87,6 +87,11 @@ void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t
   for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(numbers[i] <= limit) << (i % 64);
 }
 
+void equal(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits) {
+  for (std::size_t word = 0; 64 * word < count; ++word) bits[word] = 0;
+  for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(bytes[i] == wanted) << (i % 64);
+}
+
 void with_less_power(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits) {
   for (std::size_t word = 0; 64 * word < balls.count; ++word) bits[word] = 0;
   for (std::size_t i = 0; i < balls.count; ++i)
@@ -97,7 +102,7 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
     }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, with_less_power};
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, equal, with_less_power};
 
 }  // namespace plain
 

@@ -239,6 +239,39 @@ void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t
   if (count % 64 != 0) bits[count / 64] = word;
 }
 
+// Bit i: byte i of 64 is `wanted`.
+inline std::uint64_t equal_of_64(const std::uint8_t* bytes, std::uint8_t wanted) {
+#if MORULA_LANES == 16
+  return _mm512_cmpeq_epi8_mask(_mm512_loadu_si512(bytes), _mm512_set1_epi8(static_cast<char>(wanted)));
+#elif defined(__x86_64__) && MORULA_LANES == 8
+  std::uint64_t bits = 0;
+  const __m256i all_wanted = _mm256_set1_epi8(static_cast<char>(wanted));
+  for (int k = 0; k < 64; k += 32) {
+    const __m256i some = _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(bytes + k));
+    bits |= std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(some, all_wanted)))} << k;
+  }
+  return bits;
+#elif defined(__x86_64__)
+  std::uint64_t bits = 0;
+  const __m128i all_wanted = _mm_set1_epi8(static_cast<char>(wanted));
+  for (int k = 0; k < 64; k += 16) {
+    const __m128i some = _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(bytes + k));
+    bits |= std::uint64_t{static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(some, all_wanted)))} << k;
+  }
+  return bits;
+#else
+  std::uint64_t bits;
+  plain::equal(bytes, 64, wanted, &bits);
+  return bits;
+#endif
+}
+
+void equal(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits) {
+  std::size_t i = 0;
+  for (; i + 64 <= count; i += 64) bits[i / 64] = equal_of_64(bytes + i, wanted);
+  if (i < count) plain::equal(bytes + i, count - i, wanted, bits + i / 64);
+}
+
 void with_less_power(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits) {
   for (std::size_t word = 0; 64 * word < balls.count; ++word) bits[word] = 0;
   for (std::size_t i = 0; i < balls.count; i += doubles) {
@@ -253,4 +286,4 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
   }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, with_less_power};
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, equal, with_less_power};
