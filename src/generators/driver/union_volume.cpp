@@ -7,6 +7,7 @@
 #include <iterator>
 #include <morula/geometry/box.hpp>
 #include <tuple>
+#include <utility>
 
 namespace morula::detail {
 namespace {
@@ -94,7 +95,7 @@ void UnionVolume::make_room(const std::vector<Sphere>& spheres) {
                rows = static_cast<std::size_t>(a.v_end - a.v_begin);
     a.outside.assign(rows * row_length, 0);
     a.met.assign(rows, {});
-    row_.resize(std::max(row_.size(), row_length));
+    chord_count_.resize(std::max(chord_count_.size(), row_length), 0);
     is_changed_.resize(std::max(is_changed_.size(), row_length), 0);
   }
 }
@@ -120,35 +121,39 @@ void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, st
       begin = std::min(begin, first), end = std::max(end, last + 1);
     });
   if (begin >= end) return;
+  const std::size_t most = spheres.size();
+  chords_.resize(std::max(chords_.size(), row_length * most));
   for (const Sphere& s : spheres)
     each_in_row(axis, v, s, [&](int first, int last, double in_row) {
+      const double middle = s.center[(axis + 1) % 3], along = s.center[axis];
       for (int u = std::max(first, begin); u <= std::min(last, end - 1); ++u) {
-        if (is_changed_[static_cast<std::size_t>(u)] == 0) continue;
-        const double du = (u + a.u_begin) * stride_ + middle_ + 0.5 - s.center[(axis + 1) % 3];
+        const auto line = static_cast<std::size_t>(u);
+        if (is_changed_[line] == 0) continue;
+        const double du = (u + a.u_begin) * stride_ + middle_ + 0.5 - middle;
         const double in_line = in_row - du * du;
         if (!(in_line > 0)) continue;
         const double chord = std::sqrt(in_line);
-        row_[static_cast<std::size_t>(u)].push_back({s.center[axis] - chord, s.center[axis] + chord});
+        chords_[line * most + chord_count_[line]++] = {along - chord, along + chord};
       }
     });
   for (int u = begin; u < end; ++u) {
     const auto line = static_cast<std::size_t>(u);
     if (is_changed_[line] == 0) continue;
     is_changed_[line] = 0;
-    std::vector<Chord>& chords = row_[line];
+    const auto chords = std::span(chords_).subspan(line * most, std::exchange(chord_count_[line], 0u));
     a.outside[row * row_length + line] =
         chords.empty()
             ? 0
             : outside_of(chords, lines_.line(axis, (u + a.u_begin) * stride_ + middle_, v * stride_ + middle_));
-    chords.clear();
   }
   Met& met = a.met[row];
   met = met.begin < met.end ? Met{std::min(met.begin, begin), std::max(met.end, end)} : Met{begin, end};
 }
 
 // What merged chords have outside the object. crossings: enter, leave, enter, …
-double UnionVolume::outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Crossing> crossings) {
-  std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.from < b.from; });
+double UnionVolume::outside_of(std::span<Chord> chords, std::span<const ObjectLines::Crossing> crossings) {
+  if (chords.size() > 1)
+    std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.from < b.from; });
   double sum = 0;
   std::size_t inside = 0;
   const auto add = [&](const Chord& chord) {

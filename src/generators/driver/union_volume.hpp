@@ -39,13 +39,15 @@ class UnionVolume {
   void renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed);
   template <class Visit>
   void each_in_row(int axis, int v, const Sphere& sphere, const Visit& visit) const;
-  static double outside_of(std::vector<Chord>& chords, std::span<const ObjectLines::Crossing> crossings);
+  static double outside_of(std::span<Chord> chords, std::span<const ObjectLines::Crossing> crossings);
 
   const ObjectLines& lines_;
   int stride_, middle_;
   std::vector<Sphere> last_;  // in lattice coordinates, sorted
   std::array<Axis, 3> axes_;
-  std::vector<std::vector<Chord>> row_;  // scratch: chords of each line of a row
+  // Of the lines of one row.
+  std::vector<Chord> chords_;  // room for one of each sphere on each line
+  std::vector<std::uint32_t> chord_count_;
   std::vector<std::uint8_t> is_changed_;
 };
 
