@@ -102,13 +102,22 @@ void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords
     float at;
     float* outside;
   };
-  thread_local std::vector<End> ends;
-  ends.clear();
+  // Chords come in the order of where they begin, so nearly in that of where they end.
+  thread_local std::vector<End> begins, closings, ends;
+  begins.clear(), closings.clear();
   for (Chord& c : chords) {
-    ends.push_back({c.begin, &c.outside_to_begin});
-    ends.push_back({c.end, &c.outside_to_end});
+    begins.push_back({c.begin, &c.outside_to_begin});
+    closings.push_back({c.end, &c.outside_to_end});
   }
-  std::sort(ends.begin(), ends.end(), [](const End& x, const End& y) { return x.at < y.at; });
+  const auto is_before = [](const End& x, const End& y) { return x.at < y.at; };
+  for (std::size_t i = 1; i < closings.size(); ++i) {
+    const End closing = closings[i];
+    std::size_t to = i;
+    for (; to > 0 && is_before(closing, closings[to - 1]); --to) closings[to] = closings[to - 1];
+    closings[to] = closing;
+  }
+  ends.resize(2 * chords.size());
+  std::merge(begins.begin(), begins.end(), closings.begin(), closings.end(), ends.begin(), is_before);
   const auto crossings = lines_.line(static_cast<int>(axis), u, v);
   const ObjectLines::WeightsAlong weights = lines_.weights_along(static_cast<int>(axis), u, v);
   const auto block = static_cast<float>(weights.block), blocks_end = block * static_cast<float>(weights.blocks);
@@ -140,17 +149,16 @@ void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords
 
 template <class Counts>
 double UnionLines::merged(std::span<const Chord> chords, const Counts& counts) {
+  // Which chords count follows no pattern: all go through the same steps, and those that do not count change nothing.
   double sum = 0;
   float end = -std::numeric_limits<float>::infinity(), outside_from = 0, outside_to = 0;
   for (const Chord& c : chords) {
-    if (!counts(c.sphere)) continue;
-    if (c.begin > end) {
-      sum += static_cast<double>(outside_to) - static_cast<double>(outside_from);
-      outside_from = c.outside_to_begin;
-      end = c.end, outside_to = c.outside_to_end;
-    } else if (c.end > end) {
-      end = c.end, outside_to = c.outside_to_end;
-    }
+    const bool is_counted = counts(c.sphere), is_apart = is_counted & (c.begin > end),
+               reaches_on = is_counted & (c.end > end);
+    sum += is_apart ? static_cast<double>(outside_to) - static_cast<double>(outside_from) : 0.0;
+    outside_from = is_apart ? c.outside_to_begin : outside_from;
+    outside_to = reaches_on ? c.outside_to_end : outside_to;
+    end = reaches_on ? c.end : end;
   }
   return sum + (static_cast<double>(outside_to) - static_cast<double>(outside_from));
 }
