@@ -108,21 +108,34 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
       static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
   const std::size_t blocks = step[2] * static_cast<std::size_t>(block_count_[2]);
   std::vector<float> sums(3 * blocks, 0.0F), spread(3 * blocks);
+  // Squares of a facet's unit normal: most facets are crossed many times. Those without area have none.
+  constexpr float not_known = -1;
+  std::vector<std::array<float, 3>> squares(mesh.facet_count(), {not_known, 0, 0});
+  const auto squares_of = [&](std::uint32_t f) -> const std::array<float, 3>& {
+    std::array<float, 3>& of = squares[f];
+    if (of[0] != not_known) return of;
+    const Facet& facet = mesh.facets[f];
+    const Vec3 n = cross(vertices[facet[1]] - vertices[facet[0]], vertices[facet[2]] - vertices[facet[0]]);
+    const double square = dot(n, n);
+    for (int k = 0; k < 3; ++k)
+      of[static_cast<std::size_t>(k)] = square > 0 ? static_cast<float>(n[k] * n[k] / square) : 0;
+    return of;
+  };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
     for (int v = 0; v < count_[va]; ++v)
-      for (int u = 0; u < count_[ua]; ++u)
-        for (const Crossing& c : line(static_cast<int>(axis), u, v)) {
-          const Facet& facet = mesh.facets[c.facet];
-          const Vec3 n = cross(vertices[facet[1]] - vertices[facet[0]], vertices[facet[2]] - vertices[facet[0]]);
-          const double square = dot(n, n);
-          if (!(square > 0)) continue;
+      for (int u = 0; u < count_[ua]; ++u) {
+        const auto crossings = line(static_cast<int>(axis), u, v);
+        if (crossings.empty()) continue;
+        float* const first = &sums[3 * (static_cast<std::size_t>(u / block_) * step[ua] +
+                                        static_cast<std::size_t>(v / block_) * step[va])];
+        for (const Crossing& c : crossings) {
+          const std::array<float, 3>& of = squares_of(c.facet);
           const int w = std::clamp(static_cast<int>(c.at), 0, count_[axis] - 1);
-          float* const sum = &sums[3 * (static_cast<std::size_t>(u / block_) * step[ua] +
-                                        static_cast<std::size_t>(v / block_) * step[va] +
-                                        static_cast<std::size_t>(w / block_) * step[axis])];
-          for (int k = 0; k < 3; ++k) sum[k] += static_cast<float>(n[k] * n[k] / square);
+          float* const sum = first + 3 * static_cast<std::size_t>(w / block_) * step[axis];
+          for (std::size_t k = 0; k < 3; ++k) sum[k] += of[k];
         }
+      }
   }
   // Each block and its two neighbours along an axis: numbers `apart` before and after in a row of the block's own.
   for (int pass = 0; pass < 2; ++pass)
@@ -131,9 +144,14 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
       for (std::size_t begin = 0; begin < sums.size(); begin += row) {
         const float* const from = sums.data() + begin;
         float* const to = spread.data() + begin;
-        std::copy_n(from, apart, to);
-        for (std::size_t i = apart; i < row; ++i) to[i] = from[i] + from[i - apart];
-        for (std::size_t i = 0; i + apart < row; ++i) to[i] += from[i + apart];
+        if (row == apart) {
+          std::copy_n(from, row, to);
+          continue;
+        }
+        const std::size_t last = row - apart;
+        for (std::size_t i = 0; i < apart; ++i) to[i] = from[i] + from[i + apart];
+        for (std::size_t i = apart; i < last; ++i) to[i] = from[i] + from[i - apart] + from[i + apart];
+        for (std::size_t i = last; i < row; ++i) to[i] = from[i] + from[i - apart];
       }
       sums.swap(spread);
     }
