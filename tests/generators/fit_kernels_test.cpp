@@ -51,7 +51,7 @@ struct Lines {
     for (std::size_t line = 0; line < count / static_cast<std::size_t>(n); ++line)
       open.push_back({&cells[line * static_cast<std::size_t>(n)], &over[line * static_cast<std::size_t>(n)],
                       &steps[line * static_cast<std::size_t>(n)]});
-    all_fit_kernels().front().make_steps(open.data(), open.size(), 1, 0, static_cast<std::size_t>(n), taken);
+    all_fit_kernels().front().make_steps(open.data(), open.size(), 1, 0, static_cast<std::size_t>(n), taken, false);
   }
   GridLines lines() const { return {steps.data(), along, across, rows}; }
 
@@ -126,7 +126,10 @@ TEST(FitKernels, steps_are_the_sums_of_the_cells_before) {
       std::vector<OpenLine> open;
       for (std::size_t line = 0; line < count; ++line)
         open.push_back({&source.cells[line * n * apart], &source.over[line * n * apart], &steps[line * n]});
-      kernels.make_steps(open.data(), count, apart, begin, end, 0.6F);
+      // At once, or some cells after the others.
+      const std::size_t middle = begin + below(random, end - begin);
+      if (middle > begin) kernels.make_steps(open.data(), count, apart, begin, middle, 0.6F, false);
+      kernels.make_steps(open.data(), count, apart, middle, end, 0.6F, middle > begin);
       for (std::size_t line = 0; line < count; ++line) {
         float sum = 0;
         for (std::size_t w = 0; w < n; ++w) {

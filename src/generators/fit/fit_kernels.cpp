@@ -56,9 +56,9 @@ float outside(const GridLines& lines, const LineBall& ball) {
 }
 
 void make_steps(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
-                float taken) {
+                float taken, bool go_on) {
   for (std::size_t k = 0; k < count; ++k) {
-    float sum = 0;
+    float sum = go_on ? lines[k].steps[begin - 1].after : 0;
     for (std::size_t w = begin; w < end; ++w) {
       const OutsideCell& cell = lines[k].cells[w];
       const float counts = lines[k].over[w * over_step] != 0 ? taken : 1.0F, after = sum + cell.total * counts;

@@ -59,9 +59,10 @@ inline constexpr std::size_t ball_columns_step = 8;
 struct FitKernels {
   /// Empty space that a ball takes in along all lines: four sums, over every fourth line of each row, row by row.
   float (*outside)(const GridLines& lines, const LineBall& ball);
-  /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have.
+  /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have. go_on: sums begin with
+  /// that of the cell before the first, else with nothing.
   void (*make_steps)(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin,
-                     std::size_t end, float taken);
+                     std::size_t end, float taken, bool go_on);
   /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
   /// a higher number.
   void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,

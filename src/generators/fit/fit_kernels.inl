@@ -170,9 +170,9 @@ float outside(const GridLines& lines, const LineBall& ball) {
 // Sums run along lines and wait for each other, so as many lines as there are lanes go side by side: each as if it were
 // alone, in the same order. Lanes without a line of their own do the last one again.
 void make_steps(const OpenLine* open, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
-                float taken) {
+                float taken, bool go_on) {
   if (count == 1) {
-    plain::make_steps(open, count, over_step, begin, end, taken);
+    plain::make_steps(open, count, over_step, begin, end, taken, go_on);
     return;
   }
   for (std::size_t from = 0; from < count; from += lanes) {
@@ -184,6 +184,7 @@ void make_steps(const OpenLine* open, std::size_t count, std::size_t over_step, 
       cells_of[k] = line.cells, over_of[k] = line.over, steps_of[k] = line.steps;
     }
     Wide sum{};
+    for (int k = 0; go_on && k < lanes; ++k) sum[k] = steps_of[k][begin - 1].after;
     for (std::size_t w = begin; w < end; ++w) {
       const WidePoints cells = columns(rows_at([&](int k) { return reinterpret_cast<const float*>(cells_of[k] + w); }));
       alignas(16) std::uint8_t over[lanes];

@@ -163,17 +163,15 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
       }
     }
   }
-  std::array<int, 3> lattice{};
-  lattice[ua] = first_[ua] + u * stride_;
-  lattice[va] = first_[va] + v * stride_;
-  for (int w = 0; w < n; ++w) {
+  const ObjectLines::WeightsAlong weights =
+      lines_.weights_along(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
+  for (int w = 0, lattice = first_[axis]; w < n; ++w, lattice += stride_) {
     OutsideCell& cell = cells[w];
     if (!(cell.total > 0)) {
       cell = {0, 0, 0};
       continue;
     }
-    lattice[axis] = first_[axis] + w * stride_;
-    const float weight = lines_.weight(static_cast<int>(axis), lattice);
+    const float weight = weights[lattice >= 0 ? lattice / weights.block : -1];
     if (cell.slope < 0) {
       cell = {0, weight * cell.total, weight * cell.total};
     } else {
@@ -184,15 +182,6 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-OpenLine OutsideGrid::open_line(std::size_t axis, int u, int v, Extent needed) {
-  const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
-  Axis& own = axes_[axis];
-  const std::size_t n = at(count_[axis]), line = at(v) * at(count_[ua]) + at(u);
-  if (own.traced[line] == 0) trace(axis, u, v, line);
-  own.current[line] = needed;
-  return {&own.outside[line * n], &balls_over_[at(u) * step_[ua] + at(v) * step_[va]], &own.steps[line * n]};
-}
-
 void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   if (taken != taken_) {
     for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), Extent{});
@@ -201,9 +190,6 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   prepared_center_ = center;
   prepared_reach_ = reach;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto make_steps = [&](std::span<const OpenLine> lines, Extent extent) {
-      fit_kernels().make_steps(lines.data(), lines.size(), step_[a], extent.begin, extent.end, taken);
-    };
     // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
     const float middle = center[static_cast<int>(a)];
     const Extent needed{
@@ -211,32 +197,42 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
         static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
     const std::size_t row_length = at(count_[(a + 1) % 3]);
     // Lines without any step yet need the same part; the others join it to theirs, which is often that of the last one.
+    // Steps are sums from where a line's part begins on: where that stays, those it has are the ones it needs.
     struct Open {
-      std::array<OpenLine, 16> lines;
+      bool go_on;
+      std::array<OpenLine, 16> lines{};
       std::size_t count = 0;
-      Extent extent;
-    } fresh, joined;
+      Extent extent{};  // to be made
+    } fresh{false}, joined{false}, longer{true};
     const auto finish = [&](Open& open) {
-      if (open.count > 0)
-        make_steps(std::span(open.lines).first(std::exchange(open.count, std::size_t{0})), open.extent);
+      if (const std::size_t count = std::exchange(open.count, std::size_t{0}); count > 0)
+        fit_kernels().make_steps(open.lines.data(), count, step_[a], open.extent.begin, open.extent.end, taken,
+                                 open.go_on);
     };
-    const auto add = [&](Open& open, int u, int v, Extent extent) {
-      if (open.count == open.lines.size() || extent.begin != open.extent.begin || extent.end != open.extent.end)
-        finish(open);
-      open.lines[open.count++] = open_line(a, u, v, extent);
-      open.extent = extent;
-    };
+    Axis& own = axes_[a];
+    const std::size_t n = at(count_[a]), ua = (a + 1) % 3, va = (a + 2) % 3;
     each_row(a, center, reach, [&](int v, int begin, int end, float) {
+      const std::uint8_t* const over = &balls_over_[at(v) * step_[va]];
       for (int u = begin; u < end; ++u) {
-        const Extent has = axes_[a].current[at(v) * row_length + at(u)];
-        if (has.begin >= has.end)
-          add(fresh, u, v, needed);
-        else if (has.begin > needed.begin || has.end < needed.end)
-          add(joined, u, v, {std::min(needed.begin, has.begin), std::max(needed.end, has.end)});
+        const std::size_t line = at(v) * row_length + at(u);
+        Extent& has = own.current[line];
+        const bool is_fresh = has.begin >= has.end;
+        if (!is_fresh && has.begin <= needed.begin && has.end >= needed.end) continue;
+        const Extent extent =
+            is_fresh ? needed : Extent{std::min(needed.begin, has.begin), std::max(needed.end, has.end)};
+        const bool is_longer = !is_fresh && extent.begin == has.begin;
+        const Extent made = is_longer ? Extent{has.end, extent.end} : extent;
+        Open& open = is_fresh ? fresh : is_longer ? longer : joined;
+        if (open.count == open.lines.size() || made.begin != open.extent.begin || made.end != open.extent.end) {
+          finish(open);
+          open.extent = made;
+        }
+        if (own.traced[line] == 0) trace(a, u, v, line);
+        open.lines[open.count++] = {&own.outside[line * n], over + at(u) * step_[ua], &own.steps[line * n]};
+        has = extent;
       }
     });
-    finish(fresh);
-    finish(joined);
+    for (Open* open : {&fresh, &joined, &longer}) finish(*open);
   }
 }
 

@@ -70,8 +70,6 @@ class OutsideGrid {
   template <class Visit>
   void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
-  // A line whose steps are about to be made, from needed.begin to needed.end.
-  OpenLine open_line(std::size_t axis, int u, int v, Extent needed);
   template <class Visit>
   void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
   template <class Visit>
