@@ -47,11 +47,10 @@ struct Lines {
     }
     cells.push_back({0, 0, 0});
     steps.resize(count + 4 * static_cast<std::size_t>(n));
-    std::vector<OpenLine> open;
-    for (std::size_t line = 0; line < count / static_cast<std::size_t>(n); ++line)
-      open.push_back({&cells[line * static_cast<std::size_t>(n)], &over[line * static_cast<std::size_t>(n)],
-                      &steps[line * static_cast<std::size_t>(n)]});
-    all_fit_kernels().front().make_steps(open.data(), open.size(), 1, 0, static_cast<std::size_t>(n), taken, false);
+    const auto cells_along = static_cast<std::size_t>(n);
+    all_fit_kernels().front().make_steps(
+        {cells.data(), cells_along, over.data(), cells_along, 1, steps.data(), count / cells_along}, 0, cells_along,
+        taken, false);
   }
   GridLines lines() const { return {steps.data(), along, across, rows}; }
 
@@ -116,20 +115,22 @@ TEST(FitKernels, outside_is_the_empty_space_on_all_lines_with_the_same_bits) {
 TEST(FitKernels, steps_are_the_sums_of_the_cells_before) {
   Random random(4);
   for (std::size_t count = 1; count < 40; ++count) {
-    const std::size_t n = 3 + below(random, 30), apart = 1 + below(random, 3);
-    const Lines source(static_cast<int>(n * apart), static_cast<int>(count), 1, random.next());
+    const std::size_t n = 3 + below(random, 30);
+    const Lines source(static_cast<int>(n), static_cast<int>(count), 1, random.next());
     const std::size_t begin = below(random, n), end = begin + 1 + below(random, n - begin);
+    // What balls have lies along lines or across them, with something between.
+    const std::size_t apart = 1 + below(random, 3), over_along = count % 2 == 0 ? apart : apart * count,
+                      over_across = count % 2 == 0 ? apart * n : apart;
+    std::vector<std::uint8_t> over(apart * n * count);
+    for (std::uint8_t& o : over) o = static_cast<std::uint8_t>(below(random, 3) == 0 ? 1 + below(random, 255) : 0);
     constexpr GridStep untouched{-7, -7, -7, -7};
-    std::vector<GridStep> first;
     for (const FitKernels& kernels : all_fit_kernels()) {
       std::vector<GridStep> steps(n * count, untouched);
-      std::vector<OpenLine> open;
-      for (std::size_t line = 0; line < count; ++line)
-        open.push_back({&source.cells[line * n * apart], &source.over[line * n * apart], &steps[line * n]});
+      const OpenLines open{source.cells.data(), n, over.data(), over_across, over_along, steps.data(), count};
       // At once, or some cells after the others.
       const std::size_t middle = begin + below(random, end - begin);
-      if (middle > begin) kernels.make_steps(open.data(), count, apart, begin, middle, 0.6F, false);
-      kernels.make_steps(open.data(), count, apart, middle, end, 0.6F, middle > begin);
+      if (middle > begin) kernels.make_steps(open, begin, middle, 0.6F, false);
+      kernels.make_steps(open, middle, end, 0.6F, middle > begin);
       for (std::size_t line = 0; line < count; ++line) {
         float sum = 0;
         for (std::size_t w = 0; w < n; ++w) {
@@ -138,8 +139,8 @@ TEST(FitKernels, steps_are_the_sums_of_the_cells_before) {
             EXPECT_EQ(step.before, untouched.before);
             continue;
           }
-          const OutsideCell& cell = open[line].cells[w];
-          const float counts = open[line].over[w * apart] != 0 ? 0.6F : 1.0F;
+          const OutsideCell& cell = source.cells[line * n + w];
+          const float counts = over[line * over_across + w * over_along] != 0 ? 0.6F : 1.0F;
           EXPECT_EQ(step.before, sum);
           sum += cell.total * counts;
           EXPECT_EQ(step.start, cell.start);

@@ -55,14 +55,16 @@ float outside(const GridLines& lines, const LineBall& ball) {
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-void make_steps(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
-                float taken, bool go_on) {
-  for (std::size_t k = 0; k < count; ++k) {
-    float sum = go_on ? lines[k].steps[begin - 1].after : 0;
+void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on) {
+  for (std::size_t k = 0; k < lines.count; ++k) {
+    const OutsideCell* const cells = lines.cells + k * lines.along;
+    const std::uint8_t* const over = lines.over + k * lines.over_across;
+    GridStep* const steps = lines.steps + k * lines.along;
+    float sum = go_on ? steps[begin - 1].after : 0;
     for (std::size_t w = begin; w < end; ++w) {
-      const OutsideCell& cell = lines[k].cells[w];
-      const float counts = lines[k].over[w * over_step] != 0 ? taken : 1.0F, after = sum + cell.total * counts;
-      lines[k].steps[w] = {sum, cell.start, cell.slope * counts, after};
+      const OutsideCell& cell = cells[w];
+      const float counts = over[w * lines.over_along] != 0 ? taken : 1.0F, after = sum + cell.total * counts;
+      steps[w] = {sum, cell.start, cell.slope * counts, after};
       sum = after;
     }
   }

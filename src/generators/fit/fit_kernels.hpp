@@ -33,11 +33,14 @@ struct LineBall {
   float along, across, row, radius;
 };
 
-/// A line whose steps are to be made.
-struct OpenLine {
-  const OutsideCell* cells;  // one float more than the last cell needed may be read
-  const std::uint8_t* over;  // not 0 where balls have the cell; over_step apart
+/// Lines side by side whose steps are to be made.
+struct OpenLines {
+  const OutsideCell* cells;             // of the first; one float more than the last cell needed may be read
+  std::size_t along;                    // cells of a line, and steps
+  const std::uint8_t* over;             // not 0 where balls have the cell
+  std::size_t over_across, over_along;  // apart, of a line and the next and of a cell and the next
   GridStep* steps;
+  std::size_t count;
 };
 
 /// Who has the least power at each point, so far.
@@ -61,8 +64,7 @@ struct FitKernels {
   float (*outside)(const GridLines& lines, const LineBall& ball);
   /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have. go_on: sums begin with
   /// that of the cell before the first, else with nothing.
-  void (*make_steps)(const OpenLine* lines, std::size_t count, std::size_t over_step, std::size_t begin,
-                     std::size_t end, float taken, bool go_on);
+  void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on);
   /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
   /// a higher number.
   void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,

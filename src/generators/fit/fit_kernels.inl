@@ -167,41 +167,22 @@ float outside(const GridLines& lines, const LineBall& ball) {
   return (total[0] + total[1]) + (total[2] + total[3]);
 }
 
-// Sums run along lines and wait for each other, so as many lines as there are lanes go side by side: each as if it were
-// alone, in the same order. Lanes without a line of their own do the last one again.
-void make_steps(const OpenLine* open, std::size_t count, std::size_t over_step, std::size_t begin, std::size_t end,
-                float taken, bool go_on) {
-  if (count == 1) {
-    plain::make_steps(open, count, over_step, begin, end, taken, go_on);
-    return;
-  }
-  for (std::size_t from = 0; from < count; from += lanes) {
-    const OutsideCell* cells_of[lanes];
-    const std::uint8_t* over_of[lanes];
-    GridStep* steps_of[lanes];
-    for (std::size_t k = 0; k < lanes; ++k) {
-      const OpenLine& line = open[from + k < count ? from + k : count - 1];
-      cells_of[k] = line.cells, over_of[k] = line.over, steps_of[k] = line.steps;
-    }
-    Wide sum{};
-    for (int k = 0; go_on && k < lanes; ++k) sum[k] = steps_of[k][begin - 1].after;
-    for (std::size_t w = begin; w < end; ++w) {
-      const WidePoints cells = columns(rows_at([&](int k) { return reinterpret_cast<const float*>(cells_of[k] + w); }));
-      alignas(16) std::uint8_t over[lanes];
-      for (int k = 0; k < lanes; ++k) over[k] = over_of[k][w * over_step];
-      const WideInts has_balls = __builtin_convertvector(*reinterpret_cast<const WideBytes*>(over), WideInts);
-      const Wide counts = has_balls != 0 ? all(taken) : all(1.0F);
-      const Wide before = sum;
-      sum = sum + cells.z * counts;
-      const Rows steps{before, cells.x, cells.y * counts, sum};
-      const WidePoints first_three = columns(steps);
-      const Wide last = last_column(steps);
-      for (int k = 0; k < quarters; ++k) {
-        const auto put = [&](int line, Wide rows) {
-          *reinterpret_cast<Four*>(steps_of[4 * k + line] + w) = quarter(rows, k);
-        };
-        put(0, first_three.x), put(1, first_three.y), put(2, first_three.z), put(3, last);
-      }
+// A step is a register. With a line to each lane, taking cells apart and putting steps together costs more than the
+// sums do; those wait for each other along a line only, so the next line is on its way before one is done.
+void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on) {
+  const Four shares[2]{{1, 1, 1, 1}, {1, taken, taken, 1}};  // of start, slope and total
+  const std::size_t over_along = lines.over_along;
+  for (std::size_t k = 0; k < lines.count; ++k) {
+    const float* cells = reinterpret_cast<const float*>(lines.cells + k * lines.along + begin);
+    const std::uint8_t* over = lines.over + k * lines.over_across + begin * over_along;
+    GridStep* const steps = lines.steps + k * lines.along;
+    Four sum = (go_on ? steps[begin - 1].after : 0) - Four{};
+    for (std::size_t w = begin; w < end; ++w, cells += 3, over += over_along) {
+      const Four cell = *reinterpret_cast<const LooseFour*>(cells) * shares[*over != 0];
+      const Four after = sum + __builtin_shufflevector(cell, cell, 2, 2, 2, 2);
+      const Four first_three = __builtin_shufflevector(sum, cell, 0, 4, 5, 5);
+      *reinterpret_cast<Four*>(steps + w) = __builtin_shufflevector(first_three, after, 0, 1, 2, 7);
+      sum = after;
     }
   }
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <utility>
 
 #include "generators/fit/fit_kernels.hpp"
 
@@ -196,43 +195,39 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
         static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
         static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
     const std::size_t row_length = at(count_[(a + 1) % 3]);
-    // Lines without any step yet need the same part; the others join it to theirs, which is often that of the last one.
-    // Steps are sums from where a line's part begins on: where that stays, those it has are the ones it needs.
-    struct Open {
-      bool go_on;
-      std::array<OpenLine, 16> lines{};
-      std::size_t count = 0;
-      Extent extent{};  // to be made
-    } fresh{false}, joined{false}, longer{true};
-    const auto finish = [&](Open& open) {
-      if (const std::size_t count = std::exchange(open.count, std::size_t{0}); count > 0)
-        fit_kernels().make_steps(open.lines.data(), count, step_[a], open.extent.begin, open.extent.end, taken,
-                                 open.go_on);
-    };
     Axis& own = axes_[a];
     const std::size_t n = at(count_[a]), ua = (a + 1) % 3, va = (a + 2) % 3;
     each_row(a, center, reach, [&](int v, int begin, int end, float) {
-      const std::uint8_t* const over = &balls_over_[at(v) * step_[va]];
-      for (int u = begin; u < end; ++u) {
-        const std::size_t line = at(v) * row_length + at(u);
-        Extent& has = own.current[line];
+      const std::size_t row = at(v) * row_length;
+      for (int u = begin; u < end;) {
+        // Lines without any step yet need the same part; the others join it to theirs. Steps are sums from where a
+        // line's part begins on: where that stays, those it has are the ones it needs.
+        const Extent has = own.current[row + at(u)];
         const bool is_fresh = has.begin >= has.end;
-        if (!is_fresh && has.begin <= needed.begin && has.end >= needed.end) continue;
+        if (!is_fresh && has.begin <= needed.begin && has.end >= needed.end) {
+          ++u;
+          continue;
+        }
         const Extent extent =
             is_fresh ? needed : Extent{std::min(needed.begin, has.begin), std::max(needed.end, has.end)};
         const bool is_longer = !is_fresh && extent.begin == has.begin;
-        const Extent made = is_longer ? Extent{has.end, extent.end} : extent;
-        Open& open = is_fresh ? fresh : is_longer ? longer : joined;
-        if (open.count == open.lines.size() || made.begin != open.extent.begin || made.end != open.extent.end) {
-          finish(open);
-          open.extent = made;
-        }
-        if (own.traced[line] == 0) trace(a, u, v, line);
-        open.lines[open.count++] = {&own.outside[line * n], over + at(u) * step_[ua], &own.steps[line * n]};
-        has = extent;
+        const int first = u;
+        do {
+          if (own.traced[row + at(u)] == 0) trace(a, u, v, row + at(u));
+          own.current[row + at(u)] = extent;
+          ++u;
+        } while (u < end && own.current[row + at(u)] == has);
+        const std::size_t line = row + at(first);
+        const OpenLines open{&own.outside[line * n],
+                             n,
+                             &balls_over_[at(first) * step_[ua] + at(v) * step_[va]],
+                             step_[ua],
+                             step_[a],
+                             &own.steps[line * n],
+                             at(u - first)};
+        fit_kernels().make_steps(open, is_longer ? has.end : extent.begin, extent.end, taken, is_longer);
       }
     });
-    for (Open* open : {&fresh, &joined, &longer}) finish(*open);
   }
 }
 

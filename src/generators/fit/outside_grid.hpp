@@ -59,6 +59,7 @@ class OutsideGrid {
   };
   struct Extent {
     std::uint16_t begin = 0, end = 0;
+    bool operator==(const Extent&) const = default;
   };
   struct Axis {
     std::unique_ptr<OutsideCell[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
