@@ -18,7 +18,7 @@ template <class Value>
 class VertexMemo {
  public:
   /// facets: about how many will be asked for; few need little room.
-  explicit VertexMemo(std::size_t facets) : entries_(std::bit_ceil(std::clamp<std::size_t>(facets, 64, 4096))) {}
+  explicit VertexMemo(std::size_t facets) : entries_(std::bit_ceil(std::clamp<std::size_t>(facets, 64, 65536))) {}
 
   /// make: called when the vertex is not known, or no longer.
   template <class Make>
