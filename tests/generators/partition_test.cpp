@@ -171,7 +171,7 @@ TEST(VertexMemo, never_takes_one_vertex_for_another) {
     std::size_t asked = 0;
     for (int i = 0; i < 20000; ++i) {
       // Near each other for a while, and some that fall together.
-      const auto vertex = static_cast<std::uint32_t>(i / 10 + random.uniform(0, 20)) + (i % 40 == 0 ? 4096u : 0u);
+      const auto vertex = static_cast<std::uint32_t>(i / 10 + random.uniform(0, 20)) + (i % 40 == 0 ? 65536u : 0u);
       const std::uint64_t value = memo.of(vertex, [&] { return ++made[vertex], 7 * std::uint64_t{vertex}; });
       ASSERT_EQ(value, 7 * std::uint64_t{vertex});
       ++asked;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <new>
 
 #include "generators/fit/fit_kernels.hpp"
 
@@ -30,6 +32,14 @@ Range middles_within(float middle, float half, int count) {
 
 }  // namespace
 
+OutsideGrid::ZeroSteps::ZeroSteps(std::size_t count) {
+  std::size_t room = (count + 1) * sizeof(GridStep);
+  memory_.reset(std::calloc(1, room));
+  if (!memory_) throw std::bad_alloc();
+  void* first = memory_.get();
+  steps_ = static_cast<GridStep*>(std::align(alignof(GridStep), count * sizeof(GridStep), first, room));
+}
+
 OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width) : lines_(lines) {
   stride_ = std::max(1, static_cast<int>(std::lround(cell_width / lines.cell())));
   cell_ = stride_ * lines.cell();
@@ -46,8 +56,7 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
     // Lines past the last one are read, and count for nothing, where they are taken by fours.
     const std::size_t n = at(count_[a]), line_count = cells / n;
     axes_[a].outside.reset(new OutsideCell[cells + 1]);  // four floats of the last one are read
-    axes_[a].steps.reset(new GridStep[cells + 4 * n]);
-    std::fill_n(axes_[a].steps.get(), cells + 4 * n, GridStep{});
+    axes_[a].steps = ZeroSteps(cells + 4 * n);
     axes_[a].traced.assign(line_count, 0);
     axes_[a].current.assign(line_count, {});
   }

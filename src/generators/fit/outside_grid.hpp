@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <morula/geometry/sphere.hpp>
@@ -61,9 +62,25 @@ class OutsideGrid {
     std::uint16_t begin = 0, end = 0;
     bool operator==(const Extent&) const = default;
   };
+  // Zeros that cost nothing before they are looked at: around slender bodies most lines never are, and their steps
+  // would be hundreds of megabytes.
+  class ZeroSteps {
+   public:
+    ZeroSteps() = default;
+    explicit ZeroSteps(std::size_t count);
+    GridStep* get() const { return steps_; }
+    GridStep& operator[](std::size_t i) const { return steps_[i]; }
+
+   private:
+    struct Free {
+      void operator()(void* memory) const { std::free(memory); }
+    };
+    std::unique_ptr<void, Free> memory_;
+    GridStep* steps_ = nullptr;
+  };
   struct Axis {
     std::unique_ptr<OutsideCell[]> outside;  // line (u, v) is [(v · nu + u) · n …), n cells
-    std::unique_ptr<GridStep[]> steps;
+    ZeroSteps steps;
     std::vector<std::uint8_t> traced;  // per line: outside is known
     std::vector<Extent> current;       // per line: where steps are up to date
   };
