@@ -13,6 +13,7 @@
 #include "update/points/narrow.hpp"
 #include "update/rebuild/rebuild_job.hpp"
 #include "update/rebuild/relative_looseness.hpp"
+#include "update/rebuild/strain_cost.hpp"
 #include "update/reowned_body.hpp"
 
 namespace morula {
@@ -69,11 +70,6 @@ bool all_within(double share, std::span<const double> a, std::span<const double>
 
 // An ownership costs a switch, which makes queries start anew: it has to be expected to be better by this much.
 constexpr double least_gain = 0.02;
-// Per level that counts: by how much a unit of strain raises an ownership's score, before anything was measured, and at
-// least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
-constexpr double usual_cost = 10, least_cost = 2;
-// Below this the strain since an ownership was built says nothing about what strain costs.
-constexpr double least_strain = 0.02;
 // Where the spheres of an ownership take up so many times what they did where it was made, another is looked at in each
 // frame, whatever is expected of it.
 constexpr double grown = 1.15;
@@ -95,11 +91,6 @@ struct RebuiltBody::State {
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
   Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
-  void calibrate(const CoveredTree& built, Workers& workers);
-
-  double cost_of(double per_level) const noexcept {
-    return per_level * static_cast<double>(threshold.size() - first_counted_level(threshold.size()));
-  }
   UpdateStatus follow(Epoch& ownership, bool resting, const PositionView& positions, Workers& workers) noexcept;
   bool at_rest(const PositionView& positions) const noexcept;
   double gain() const noexcept { return std::max(least_gain, options.gain); }
@@ -108,8 +99,6 @@ struct RebuiltBody::State {
   Epoch& made_for_this() noexcept;
   Epoch& tightest_seen(const PositionView& positions, Workers& workers) noexcept;
   Epoch* next_to_see(bool has_grown) noexcept;
-  double cost_of_strain(const Epoch& ownership) const noexcept;
-  double cost_over(const Epoch& ownership, std::span<const double> looseness, double strain) const noexcept;
   double expected_score(const Epoch& ownership) const noexcept;
   bool takes_over(const Epoch& candidate) const noexcept;
   void stay_at_rest() noexcept;
@@ -139,15 +128,13 @@ struct RebuiltBody::State {
   std::shared_ptr<const StrainGauge> gauge;
   SphereVolumes volumes;
   LoosenessEstimator estimator;
-  std::vector<Epoch> known;     // for known poses
-  std::unique_ptr<Epoch> away;  // rebuilt; kept as long as no other comes
+  std::optional<StrainCost> cost;  // once it is known how loose the home ownership is
+  std::vector<Epoch> known;        // for known poses
+  std::unique_ptr<Epoch> away;     // rebuilt; kept as long as no other comes
   Epoch* present;
   std::vector<float> lengths;         // at this frame's positions
   std::vector<float> lengths_before;  // at the estimate before
-  // Expected: by how much a little strain raises the score of an ownership, over that strain; and how much of this
-  // there is more for every unit of strain.
-  double strain_cost = 0, strain_cost_growth = 0;
-  double strain_at_estimate = 0;  // of the present ownership
+  double strain_at_estimate = 0;      // of the present ownership
   double score_at_estimate = 0;
   double strain_now = 0;          // when the estimate under way was begun
   std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
@@ -200,11 +187,13 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
                                        built.tree.level_count(), gauge, volumes, ways_of(options))) {
   home = epoch_of(mesh, std::move(home.body), threshold.size());
+  std::vector<PositionView> poses{rest};
   for (const KnownPose& pose : built.poses) {
+    poses.emplace_back(pose.positions);
     const Mesh posed{pose.positions, mesh.facets};
     known.push_back(epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size()));
   }
-  calibrate(built, workers);
+  cost.emplace(home).calibrate(home, known, poses, estimator, workers);
   report.looseness = home.looseness_at_build;
   report.rebuild_frames = first_guess;
   change_to(home);
@@ -226,53 +215,6 @@ Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t lev
   gauge->measure(posed.positions, made.lengths);
   made.volume_at_build = volumes.of(made.body);
   return made;
-}
-
-// What strain costs. Looseness grows faster than strain does, and ownerships are chosen where strain is small: poses
-// far apart alone would make it seem dear there, and so whatever was rebuilt for a pose ahead. So what a little costs
-// is taken from how loose every ownership is at the pose nearest to its own, and how that grows from how loose the home
-// ownership is at all known poses. The home ownership, which serves first, goes by its own figure until it is measured.
-void RebuiltBody::State::calibrate(const CoveredTree& built, Workers& workers) {
-  strain_cost = cost_of(usual_cost);
-  std::vector<Epoch*> ownerships{&home};
-  std::vector<PositionView> poses{rest};
-  for (std::size_t k = 0; k < known.size(); ++k)
-    ownerships.push_back(&known[k]), poses.emplace_back(built.poses[k].positions);
-  const auto strain_at = [&](const Epoch& ownership, std::size_t pose) {
-    return StrainGauge::strain(ownerships[pose]->lengths, ownership.lengths);
-  };
-  const auto estimated_at = [&](Body& probe, std::size_t pose) {
-    if (!probe.update(poses[pose], workers)) return false;
-    estimator.pose(poses[pose]);
-    estimator.estimate(probe, estimated);
-    return true;
-  };
-  const auto middle = [](std::vector<double>& figures) {
-    const auto at = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
-    std::nth_element(figures.begin(), at, figures.end());
-    return *at;
-  };
-  std::vector<double> costs;
-  for (Epoch* const ownership : ownerships) {
-    std::optional<std::size_t> nearest;
-    for (std::size_t k = 0; k < ownerships.size(); ++k)
-      if (const double strain = strain_at(*ownership, k);
-          strain > least_strain && (!nearest || strain < strain_at(*ownership, *nearest)))
-        nearest = k;
-    Body probe(ownership->body);
-    if (!nearest || !estimated_at(probe, *nearest)) continue;
-    const double strain = strain_at(*ownership, *nearest);
-    if (ownership == &home) home.looseness_elsewhere = estimated, home.strain_elsewhere = strain;
-    costs.push_back(cost_over(*ownership, estimated, strain));
-  }
-  if (costs.empty()) return;
-  strain_cost = std::max(cost_of(least_cost), middle(costs));
-  costs.clear();
-  Body probe(home.body);
-  for (std::size_t k = 1; k < ownerships.size(); ++k)
-    if (const double strain = strain_at(home, k); strain > least_strain && estimated_at(probe, k))
-      costs.push_back((cost_over(home, estimated, strain) - strain_cost) / strain);
-  if (!costs.empty()) strain_cost_growth = std::max(0.0, middle(costs));
 }
 
 RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers& workers) noexcept {
@@ -326,25 +268,10 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
                      [&](std::uint32_t v) { return positions[v] == nearest_floats(rest[v]); });
 }
 
-// By what was measured of it elsewhere, else by what strain costs in general.
-double RebuiltBody::State::cost_of_strain(const Epoch& ownership) const noexcept {
-  if (!(ownership.strain_elsewhere > least_strain)) return strain_cost;
-  return std::max(cost_of(least_cost), cost_over(ownership, ownership.looseness_elsewhere, ownership.strain_elsewhere));
-}
-
-// What a little strain costs where it is as loose as that at a strain from the pose that it was built for.
-double RebuiltBody::State::cost_over(const Epoch& ownership, std::span<const double> looseness,
-                                     double strain) const noexcept {
-  return (relative_looseness(looseness, home.looseness_at_build) -
-          relative_looseness(ownership.looseness_at_build, home.looseness_at_build)) /
-             strain -
-         strain_cost_growth * strain;
-}
-
 // Of the present one: what was measured last, and what strain has been added since.
 double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
-  const double strain = StrainGauge::strain(lengths, ownership.lengths), cost = cost_of_strain(ownership);
-  const auto more = [&](double at) { return (cost + strain_cost_growth * at) * at; };
+  const double strain = StrainGauge::strain(lengths, ownership.lengths);
+  const auto more = [&](double at) { return cost->at(ownership, at); };
   if (&ownership == present) return score_at_estimate + more(strain) - more(strain_at_estimate);
   return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + more(strain);
 }
@@ -467,11 +394,10 @@ void RebuiltBody::State::finish_estimate() noexcept {
   if (!(strain_at_estimate > least_strain)) return;
   // What patches that changed hands have brought is not what the ownership would be like as it was made: that is
   // looser.
-  if (present->body.pose().dealing != 0 && cost_over(*present, estimated, strain_now) <= cost_of_strain(*present))
-    return;
+  if (present->body.pose().dealing != 0 && cost->of(*present, estimated, strain_now) <= cost->of(*present)) return;
   present->looseness_elsewhere = estimated;
   present->strain_elsewhere = strain_at_estimate;
-  strain_cost = cost_of_strain(*present);
+  cost->learn_from(*present);
 }
 
 void RebuiltBody::State::decide(const PositionView& positions, Workers& workers) {
