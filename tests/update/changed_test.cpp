@@ -54,6 +54,54 @@ TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
   }
 }
 
+// Vertices are read in runs that facets use, of any length.
+TEST(ChangedRanges, and_full_updates_give_the_same_bits_with_vertices_between_that_no_facet_uses) {
+  const Mesh mesh = sample_body("limb", 40);
+  Random random(21);
+  Mesh loose;
+  std::vector<std::uint32_t> place;  // in it, of each vertex
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  while (place.size() < mesh.vertex_count()) {
+    const auto unused = static_cast<std::size_t>(random.uniform(0, 3));
+    loose.positions.insert(loose.positions.end(), unused, {nan, nan, nan});
+    const auto run = static_cast<std::size_t>(std::exp2(random.uniform(0, 10)));
+    for (std::size_t k = 0; k < run && place.size() < mesh.vertex_count(); ++k) {
+      place.push_back(static_cast<std::uint32_t>(loose.positions.size()));
+      loose.positions.push_back(mesh.positions[place.size() - 1]);
+    }
+  }
+  ASSERT_GT(loose.vertex_count(), mesh.vertex_count());
+  for (Facet facet : mesh.facets) {
+    for (std::uint32_t& v : facet) v = place[v];
+    loose.facets.push_back(facet);
+  }
+  const BuildOptions options{.method = Method::octree, .depth = 2};
+  Body expected(mesh, build(mesh, options)), full(loose, build(loose, options)), partial = full;
+  std::vector<Vec3> positions = mesh.positions, loose_positions = loose.positions;
+  ASSERT_TRUE(partial.update(loose_positions));
+  for (int frame = 0; frame < 20; ++frame) {
+    std::vector<VertexRange> ranges = move_some(positions, random);
+    for (auto& [begin, end] : ranges) begin = place[begin], end = place[end - 1] + 1;
+    for (std::size_t v = 0; v < place.size(); ++v) loose_positions[place[v]] = positions[v];
+    ASSERT_TRUE(expected.update(positions));
+    ASSERT_TRUE(full.update(loose_positions));
+    ASSERT_EQ(full.hash(), expected.hash()) << "frame " << frame;
+    ASSERT_TRUE(partial.update(loose_positions, ranges));
+    ASSERT_EQ(partial.hash(), expected.hash()) << "frame " << frame;
+    std::vector<Vec3f> floats;
+    for (const Vec3& p : loose_positions) floats.emplace_back(p);
+    std::vector<Vec3f> packed;
+    for (const Vec3& p : positions) packed.emplace_back(p);
+    ASSERT_TRUE(expected.update(packed));
+    ASSERT_TRUE(full.update(floats));
+    ASSERT_EQ(full.hash(), expected.hash()) << "frame " << frame << ", floats";
+    floats[place[7]].y = std::numeric_limits<float>::infinity();
+    const UpdateStatus bad = full.update(floats);
+    ASSERT_FALSE(bad);
+    ASSERT_EQ(bad.index, place[7]);
+  }
+}
+
 // On lattices many corners are the farthest at once. One goes out, so that all above hang on it, and comes back, or in.
 TEST(ChangedRanges, give_the_same_bits_where_the_farthest_comes_back_among_equals) {
   for (const test::NamedMesh& aligned : test::aligned_bodies()) {

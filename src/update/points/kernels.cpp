@@ -191,13 +191,14 @@ void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t
   }
 }
 
-std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, std::size_t count, const Vec3f& origin,
-                            LocalPoint* out) {
+// place(i): where the i-th goes.
+template <class Place>
+std::uint32_t narrow_packed(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out,
+                            const Place& place) {
   std::uint32_t largest = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const float* at = packed + 3 * std::size_t{vertices[i]};
-    const Vec3f p = Vec3f{at[0], at[1], at[2]} - origin;
-    out[i] = {p.x, p.y, p.z, 0};
+    const Vec3f p = Vec3f{packed[3 * i], packed[3 * i + 1], packed[3 * i + 2]} - origin;
+    out[place(i)] = {p.x, p.y, p.z, 0};
     for (const float coordinate : {p.x, p.y, p.z})
       largest = std::max(largest, std::bit_cast<std::uint32_t>(coordinate) & 0x7fffffffu);
   }
@@ -205,19 +206,17 @@ std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, 
 }
 
 std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
-  std::uint32_t largest = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3f p = Vec3f{packed[3 * i], packed[3 * i + 1], packed[3 * i + 2]} - origin;
-    out[i] = {p.x, p.y, p.z, 0};
-    for (const float coordinate : {p.x, p.y, p.z})
-      largest = std::max(largest, std::bit_cast<std::uint32_t>(coordinate) & 0x7fffffffu);
-  }
-  return largest;
+  return narrow_packed(packed, count, origin, out, [](std::size_t i) { return i; });
+}
+
+std::uint32_t narrow_scattered(const float* packed, std::size_t count, const Vec3f& origin, const std::uint32_t* to,
+                               LocalPoint* out) {
+  return narrow_packed(packed, count, origin, out, [&](std::size_t i) { return to[i]; });
 }
 
 constexpr Kernels kernels{
     farthest, farthest_of_groups, farthest_of_some, pull,           pull_many,       fit_many,      weighted_sums,
-    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_listed};
+    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_scattered};
 
 }  // namespace plain
 

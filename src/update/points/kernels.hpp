@@ -60,9 +60,6 @@ struct RadiusAllowances {
   static constexpr double of_distance = 1 + 0x1p-22, of_underflow = 0x1p-62;
 };
 
-/// How many vertices ahead of the one at work are fetched.
-inline constexpr std::size_t narrow_ahead = 96;
-
 /// What leaves look at. Leaf k has runs [run_begin[k], run_begin[k + 1]), and its chain: itself and the nodes above it
 /// that are measured, from the top, each as its place in `nodes`. Entry e of the chain looks at all runs and at the
 /// points [point_begin[k], point_end[e]), whole groups; those below look at as many or more.
@@ -136,10 +133,9 @@ struct Kernels {
   /// out[i] = the i-th of `count` packed points (x, y, z of each, nothing between) minus origin. Returns the largest
   /// bit pattern of an absolute coordinate: of infinity or more when one is not finite.
   std::uint32_t (*narrow_floats)(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out);
-  /// The same for the vertices of a list, which goes on for narrow_ahead entries: what these name is fetched early.
-  /// There is a float after the coordinates of each vertex of the list.
-  std::uint32_t (*narrow_listed)(const float* packed, const std::uint32_t* vertices, std::size_t count,
-                                 const Vec3f& origin, LocalPoint* out);
+  /// The same, where the i-th goes to out[to[i]].
+  std::uint32_t (*narrow_scattered)(const float* packed, std::size_t count, const Vec3f& origin,
+                                    const std::uint32_t* to, LocalPoint* out);
 };
 inline constexpr int pull_steps = 4;
 inline constexpr int fit_steps = 8;

@@ -457,52 +457,10 @@ inline std::int32_t bits_of(float x) {
   return __builtin_bit_cast(std::int32_t, x);
 }
 
-// Three floats of each vertex, and the one after them.
-inline Wide loose_triples(const float* packed, const std::uint32_t* vertices) {
-  const auto at = [&](int k) { return packed + 3 * std::size_t{vertices[k]}; };
-#if MORULA_LANES == 16
-  const __m256 ab = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(0))), _mm_loadu_ps(at(1)), 1);
-  const __m512 abc = _mm512_insertf32x4(_mm512_castps256_ps512(ab), _mm_loadu_ps(at(2)), 2);
-  return _mm512_insertf32x4(abc, _mm_loadu_ps(at(3)), 3);
-#elif MORULA_LANES == 8
-  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(0))), _mm_loadu_ps(at(1)), 1);
-#else
-  return load(at(0));
-#endif
-}
-
-std::uint32_t narrow_listed(const float* packed, const std::uint32_t* vertices, std::size_t count, const Vec3f& origin,
-                            LocalPoint* out) {
-  constexpr std::size_t at_once = lanes / 4;
-  Wide at{};
-  WideInt three{}, most{};  // all bits of a point's coordinates
-  for (int k = 0; k < lanes; ++k)
-    if (k % 4 < 3) at[k] = k % 4 == 0 ? origin.x : k % 4 == 1 ? origin.y : origin.z, three[k] = -1;
-  const WideInt without_sign = WideInt{} + 0x7fffffff;
-  std::size_t i = 0;
-  for (; i + at_once <= count; i += at_once) {
-    for (std::size_t k = 0; k < at_once; ++k)
-      __builtin_prefetch(packed + 3 * std::size_t{vertices[i + narrow_ahead + k]});
-    const Wide p = loose_triples(packed, vertices + i) - at;
-    const WideInt bits = __builtin_bit_cast(WideInt, p) & three, magnitude = bits & without_sign;
-    store(__builtin_bit_cast(Wide, bits), &out[i].x);
-    most = magnitude > most ? magnitude : most;
-  }
-  std::int32_t largest = 0;
-  for (int k = 0; k < lanes; ++k) largest = most[k] > largest ? most[k] : largest;
-  for (; i != count; ++i) {
-    const float* one = packed + 3 * std::size_t{vertices[i]};
-    const Four p = Four{one[0], one[1], one[2], 0} - Four{origin.x, origin.y, origin.z, 0};
-    *reinterpret_cast<Four*>(out + i) = p;
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t magnitude = bits_of(p[k]) & 0x7fffffff;
-      largest = magnitude > largest ? magnitude : largest;
-    }
-  }
-  return static_cast<std::uint32_t>(largest);
-}
-
-std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
+// narrow_floats, where write(i, points) puts at_once of them, from the i-th on, and write_one(i, point) one.
+template <class Write, class WriteOne>
+std::uint32_t narrow_packed(const float* packed, std::size_t count, const Vec3f& origin, const Write& write,
+                            const WriteOne& write_one) {
   constexpr std::size_t at_once = lanes / 4;
   const Four one{origin.x, origin.y, origin.z, 0};
 #if MORULA_LANES == 16
@@ -522,7 +480,7 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   for (; i + 2 * at_once <= count; i += at_once) {
     const Wide loaded = *reinterpret_cast<const LooseWide*>(packed + 3 * i);
     const Wide p = MORULA_SPREAD(loaded) - at;
-    *reinterpret_cast<LooseWide*>(out + i) = p;
+    write(i, p);
     const WideInt magnitude = __builtin_bit_cast(WideInt, p) & without_sign;
     most = magnitude > most ? magnitude : most;
   }
@@ -531,7 +489,7 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   for (int k = 0; k < lanes; ++k) largest = most[k] > largest ? most[k] : largest;
   for (; i < count; ++i) {
     const Four p = Four{packed[3 * i], packed[3 * i + 1], packed[3 * i + 2], 0} - one;
-    *reinterpret_cast<Four*>(out + i) = p;
+    write_one(i, p);
     for (int k = 0; k < 3; ++k) {
       const std::int32_t magnitude = bits_of(p[k]) & 0x7fffffff;
       largest = magnitude > largest ? magnitude : largest;
@@ -540,6 +498,30 @@ std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f&
   return static_cast<std::uint32_t>(largest);
 }
 
+std::uint32_t narrow_floats(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out) {
+  return narrow_packed(
+      packed, count, origin, [&](std::size_t i, const Wide& p) { *reinterpret_cast<LooseWide*>(out + i) = p; },
+      [&](std::size_t i, const Four& p) { *reinterpret_cast<Four*>(out + i) = p; });
+}
+
+std::uint32_t narrow_scattered(const float* packed, std::size_t count, const Vec3f& origin, const std::uint32_t* to,
+                               LocalPoint* out) {
+  const auto write_one = [&](std::size_t i, const Four& p) { *reinterpret_cast<Four*>(out + to[i]) = p; };
+  return narrow_packed(
+      packed, count, origin,
+      [&](std::size_t i, const Wide& p) {
+        write_one(i, __builtin_shufflevector(p, p, 0, 1, 2, 3));
+#if MORULA_LANES >= 8
+        write_one(i + 1, __builtin_shufflevector(p, p, 4, 5, 6, 7));
+#endif
+#if MORULA_LANES == 16
+        write_one(i + 2, __builtin_shufflevector(p, p, 8, 9, 10, 11));
+        write_one(i + 3, __builtin_shufflevector(p, p, 12, 13, 14, 15));
+#endif
+      },
+      write_one);
+}
+
 constexpr Kernels kernels{
     farthest, farthest_of_groups, farthest_of_some, pull,           pull_many,       fit_many,      weighted_sums,
-    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_listed};
+    carry,    farthest_of_leaves, covering_radii,   move_edge_cuts, move_inner_cuts, narrow_floats, narrow_scattered};

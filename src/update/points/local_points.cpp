@@ -10,8 +10,8 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t vertices_per_stretch = 128, stretches_per_chunk = 32;
-static_assert(vertices_per_stretch % vertices_per_block == 0);
+constexpr std::uint32_t vertices_per_stretch = 128;
+constexpr std::size_t stretches_per_chunk = 32;
 constexpr std::size_t cut_points_per_chunk = 1024;
 
 bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
@@ -25,11 +25,14 @@ bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
 LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership)
     : vertex_count_(ownership.vertices.size()), mesh_order_(is_ascending_from_zero(ownership.vertices)) {
   if (!mesh_order_) {
-    vertices_ = ownership.vertices;
-    point_of_.assign(rest.vertex_count(), 0xffffffffu);
-    for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[vertices_[i]] = i;
-    vertices_.resize(vertex_count_ + narrow_ahead, vertices_.back());
-    last_vertex_stretch_ = point_of_.back() / vertices_per_stretch;
+    point_of_.assign(rest.vertex_count(), no_point);
+    for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[ownership.vertices[i]] = i;
+  }
+  for (std::uint32_t v = 0; v < rest.vertex_count(); ++v) {
+    if (!is_used(v)) continue;
+    if (stretches_.empty() || stretches_.back().end != v || v - stretches_.back().begin == vertices_per_stretch)
+      stretches_.push_back({v, v});
+    stretches_.back().end = v + 1;
   }
   for (const std::uint32_t k : ownership.cut_points) {
     const CutPoint& c = cover.cut_points[k];
@@ -48,7 +51,8 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   for (const CutPoint& c : cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   points_.resize(vertex_count_ + cut_point_count());
-  stretch_largest_.resize((vertex_count_ + vertices_per_stretch - 1) / vertices_per_stretch);
+  stretch_largest_.resize(stretches_.size());
+  changed_stretches_ = Marks(stretches_.size());
   changed_blocks_ = Marks(block_count());
   changed_cuts_ = Marks(cut_point_count());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
@@ -79,14 +83,15 @@ LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& wor
 
 LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
                                              std::span<const VertexRange> changed) noexcept {
-  changed_blocks_.clear(), changed_cuts_.clear();
+  changed_stretches_.clear(), changed_blocks_.clear(), changed_cuts_.clear();
   changed_vertices_ = changed_cut_points_ = 0;
   for (const VertexRange& range : changed) mark(range);
-  std::size_t narrowed = stretch_largest_.size();  // the last one
+  changed_stretches_.each([&](std::uint32_t stretch) {
+    changed_vertices_ += stretches_[stretch].end - stretches_[stretch].begin;
+    narrow_stretch(positions, stretch);
+  });
   changed_blocks_.each([&](std::uint32_t block) {
     for (const std::uint32_t cut : cuts_of_block_.of(block)) changed_cuts_.add(cut);
-    const std::size_t stretch = block / (vertices_per_stretch / vertices_per_block);
-    if (stretch != narrowed) changed_vertices_ += narrow_stretch(positions, narrowed = stretch);
   });
   const Frame frame = finished_frame(positions);
   if (!frame.finite) return frame;
@@ -101,32 +106,25 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
   return frame;
 }
 
-// The blocks in which the range has vertices that facets use.
+// The stretches and blocks in which the range has vertices that facets use.
 void LocalPoints::mark(const VertexRange& range) noexcept {
   constexpr auto per_block = static_cast<std::uint32_t>(vertices_per_block);
-  if (mesh_order_) {
-    const auto end = std::min(range.end, static_cast<std::uint32_t>(vertex_count_));
-    for (std::uint32_t v = range.begin; v < end; v = (v / per_block + 1) * per_block)
-      changed_blocks_.add(v / per_block);
-    return;
+  const auto first = std::partition_point(stretches_.begin(), stretches_.end(),
+                                          [&](const VertexRange& s) { return s.end <= range.begin; });
+  for (auto s = first; s != stretches_.end() && s->begin < range.end; ++s) {
+    changed_stretches_.add(static_cast<std::uint32_t>(s - stretches_.begin()));
+    const std::uint32_t begin = std::max(s->begin, range.begin), end = std::min(s->end, range.end);
+    // Vertices in the mesh's order share blocks with their neighbours.
+    for (std::uint32_t v = begin; v < end; v = mesh_order_ ? (v / per_block + 1) * per_block : v + 1)
+      changed_blocks_.add(point_of(v) / per_block);
   }
-  for (std::uint32_t v = range.begin; v < range.end; ++v)
-    if (point_of(v) < vertex_count_) changed_blocks_.add(point_of(v) / per_block);
 }
 
-std::size_t LocalPoints::narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept {
-  const std::size_t begin = stretch * vertices_per_stretch;
-  const std::size_t count = std::min(vertices_per_stretch, vertex_count_ - begin);
-  LocalPoint* const to = &points_[begin];
-  float& largest = stretch_largest_[stretch];
-  if (mesh_order_) {
-    largest = narrow_run(positions, begin, count, origin_, to);
-  } else {
-    const auto vertices = std::span(vertices_).subspan(begin, count);
-    largest = stretch == last_vertex_stretch_ ? narrow(positions, vertices, origin_, to)
-                                              : narrow_listed(positions, vertices, origin_, to);
-  }
-  return count;
+void LocalPoints::narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept {
+  const auto [begin, end] = stretches_[stretch];
+  stretch_largest_[stretch] =
+      mesh_order_ ? narrow(positions, begin, end - begin, origin_, &points_[begin])
+                  : narrow_scattered(positions, begin, end - begin, origin_, &point_of_[begin], points_.data());
 }
 
 // What is to be said of the points when all vertices are narrowed.
@@ -159,17 +157,17 @@ void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
                               &points_[vertex_count_ + inner_begin]);
 }
 
-// The rare way out, so in mesh order and on one thread: the answer cannot depend on chunks.
+// The rare way out, so on one thread: the answer cannot depend on chunks.
 std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept {
-  std::size_t first = positions.size();
-  for (std::size_t point = 0; point < vertex_count_; ++point) {
-    const std::uint32_t v = vertex_of(point);
+  const bool far = !(max_norm(origin) <= largest_origin_coordinate);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (!is_used(v)) continue;
     const Vec3f p(positions[v] - origin);
     const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
                       std::abs(p.z) <= largest_local_coordinate;
-    if (!good || !(max_norm(origin) <= largest_origin_coordinate)) first = std::min<std::size_t>(first, v);
+    if (far || !good) return v;
   }
-  return first;
+  return positions.size();
 }
 
 }  // namespace morula::detail

@@ -65,31 +65,32 @@ class LocalPoints {
   std::uint32_t point_of(std::uint32_t vertex) const { return mesh_order_ ? vertex : point_of_[vertex]; }
 
  private:
-  std::uint32_t vertex_of(std::size_t point) const {
-    return mesh_order_ ? static_cast<std::uint32_t>(point) : vertices_[point];
+  static constexpr std::uint32_t no_point = 0xffffffffu;
+  /// Do facets use the vertex?
+  bool is_used(std::size_t vertex) const {
+    return mesh_order_ ? vertex < vertex_count_ : point_of_[vertex] != no_point;
   }
   std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
   Vec3 origin_of(const PositionView& positions) const noexcept;
   void mark(const VertexRange& range) noexcept;
-  std::size_t narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept;
+  void narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept;
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
   void move_cuts(std::size_t begin, std::size_t end) noexcept;
 
   std::size_t vertex_count_;
-  bool mesh_order_;                      // point i is mesh vertex i; the next two are empty then
-  std::vector<std::uint32_t> vertices_;  // and narrow_ahead more, for narrow_listed
-  std::vector<std::uint32_t> point_of_;
-  std::size_t last_vertex_stretch_ = 0;  // the one with the mesh's last vertex; the number of them where none has it
+  bool mesh_order_;                      // point i is mesh vertex i; the next is empty then
+  std::vector<std::uint32_t> point_of_;  // of each vertex of the mesh; no_point where no facet uses it
   // The first point has the largest weight; each other one is `weight` of the way from it.
   std::vector<EdgeCut> edge_cuts_;    // points vertex_count_ …
   std::vector<InnerCut> inner_cuts_;  // … and after those
   std::vector<LocalPoint> points_;
-  // Of each stretch of vertices that are narrowed at once: largest |coordinate|; infinity when something in it is not
-  // finite.
+  // Vertices that are narrowed at once: those of the mesh that facets use, in its order. Of each stretch the largest
+  // |coordinate|; infinity when something in it is not finite.
+  std::vector<VertexRange> stretches_;
   std::vector<float> stretch_largest_;
   BlockLists cuts_of_block_;
-  Marks changed_blocks_, changed_cuts_;
+  Marks changed_stretches_, changed_blocks_, changed_cuts_;
   std::size_t changed_vertices_ = 0, changed_cut_points_ = 0;
   Vec3 origin_;       // of the last frame
   Vec3 rest_origin_;  // the centre of the rest box

@@ -26,27 +26,6 @@ bool is_float(const Vec3& p) {
   return nearest_floats(p) == p;
 }
 
-void fetch_early([[maybe_unused]] const std::byte* from) {
-#ifdef __GNUC__
-  __builtin_prefetch(from);
-#endif
-}
-
-// vertex(i): the one that goes to out[i].
-template <class Vertex>
-float narrow_each_plainly(const PositionView& positions, std::size_t count, const Vertex& vertex, const Vec3& origin,
-                          LocalPoint* out) {
-  float largest = 0;
-  bool finite = true;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3f p(positions[vertex(i)] - origin);
-    out[i] = {p.x, p.y, p.z, 0.0f};
-    largest = std::max(largest, max_norm(p));
-    finite = finite && is_finite(p);  // a maximum loses NaN
-  }
-  return finite ? largest : std::numeric_limits<float>::infinity();
-}
-
 // Two coordinates and one: minus the origin in double, then rounded.
 template <class Scalar>
 class InDouble {
@@ -70,15 +49,16 @@ class InFloat {
   Float4 origin_;
 };
 
-template <class Local, class Vertex>
-float narrow_each_by(const PositionView& view, std::size_t count, const Vertex& vertex, const Vec3& origin,
-                     LocalPoint* out) {
+// place(i): where the i-th goes.
+template <class Local, class Place>
+float narrow_by(const PositionView& view, std::size_t first, std::size_t count, const Vec3& origin, LocalPoint* out,
+                const Place& place) {
   const PositionView positions = view;  // a copy that stays in registers: writing points cannot change it
   const Local local(origin);
   Float4 lowest(0.0f), highest(0.0f), not_a_number(0.0f);
   for (std::size_t i = 0; i < count; ++i) {
-    const Float4 point = local(positions.address(vertex(i)));
-    point.store(out[i]);
+    const Float4 point = local(positions.address(first + i));
+    point.store(out[place(i)]);
     not_a_number = not_a_number | not_numbers(point);  // minima and maxima lose NaN
     lowest = min(point, lowest);
     highest = max(point, highest);
@@ -88,12 +68,18 @@ float narrow_each_by(const PositionView& view, std::size_t count, const Vertex& 
   return largest_lane(max(highest, Float4(0.0f) - lowest));
 }
 
-template <class Vertex>
-float narrow_each(const PositionView& positions, std::size_t count, const Vertex& vertex, const Vec3& origin,
-                  LocalPoint* out) {
-  if (positions.is_double()) return narrow_each_by<InDouble<double>>(positions, count, vertex, origin, out);
-  if (is_float(origin)) return narrow_each_by<InFloat>(positions, count, vertex, origin, out);
-  return narrow_each_by<InDouble<float>>(positions, count, vertex, origin, out);
+template <class Place>
+float narrow_each(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
+                  LocalPoint* out, const Place& place) {
+  if (positions.is_double()) return narrow_by<InDouble<double>>(positions, first, count, origin, out, place);
+  if (is_float(origin)) return narrow_by<InFloat>(positions, first, count, origin, out, place);
+  return narrow_by<InDouble<float>>(positions, first, count, origin, out, place);
+}
+
+// Largest |coordinate| of the largest bit pattern of one.
+float largest_of(std::uint32_t bits) {
+  constexpr std::uint32_t not_finite = 0x7f800000u;
+  return bits < not_finite ? std::bit_cast<float>(bits) : std::numeric_limits<float>::infinity();
 }
 
 }  // namespace
@@ -107,48 +93,33 @@ Vec3 origin_near(const Vec3& p, double size) noexcept {
   return distance(near, p) <= 1e-3 * size ? near : p;
 }
 
-float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+float narrow_plainly(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                      LocalPoint* out) noexcept {
-  return narrow_each_plainly(
-      positions, vertices.size(), [&](std::size_t i) { return vertices[i]; }, origin, out);
+  float largest = 0;
+  bool finite = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f p(positions[first + i] - origin);
+    out[i] = {p.x, p.y, p.z, 0.0f};
+    largest = std::max(largest, max_norm(p));
+    finite = finite && is_finite(p);  // a maximum loses NaN
+  }
+  return finite ? largest : std::numeric_limits<float>::infinity();
 }
 
-float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+float narrow(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
              LocalPoint* out) noexcept {
-  return narrow_each(
-      positions, vertices.size(), [&](std::size_t i) { return vertices[i]; }, origin, out);
-}
-
-namespace {
-
-// Largest |coordinate| of the largest bit pattern of one.
-float largest_of(std::uint32_t bits) {
-  constexpr std::uint32_t not_finite = 0x7f800000u;
-  return bits < not_finite ? std::bit_cast<float>(bits) : std::numeric_limits<float>::infinity();
-}
-
-}  // namespace
-
-float narrow_listed(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
-                    LocalPoint* out) noexcept {
   if (positions.is_packed_float() && is_float(origin))
-    return largest_of(kernels().narrow_listed(reinterpret_cast<const float*>(positions.address(0)), vertices.data(),
-                                              vertices.size(), Vec3f(origin), out));
-  const std::uint32_t* const list = vertices.data();
-  const auto vertex = [&](std::size_t i) {
-    fetch_early(positions.address(list[i + narrow_ahead]));
-    return list[i];
-  };
-  return narrow_each(positions, vertices.size(), vertex, origin, out);
+    return largest_of(
+        kernels().narrow_floats(reinterpret_cast<const float*>(positions.address(first)), count, Vec3f(origin), out));
+  return narrow_each(positions, first, count, origin, out, [](std::size_t i) { return i; });
 }
 
-float narrow_run(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
-                 LocalPoint* out) noexcept {
-  if (!positions.is_packed_float() || !is_float(origin))
-    return narrow_each(
-        positions, count, [&](std::size_t i) { return first + i; }, origin, out);
-  return largest_of(
-      kernels().narrow_floats(reinterpret_cast<const float*>(positions.address(first)), count, Vec3f(origin), out));
+float narrow_scattered(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
+                       const std::uint32_t* to, LocalPoint* out) noexcept {
+  if (positions.is_packed_float() && is_float(origin))
+    return largest_of(kernels().narrow_scattered(reinterpret_cast<const float*>(positions.address(first)), count,
+                                                 Vec3f(origin), to, out));
+  return narrow_each(positions, first, count, origin, out, [&](std::size_t i) { return to[i]; });
 }
 
 }  // namespace morula::detail

@@ -19,22 +19,18 @@ Vec3 nearest_floats(const Vec3& p) noexcept;
 /// precision would be rounded to.
 Vec3 origin_near(const Vec3& p, double size) noexcept;
 
-/// out[i] = positions[vertices[i]] - origin: subtracted in double, then rounded to float.
+/// out[i] = positions[first + i] - origin, i < count: subtracted in double, then rounded to float.
 /// Returns the largest |coordinate| written, infinity when one is infinite, NaN or too large for a float.
-float narrow(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+float narrow(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
              LocalPoint* out) noexcept;
 
-/// The same where the list goes on for narrow_ahead more vertices (kernels.hpp) beyond its span, and none in the span
-/// is the last of all positions.
-float narrow_listed(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
-                    LocalPoint* out) noexcept;
+/// The same, where the i-th goes to out[to[i]]: reading in order and writing anywhere beats the reverse, as positions
+/// come from outside the caches, which foresee a run, and points stay within.
+float narrow_scattered(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
+                       const std::uint32_t* to, LocalPoint* out) noexcept;
 
-/// The same for vertices first, first + 1 … first + count - 1.
-float narrow_run(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
-                 LocalPoint* out) noexcept;
-
-/// The same as narrow, plainly: for processors without vector instructions, and for tests.
-float narrow_plainly(const PositionView& positions, std::span<const std::uint32_t> vertices, const Vec3& origin,
+/// The same as narrow, plainly: for tests.
+float narrow_plainly(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                      LocalPoint* out) noexcept;
 
 }  // namespace morula::detail

@@ -358,42 +358,6 @@ TEST(Kernels, all_leaves_in_one_call_reach_what_each_does_alone) {
     }
 }
 
-TEST(Kernels, narrowing_by_a_list_agrees_bit_for_bit_and_tells_what_is_not_finite) {
-  Random random(15);
-  for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 128u, 201u}) {
-    // One vertex more than the list names, so that there is a float after each of it; exactly as long as needed.
-    std::vector<float> packed(3 * (count + 1));
-    for (float& x : packed) x = static_cast<float>(random.uniform(-3, 3));
-    packed[3 * count] = std::numeric_limits<float>::quiet_NaN();  // of nobody
-    std::vector<std::uint32_t> vertices(count);
-    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(count)));
-    vertices.resize(count + narrow_ahead, static_cast<std::uint32_t>(count));
-    const Vec3f origin{0.25f, -7.5f, 0.1f};
-    for (const float bad : {0.0f, std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
-      const std::size_t at = 3 * vertices[count / 2] + count % 3;
-      const float kept = packed[at];
-      if (bad != 0) packed[at] = bad;
-      for (std::size_t kind = 0; kind < all_kernels().size(); ++kind) {
-        std::vector<LocalPoint> found(count);
-        const std::uint32_t largest =
-            all_kernels()[kind].narrow_listed(packed.data(), vertices.data(), count, origin, found.data());
-        EXPECT_EQ(largest >= 0x7f800000u, bad != 0) << kind_name(kind);
-        if (bad != 0) continue;
-        float expected_largest = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-          const float* p = &packed[3 * vertices[i]];
-          const LocalPoint expected{p[0] - origin.x, p[1] - origin.y, p[2] - origin.z, 0};
-          EXPECT_EQ(std::memcmp(&found[i], &expected, sizeof expected), 0) << kind_name(kind) << ", vertex " << i;
-          expected_largest =
-              std::max({expected_largest, std::abs(expected.x), std::abs(expected.y), std::abs(expected.z)});
-        }
-        EXPECT_EQ(std::bit_cast<float>(largest), expected_largest) << kind_name(kind);
-      }
-      packed[at] = kept;
-    }
-  }
-}
-
 TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_not_finite) {
   Random random(5);
   for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 8u, 9u, 15u, 64u, 1001u}) {
@@ -401,6 +365,13 @@ TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_no
     std::vector<float> packed(3 * count);
     for (float& x : packed) x = static_cast<float>(random.uniform(-3, 3));
     const Vec3f origin{0.25f, -7.5f, 0.1f};
+    std::vector<std::uint32_t> to(2 * count);
+    std::iota(to.begin(), to.end(), 0u);
+    for (std::size_t i = to.size(); i > 1; --i)
+      std::swap(to[i - 1], to[static_cast<std::size_t>(random.uniform(0, static_cast<double>(i)))]);
+    to.resize(count);  // exactly as long as needed, too
+    to.shrink_to_fit();
+    std::vector<LocalPoint> anywhere(2 * count);
     for (const float bad : {0.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       const auto at = static_cast<std::size_t>(random.uniform(0, static_cast<double>(packed.size())));
       const float kept = packed[at];
@@ -412,9 +383,23 @@ TEST(Kernels, narrowing_of_packed_floats_agrees_bit_for_bit_and_tells_what_is_no
         const Kernels& kernel = all_kernels()[kind];
         const std::uint32_t found_largest = kernel.narrow_floats(packed.data(), count, origin, found.data());
         EXPECT_EQ(found_largest >= 0x7f800000u, bad != 0) << kind_name(kind);
+        EXPECT_EQ(kernel.narrow_scattered(packed.data(), count, origin, to.data(), anywhere.data()) >= 0x7f800000u,
+                  bad != 0)
+            << kind_name(kind);
         if (bad != 0) continue;
         EXPECT_EQ(found_largest, largest) << kind_name(kind);
         EXPECT_EQ(std::memcmp(found.data(), expected.data(), count * sizeof(LocalPoint)), 0) << kind_name(kind);
+        // And each in a place of its own among twice as many.
+        constexpr LocalPoint untouched{1, 2, 3, 4};
+        std::vector<LocalPoint> scattered(2 * count, untouched);
+        EXPECT_EQ(kernel.narrow_scattered(packed.data(), count, origin, to.data(), scattered.data()), largest)
+            << kind_name(kind);
+        for (std::size_t i = 0; i < count; ++i) {
+          EXPECT_EQ(std::memcmp(&scattered[to[i]], &expected[i], sizeof(LocalPoint)), 0)
+              << kind_name(kind) << ", vertex " << i;
+          scattered[to[i]] = untouched;
+        }
+        for (const LocalPoint& p : scattered) EXPECT_EQ(std::memcmp(&p, &untouched, sizeof p), 0) << kind_name(kind);
       }
       packed[at] = kept;
     }
@@ -439,8 +424,10 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
       floats[v][axis] = bad_floats[trial % 9 / 3];
       positions[v][axis] = trial % 2 == 0 ? 1e300 : static_cast<double>(floats[v][axis]);
     }
-    std::vector<std::uint32_t> order(37);
-    for (std::uint32_t& v : order) v = static_cast<std::uint32_t>(random.uniform(0, 50));
+    const auto first = static_cast<std::size_t>(random.uniform(0, 14));
+    constexpr std::size_t count = 37;
+    std::vector<std::uint32_t> to(count);
+    for (std::uint32_t i = 0; i < count; ++i) to[i] = (i * 10 + 3) % count;
     const Vec3 anywhere{random.uniform(-1, 1) * magnitude, random.uniform(-9, 9), 1e9 * random.uniform()};
     const Vec3 origin = trial % 2 == 0 ? anywhere : nearest_floats(anywhere);
     ASSERT_EQ(origin == anywhere, trial % 2 == 0);
@@ -448,14 +435,16 @@ TEST(Kernels, narrowing_agrees_with_its_plain_twin) {
     for (std::uint32_t& node : index) node = static_cast<std::uint32_t>(random.uniform(0, 50));
     for (const PositionView& view : {PositionView(positions), PositionView(floats),
                                      PositionView::indexed(positions, index), PositionView::indexed(floats, index)}) {
-      std::vector<LocalPoint> wide(order.size()), plain(order.size());
-      const float largest = narrow(view, order, origin, wide.data());
-      EXPECT_EQ(largest, narrow_plainly(view, order, origin, plain.data()));
-      for (std::size_t i = 0; i < order.size(); ++i)
-        for (const auto coordinate : {&LocalPoint::x, &LocalPoint::y, &LocalPoint::z, &LocalPoint::unused}) {
-          const float a = wide[i].*coordinate, b = plain[i].*coordinate;
-          EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
-        }
+      std::vector<LocalPoint> wide(count), plain(count), scattered(count);
+      const float largest = narrow_plainly(view, first, count, origin, plain.data());
+      EXPECT_EQ(narrow(view, first, count, origin, wide.data()), largest);
+      EXPECT_EQ(narrow_scattered(view, first, count, origin, to.data(), scattered.data()), largest);
+      for (std::size_t i = 0; i < count; ++i)
+        for (const auto coordinate : {&LocalPoint::x, &LocalPoint::y, &LocalPoint::z, &LocalPoint::unused})
+          for (const LocalPoint& found : {wide[i], scattered[to[i]]}) {
+            const float a = found.*coordinate, b = plain[i].*coordinate;
+            EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+          }
     }
   }
 }
