@@ -97,7 +97,7 @@ MedialBalls voronoi_balls(const SignedDistance& shape, std::span<const Vec3> sam
   voronoi.insert(samples);
 
   const std::vector<VoronoiBall>& all = voronoi.balls();
-  const auto is_medial = [&](std::uint32_t slot) { return all[slot].alive && all[slot].distance < 0; };
+  const auto is_medial = [&](std::uint32_t slot) { return all[slot].alive && voronoi.side(slot) < 0; };
   std::vector<std::uint32_t> number(all.size(), no_ball);
   for (std::uint32_t slot = 0; slot < all.size(); ++slot) {
     if (!is_medial(slot)) continue;

@@ -4,16 +4,62 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
+#include <morula/geometry/mesh_view.hpp>
 #include <utility>
 
 #include "medial/delaunay.hpp"
 
 namespace morula::detail {
 
+namespace {
+
+/// Balls that hold no surface in their inside, which lies on one side of it therefore: closed surfaces wind round all of
+/// its points equally often. The allowance is for rounding.
+class EmptyBalls {
+ public:
+  explicit EmptyBalls(double largest_coordinate) : rounding_(1e-12 * largest_coordinate) {}
+
+  void add(const Vec3& center, double distance) {
+    const double radius = std::abs(distance) * (1 - 1e-9) - rounding_;
+    if (!(radius > 0)) return;
+    x_.push_back(center.x), y_.push_back(center.y), z_.push_back(center.z);
+    square_.push_back(radius * radius);
+    side_.push_back(distance < 0 ? -1 : 1);
+  }
+  /// −1: in a ball inside; 1: in one outside; 0: in none.
+  int side(const Vec3& p) const {
+    constexpr std::size_t some = 32;
+    for (std::size_t begin = 0; begin < x_.size(); begin += some) {
+      const std::size_t end = std::min(begin + some, x_.size());
+      bool any = false;
+      for (std::size_t i = begin; i < end; ++i) any |= is_in(i, p);
+      for (std::size_t i = begin; any; ++i)
+        if (is_in(i, p)) return side_[i];
+    }
+    return 0;
+  }
+
+ private:
+  bool is_in(std::size_t i, const Vec3& p) const {
+    const double x = x_[i] - p.x, y = y_[i] - p.y, z = z_[i] - p.z;
+    return x * x + y * y + z * z < square_[i];
+  }
+
+  double rounding_;
+  std::vector<double> x_, y_, z_, square_;
+  std::vector<std::int8_t> side_;
+};
+
+}  // namespace
+
 struct VoronoiBalls::Data {
   Data(const Box& box_, const SignedDistance& shape_)
-      : box(box_), shape(shape_), cell(max_norm(box_.extent()) / Delaunay::lattice_size) {
+      : box(box_),
+        shape(shape_),
+        cell(max_norm(box_.extent()) / Delaunay::lattice_size),
+        empty(std::max(largest_coordinate(box_), largest_coordinate(shape_.bvh().bounding_box()))) {
     assert(!box_.is_empty() && is_finite(box_.extent()));
     if (!(cell > 0)) cell = 1;  // one point has any lattice
   }
@@ -22,12 +68,28 @@ struct VoronoiBalls::Data {
   void finish();
   void fill(std::uint32_t slot);
 
+  // What is known of a ball's centre.
+  struct Known {
+    static constexpr std::int8_t unknown = 2;
+    std::int8_t side = unknown;
+    bool asked = false;  // the rest is known
+    Closest closest;
+  };
+  bool is_far(std::uint32_t slot) const {
+    const double reach = box.diagonal();
+    return !(squared_distance(box, balls[slot].ball.center) <= reach * reach);
+  }
+  const Closest& ask(std::uint32_t slot);
+  int side(std::uint32_t slot);
+
   Box box;
   const SignedDistance& shape;
   double cell;
   Delaunay delaunay;
   std::vector<Vec3> samples;
   std::vector<VoronoiBall> balls;
+  std::vector<Known> known;  // of balls
+  EmptyBalls empty;
   std::vector<std::uint32_t> removed, created;
   bool changed = false;  // by the call that is under way
 };
@@ -49,6 +111,7 @@ bool VoronoiBalls::Data::add(const Vec3& sample) {
   }
   samples.push_back(sample);
   balls.resize(delaunay.slots().size());
+  known.resize(delaunay.slots().size());
   for (const std::uint32_t slot : delaunay.removed()) {
     if (!balls[slot].alive) continue;
     balls[slot].alive = false;
@@ -88,9 +151,50 @@ void VoronoiBalls::Data::fill(std::uint32_t slot) {
   const LatticePoint& corner = delaunay.points()[t.vertices[0]];
   const Vec3 first = box.lower + cell * Vec3(corner[0], corner[1], corner[2]);
   ball.ball = {first + offset, length(offset)};
-  const double reach = box.diagonal();
-  ball.distance = squared_distance(box, ball.ball.center) <= reach * reach ? shape(ball.ball.center)
-                                                                           : std::numeric_limits<double>::infinity();
+  known[slot] = {};
+}
+
+const VoronoiBalls::Closest& VoronoiBalls::Data::ask(std::uint32_t slot) {
+  assert(balls[slot].alive);
+  Known& of = known[slot];
+  if (std::exchange(of.asked, true)) return of.closest;
+  if (is_far(slot)) {
+    of.closest = {std::numeric_limits<double>::infinity(), {}};
+  } else {
+    const Vec3& center = balls[slot].ball.center;
+    const SignedDistance::Result at = shape.at(center);
+    of.closest = {at.distance, at.closest.point};
+    if (shape.has_volume()) empty.add(center, at.distance);
+  }
+  of.side = static_cast<std::int8_t>((of.closest.distance > 0) - (of.closest.distance < 0));
+  return of.closest;
+}
+
+int VoronoiBalls::Data::side(std::uint32_t slot) {
+  assert(balls[slot].alive);
+  Known& of = known[slot];
+  if (of.side == Known::unknown && !is_far(slot)) {
+    if (const int side = empty.side(balls[slot].ball.center); side != 0) of.side = static_cast<std::int8_t>(side);
+  }
+  if (of.side == Known::unknown) ask(slot);
+  return of.side;
+}
+
+bool VoronoiBalls::is_far(std::uint32_t slot) const {
+  return data_->is_far(slot);
+}
+const VoronoiBalls::Closest& VoronoiBalls::closest(std::uint32_t slot) const {
+  return data_->ask(slot);
+}
+int VoronoiBalls::side(std::uint32_t slot) const {
+  return data_->side(slot);
+}
+std::optional<VoronoiBalls::Closest> VoronoiBalls::closest_within(std::uint32_t slot, double most) const {
+  const Data::Known& of = data_->known[slot];
+  if (!of.asked && (data_->is_far(slot) || !data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most)))
+    return {};
+  const Closest& closest = data_->ask(slot);
+  return std::abs(closest.distance) <= most ? std::optional(closest) : std::nullopt;
 }
 
 VoronoiBalls::VoronoiBalls(const Box& box, const SignedDistance& shape) : data_(std::make_unique<Data>(box, shape)) {}

@@ -9,6 +9,7 @@
 #include <memory>
 #include <morula/geometry/box.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,6 @@ inline constexpr std::uint32_t no_ball = 0xffffffffu;
 /// One Voronoi vertex: the ball through its four forming samples, with no sample inside; both to within the lattice.
 struct VoronoiBall {
   Sphere ball;
-  double distance;                         ///< signed distance of the centre to the object; negative inside. Infinite
-                                           ///< where the centre is farther from the box than its diagonal
   std::array<std::uint32_t, 4> samples;    ///< forming samples, by order of insertion
   std::array<std::uint32_t, 4> neighbors;  ///< balls that share three of them, opposite samples[k]; no_ball at the rim
   bool alive = false;                      ///< false: the slot is free
@@ -30,6 +29,8 @@ struct VoronoiBall {
 /// The diagram. Samples are rounded to a cubic lattice, 2²⁰ cells along the box's longest side, on which every decision
 /// is exact: cospherical and grid-like samples need no special case. (Several balls may then be one and the same.)
 /// Until four samples are not in one plane there are no balls; the sample that ends this brings those of all samples.
+///
+/// What is asked about a ball's centre is found out when it is first asked, and remembered while the ball is alive.
 class VoronoiBalls {
  public:
   /// Samples must lie in the box. shape: borrowed.
@@ -38,8 +39,7 @@ class VoronoiBalls {
 
   /// False, and nothing changed, when the sample coincides with an earlier one on the lattice or is not finite.
   bool insert(const Vec3& sample);
-  /// Many at once: the number inserted. Several times faster than one by one, because distances are computed only for
-  /// the balls that are left in the end.
+  /// Many at once: the number inserted.
   std::size_t insert(std::span<const Vec3> samples);
 
   const std::vector<Vec3>& samples() const;       ///< those inserted
@@ -48,6 +48,21 @@ class VoronoiBalls {
   /// freed by one sample, filled by another.
   const std::vector<std::uint32_t>& removed() const;
   const std::vector<std::uint32_t>& created() const;
+
+  // Of the centres of balls that are alive:
+
+  /// Whether it is farther from the box than the box's diagonal: too far for any other question.
+  bool is_far(std::uint32_t slot) const;
+  struct Closest {
+    double distance;  ///< signed, to the object; negative inside. Infinite where the centre is far
+    Vec3 point;       ///< of the surface, at that distance; none where the centre is far
+  };
+  const Closest& closest(std::uint32_t slot) const;
+  double distance(std::uint32_t slot) const { return closest(slot).distance; }
+  /// Its sign: −1 inside, 0 on the surface, 1 outside. Mostly known without asking for the distance.
+  int side(std::uint32_t slot) const;
+  /// Nothing where the surface is farther than `most` from the centre, which takes less time to tell.
+  std::optional<Closest> closest_within(std::uint32_t slot, double most) const;
 
  private:
   struct Data;

@@ -75,13 +75,14 @@ class AdaptiveMedial {
           nearest_squared_[k] = d, nearest_point_[k] = static_cast<std::uint32_t>(p);
     slots_.resize(diagram_.balls().size());
     for (const std::uint32_t s : diagram_.removed()) slots_[s] = {};
-    for (const std::uint32_t s : diagram_.created()) slots_[s] = described(diagram_.balls()[s]);
+    for (const std::uint32_t s : diagram_.created()) slots_[s] = described(s);
     choose_covers();
   }
 
-  Slot described(const VoronoiBall& b) const {
+  Slot described(std::uint32_t s) const {
     Slot slot;
-    if (!b.alive || !std::isfinite(b.distance) || !std::isfinite(b.ball.radius)) return slot;
+    const VoronoiBall& b = diagram_.balls()[s];
+    if (!b.alive || diagram_.is_far(s) || !std::isfinite(b.ball.radius)) return slot;
     const double reach = b.ball.radius + node_.sphere.radius;
     if (squared_distance(b.ball.center, node_.sphere.center) >= reach * reach) return slot;
     slot.contains = SampleSet(node_.samples.size());
@@ -90,9 +91,13 @@ class AdaptiveMedial {
     for (std::size_t k = 0; k < node_.samples.size(); ++k)
       if (squared_distance(b.ball.center, node_.samples[k]) <= radius * radius) slot.contains.add(k);
     slot.usable = !slot.contains.empty();
-    slot.inner = b.distance <= 0;
-    slot.protrusion = std::max(0.0, b.ball.radius + b.distance);
+    slot.inner = diagram_.side(s) <= 0;
+    if (slot.inner) slot.protrusion = protrusion(s);
     return slot;
+  }
+
+  double protrusion(std::uint32_t s) const {
+    return std::max(0.0, diagram_.balls()[s].ball.radius + diagram_.distance(s));
   }
 
   // Samples in no inner ball promote one of the balls about their nearest point: the one that sticks out furthest from
@@ -105,16 +110,18 @@ class AdaptiveMedial {
     }
     for (std::size_t k = 0; k < node_.samples.size(); ++k) {
       if (covered.has(k)) continue;
-      std::size_t best = slots_.size();
+      auto best = static_cast<std::uint32_t>(slots_.size());
       double most = -infinity;
-      for (std::size_t s = 0; s < slots_.size(); ++s) {
+      for (std::uint32_t s = 0; s < slots_.size(); ++s) {
         if (!slots_[s].usable || !slots_[s].contains.has(k)) continue;
         const VoronoiBall& b = diagram_.balls()[s];
         if (std::find(b.samples.begin(), b.samples.end(), nearest_point_[k]) == b.samples.end()) continue;
-        const double depth = b.ball.radius - std::abs(b.distance);
+        const double depth = b.ball.radius - std::abs(diagram_.distance(s));
         if (depth > most) most = depth, best = s;
       }
-      if (best < slots_.size()) slots_[best].cover = true;
+      if (best == slots_.size()) continue;
+      slots_[best].cover = true;
+      slots_[best].protrusion = protrusion(best);
     }
   }
 
@@ -127,8 +134,8 @@ class AdaptiveMedial {
     std::size_t inserted = 0;
     for (int round = 0; round < most_rounds && inserted < budget_.insertions; ++round) {
       std::size_t count = 0;
-      std::vector<std::pair<double, std::size_t>> order;  // worst first, lower slots first among equals
-      for (std::size_t s = 0; s < slots_.size(); ++s) {
+      std::vector<std::pair<double, std::uint32_t>> order;  // worst first, lower slots first among equals
+      for (std::uint32_t s = 0; s < slots_.size(); ++s) {
         if (!is_medial(slots_[s])) continue;
         ++count;
         if (!slots_[s].blocked) order.emplace_back(-slots_[s].protrusion, s);
@@ -140,7 +147,7 @@ class AdaptiveMedial {
         if (points.size() == std::min(points_at_once, budget_.insertions - inserted)) break;
         if (-negative <= target && count >= budget_.least_balls) break;
         slots_[s].blocked = true;
-        const Vec3 point = node_.shape.distance().at(diagram_.balls()[s].ball.center).closest.point;
+        const Vec3 point = diagram_.closest(s).point;
         if (inside_box(point)) points.push_back(point);
       }
       if (points.empty()) return;
@@ -169,8 +176,8 @@ class AdaptiveMedial {
   }
 
   BallSet result() const {
-    std::vector<std::pair<double, std::size_t>> order;  // those that stick out least first
-    for (std::size_t s = 0; s < slots_.size(); ++s)
+    std::vector<std::pair<double, std::uint32_t>> order;  // those that stick out least first
+    for (std::uint32_t s = 0; s < slots_.size(); ++s)
       if (is_medial(slots_[s])) order.emplace_back(slots_[s].protrusion, s);
     std::sort(order.begin(), order.end());
     // Balls in the same place come from cospherical samples.
@@ -185,7 +192,7 @@ class AdaptiveMedial {
       });
       if (known) continue;
       balls.push_back(b.ball);
-      distances.push_back(b.distance);
+      distances.push_back(diagram_.distance(s));
     }
     add_inscribed(balls, distances);
     return {std::move(balls), std::move(distances), node_.samples};

@@ -74,9 +74,9 @@ class Hubbard {
     point_of.resize(diagram.samples().size(), no_sample);
 
     std::vector<std::uint32_t> group_of(diagram.balls().size(), no_ball);
-    for (std::size_t s = 0; s < diagram.balls().size(); ++s) {
+    for (std::uint32_t s = 0; s < diagram.balls().size(); ++s) {
       const VoronoiBall& b = diagram.balls()[s];
-      if (!b.alive || !(b.distance < 0)) continue;
+      if (!b.alive || !(diagram.side(s) < 0)) continue;
       Group group{SampleSet(points_.size()), b.ball, true, {}};
       for (const std::uint32_t sample : b.samples)
         if (point_of[sample] != no_sample) group.samples.add(point_of[sample]);
@@ -108,18 +108,23 @@ class Hubbard {
 
   // Closest surface points of the balls that stick out furthest.
   std::vector<Vec3> guards(const VoronoiBalls& diagram, const Box& box) const {
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t s = 0; s < diagram.balls().size(); ++s) {
+    std::vector<std::tuple<double, std::uint32_t, Vec3>> order;
+    for (std::uint32_t s = 0; s < diagram.balls().size(); ++s) {
       const VoronoiBall& b = diagram.balls()[s];
-      if (b.alive && b.distance < 0 && b.ball.radius + b.distance > 0.1 * b.ball.radius)
-        order.emplace_back(-(b.ball.radius + b.distance), s);
+      if (!b.alive || !(diagram.side(s) < 0)) continue;
+      // Where the surface is about as far as the samples, nobody needs to know how far.
+      constexpr double rounding = 1e-9;
+      const auto closest = diagram.closest_within(s, 0.9 * (1 + rounding) * b.ball.radius);
+      if (closest && b.ball.radius + closest->distance > 0.1 * b.ball.radius)
+        order.emplace_back(-(b.ball.radius + closest->distance), s, closest->point);
     }
-    std::sort(order.begin(), order.end());
+    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+      return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
+    });
     const std::size_t most = points_.size() / 3;
     std::vector<Vec3> result;
-    for (const auto& [negative, s] : order) {
+    for (const auto& [negative, s, p] : order) {
       if (result.size() >= most) break;
-      const Vec3 p = node_.shape.distance().at(diagram.balls()[s].ball.center).closest.point;
       bool inside = true;
       for (int axis = 0; axis < 3; ++axis) inside = inside && p[axis] >= box.lower[axis] && p[axis] <= box.upper[axis];
       if (inside) result.push_back(p);
