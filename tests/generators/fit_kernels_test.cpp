@@ -201,6 +201,12 @@ TEST(FitKernels, numbers_at_most_a_limit_are_bits) {
       kernels.at_most(numbers.data(), count, 1, bits.data());
       for (std::size_t i = 0; i < 64 * bits.size(); ++i)
         ASSERT_EQ(bits[i / 64] >> (i % 64) & 1u, i < count && numbers[i] <= 1 ? 1u : 0u) << i << " of " << count;
+      // The next double is another number.
+      std::vector<double> in_double(numbers.begin(), numbers.end());
+      for (std::size_t i = 0; i < count; i += 3) in_double[i] = std::nextafter(1.0, i % 2 == 0 ? 0.0 : 2.0);
+      kernels.at_most_in_double(in_double.data(), count, 1, bits.data());
+      for (std::size_t i = 0; i < 64 * bits.size(); ++i)
+        ASSERT_EQ(bits[i / 64] >> (i % 64) & 1u, i < count && in_double[i] <= 1 ? 1u : 0u) << i << " of " << count;
     }
 }
 

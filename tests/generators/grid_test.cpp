@@ -94,7 +94,7 @@ TEST(Lattice, greedy_cover_contains_every_point_and_needs_no_more_than_all_cells
   const Lattice lattice{{0, 0, 0}, {0.34, 0.34, 0.34}};
   std::vector<Vec3> centers;
   ASSERT_TRUE(occupied_cells(lattice, points, 100, centers));
-  const auto chosen = greedy_cover(centers, lattice.cell_radius(), points);
+  const auto chosen = greedy_cover(centers, lattice.cell_radius(), points, centers.size());
   EXPECT_LT(chosen.size(), centers.size());
   for (const Vec3& p : points) {
     bool inside = false;
@@ -102,6 +102,10 @@ TEST(Lattice, greedy_cover_contains_every_point_and_needs_no_more_than_all_cells
       inside = inside || distance(p, centers[c]) <= lattice.cell_radius() * (1 + 1e-9);
     EXPECT_TRUE(inside);
   }
+  // Where fewer are wanted, as many of the same as tell that they do not do.
+  const auto begin = greedy_cover(centers, lattice.cell_radius(), points, chosen.size() - 2);
+  ASSERT_EQ(begin.size(), chosen.size() - 1);
+  EXPECT_TRUE(std::equal(begin.begin(), begin.end(), chosen.begin()));
 }
 
 }  // namespace

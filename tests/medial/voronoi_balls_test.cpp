@@ -49,11 +49,18 @@ void expect_sound(const VoronoiBalls& voronoi, const Box& box, const SignedDista
       std::sort(its.begin(), its.end());
       ASSERT_EQ(mine, its);
     }
-    if (squared_distance(box, center) <= box.diagonal() * box.diagonal()) {
-      ASSERT_EQ(ball.distance, shape(center));
-    } else {
-      ASSERT_EQ(ball.distance, std::numeric_limits<double>::infinity());
+    const bool is_near = squared_distance(box, center) <= box.diagonal() * box.diagonal();
+    const double away = is_near ? shape(center) : std::numeric_limits<double>::infinity();
+    ASSERT_EQ(voronoi.is_far(slot), !is_near);
+    // Before its distance is asked for: what is known of others has to do, mostly.
+    ASSERT_EQ(voronoi.side(slot), (away > 0) - (away < 0));
+    const auto closest = voronoi.closest_within(slot, 0.9 * radius);
+    ASSERT_EQ(closest.has_value(), is_near && std::abs(away) <= 0.9 * radius);
+    if (closest) {
+      ASSERT_EQ(closest->distance, away);
+      ASSERT_EQ(closest->point, shape.at(center).closest.point);
     }
+    ASSERT_EQ(voronoi.distance(slot), away);
   }
 }
 
@@ -72,6 +79,29 @@ TEST(VoronoiBalls, hold_no_sample_and_know_their_neighbors_on_every_mesh) {
   }
 }
 
+TEST(VoronoiBalls, sides_are_those_of_distances_in_whatever_order_they_are_asked) {
+  const Mesh mesh = sample_body("torus", 24);
+  const SignedDistance shape(mesh);
+  const Box box = bounding_box(mesh);
+  VoronoiBalls first(box, shape), second(box, shape);
+  const std::vector<Vec3> points = surface_points(mesh, 400);
+  first.insert(points);
+  second.insert(points);
+  const auto count = static_cast<std::uint32_t>(first.balls().size());
+  std::size_t inside = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t slot = i * 7919u % count;
+    if (!first.balls()[i].alive) continue;
+    const int side = first.side(i);
+    inside += side < 0;
+    if (second.balls()[slot].alive) second.side(slot);
+    EXPECT_EQ(second.side(i), side);
+    const double away = second.distance(i);
+    EXPECT_EQ(side, (away > 0) - (away < 0));
+  }
+  EXPECT_GT(inside, 100u);
+}
+
 TEST(VoronoiBalls, one_by_one_and_at_once_are_the_same_balls) {
   const Mesh mesh = sample_body("torus", 24);
   const SignedDistance shape(mesh);
@@ -85,7 +115,7 @@ TEST(VoronoiBalls, one_by_one_and_at_once_are_the_same_balls) {
     ASSERT_EQ(a.alive, b.alive);
     if (!a.alive) continue;
     EXPECT_EQ(a.ball, b.ball);
-    EXPECT_EQ(a.distance, b.distance);
+    EXPECT_EQ(one_by_one.distance(static_cast<std::uint32_t>(slot)), at_once.distance(static_cast<std::uint32_t>(slot)));
     EXPECT_EQ(a.samples, b.samples);
     EXPECT_EQ(a.neighbors, b.neighbors);
   }

@@ -84,9 +84,18 @@ void offer(const PointColumns& points, const Vec3f& center, float square, std::u
   for (std::size_t i = 0; i < points.count; ++i) offer_to(points, i, center, square, number, owners);
 }
 
-void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t* bits) {
+template <class Number>
+void numbers_at_most(const Number* numbers, std::size_t count, Number limit, std::uint64_t* bits) {
   for (std::size_t word = 0; 64 * word < count; ++word) bits[word] = 0;
   for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(numbers[i] <= limit) << (i % 64);
+}
+
+void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t* bits) {
+  numbers_at_most(numbers, count, limit, bits);
+}
+
+void at_most_in_double(const double* numbers, std::size_t count, double limit, std::uint64_t* bits) {
+  numbers_at_most(numbers, count, limit, bits);
 }
 
 void equal(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits) {
@@ -104,7 +113,7 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
     }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, equal, with_less_power};
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, at_most_in_double, equal, with_less_power};
 
 }  // namespace plain
 

@@ -221,6 +221,20 @@ void at_most(const float* numbers, std::size_t count, float limit, std::uint64_t
   if (count % 64 != 0) bits[count / 64] = word;
 }
 
+void at_most_in_double(const double* numbers, std::size_t count, double limit, std::uint64_t* bits) {
+  const Doubles most = limit - Doubles{};
+  constexpr std::uint64_t every = (1u << doubles) - 1;
+  std::size_t i = 0;
+  std::uint64_t word = 0;
+  for (; i + doubles <= count; i += doubles) {
+    const Doubles some = *reinterpret_cast<const LooseDoubles*>(numbers + i);
+    word |= (every & ~std::uint64_t{greater(some, most)}) << (i % 64);
+    if ((i + doubles) % 64 == 0) bits[i / 64] = word, word = 0;
+  }
+  for (std::size_t k = i; k < count; ++k) word |= static_cast<std::uint64_t>(numbers[k] <= limit) << (k % 64);
+  if (count % 64 != 0) bits[count / 64] = word;
+}
+
 // Bit i: byte i of 64 is `wanted`.
 inline std::uint64_t equal_of_64(const std::uint8_t* bytes, std::uint8_t wanted) {
 #if MORULA_LANES == 16
@@ -268,4 +282,4 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
   }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, equal, with_less_power};
+constexpr FitKernels kernels{outside, make_steps, offer, at_most, at_most_in_double, equal, with_less_power};

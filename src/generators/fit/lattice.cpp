@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "generators/fit/fit_kernels.hpp"
 #include "geometry/each_bit.hpp"
 
 namespace morula::detail {
@@ -149,27 +150,30 @@ bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::s
   return true;
 }
 
-std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points) {
+std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points,
+                                        std::size_t most) {
   const std::size_t words = (points.size() + 63) / 64;
   std::vector<std::uint64_t> contained(words * centers.size());
   const double squared_radius = radius * radius * (1 + 1e-12);
-  for (std::size_t c = 0; c < centers.size(); ++c)
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (squared_distance(centers[c], points[i]) <= squared_radius)
-        contained[c * words + i / 64] |= std::uint64_t{1} << (i % 64);
+  std::vector<double> squares(points.size());
+  for (std::size_t c = 0; c < centers.size(); ++c) {
+    for (std::size_t i = 0; i < points.size(); ++i) squares[i] = squared_distance(centers[c], points[i]);
+    fit_kernels().at_most_in_double(squares.data(), squares.size(), squared_radius, &contained[c * words]);
+  }
   std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
   std::vector<std::uint32_t> chosen;
-  for (;;) {
-    std::size_t best = 0, most = 0;
+  while (chosen.size() <= most) {
+    std::size_t best = 0, largest = 0;
     for (std::size_t c = 0; c < centers.size(); ++c) {
       std::size_t gain = 0;
       for (std::size_t w = 0; w < words; ++w) gain += bit_count(contained[c * words + w] & open[w]);
-      if (gain > most) most = gain, best = c;
+      if (gain > largest) largest = gain, best = c;
     }
-    if (most == 0) return chosen;
+    if (largest == 0) break;
     chosen.push_back(static_cast<std::uint32_t>(best));
     for (std::size_t w = 0; w < words; ++w) open[w] &= ~contained[best * words + w];
   }
+  return chosen;
 }
 
 }  // namespace morula::detail

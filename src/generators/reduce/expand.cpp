@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "generators/fit/fit_kernels.hpp"
 #include "generators/reduce/ball_set.hpp"
 
 namespace morula::detail {
@@ -37,34 +38,42 @@ class Expansion {
  private:
   double stand_off(std::size_t ball, std::size_t sample) const { return table_[ball * sample_count_ + sample]; }
 
+  const double* row(std::size_t ball) const { return &table_[ball * sample_count_]; }
+
   // The least stand-off at which these balls contain everything.
-  double needed(const std::vector<std::size_t>& balls) const {
+  double needed(const std::vector<std::size_t>& balls) {
+    // Row by row, as the table lies.
+    least_.assign(sample_count_, infinity);
+    for (const std::size_t i : balls)
+      for (std::size_t k = 0; k < sample_count_; ++k) least_[k] = std::min(least_[k], row(i)[k]);
     double most = -infinity;
-    for (std::size_t k = 0; k < sample_count_; ++k) {
-      double least = infinity;
-      for (const std::size_t i : balls) least = std::min(least, stand_off(i, k));
-      most = std::max(most, least);
-    }
+    for (const double least : least_) most = std::max(most, least);
     return most;
   }
 
   // Greedy cover at stand-off s; empty when it takes more than `branching` balls.
-  std::vector<std::size_t> cover(double s) const {
-    std::vector<SampleSet> contains(set_.size(), SampleSet(sample_count_));
+  std::vector<std::size_t> cover(double s) {
+    const std::size_t words = (sample_count_ + 63) / 64;
+    contains_.resize(set_.size() * words);
     for (std::size_t i = 0; i < set_.size(); ++i)
-      for (std::size_t k = 0; k < sample_count_; ++k)
-        if (stand_off(i, k) <= s) contains[i].add(k);
-    std::vector<std::size_t> chosen;
-    SampleSet covered(sample_count_);
+      fit_kernels().at_most_in_double(row(i), sample_count_, s, &contains_[i * words]);
+    std::vector<std::size_t> chosen, at_most(set_.size(), sample_count_);  // what a ball may still contain
+    std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
     std::size_t left = sample_count_;
     while (left > 0) {
-      if (chosen.size() == branching_) return {};
       std::size_t best = 0, most = 0;
-      for (std::size_t i = 0; i < set_.size(); ++i)
-        if (const std::size_t n = contains[i].size_without(covered); n > most) most = n, best = i;
-      if (most == 0) return {};
+      for (std::size_t i = 0; i < set_.size(); ++i) {
+        // What is left only gets less.
+        if (at_most[i] <= most) continue;
+        std::size_t gain = 0;
+        for (std::size_t w = 0; w < words; ++w) gain += bit_count(contains_[i * words + w] & open[w]);
+        at_most[i] = gain;
+        if (gain > most) most = gain, best = i;
+      }
+      // Nor do the balls to come contain more than this one does.
+      if (most * (branching_ - chosen.size()) < left) return {};
       chosen.push_back(best);
-      covered |= contains[best];
+      for (std::size_t w = 0; w < words; ++w) open[w] &= ~contains_[best * words + w];
       left -= most;
     }
     return chosen;
@@ -164,6 +173,8 @@ class Expansion {
   std::vector<double> table_;  // one row per ball
   double high_ = infinity;     // what `chosen_` needs
   std::vector<std::size_t> chosen_;
+  std::vector<double> least_;            // scratch
+  std::vector<std::uint64_t> contains_;  // scratch: bits, one row per ball
 };
 
 }  // namespace

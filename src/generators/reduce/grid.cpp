@@ -24,29 +24,32 @@ class LatticeSearch {
  public:
   LatticeSearch(std::span<const Vec3> points, std::size_t branching) : points_(points), branching_(branching) {
     for (const Vec3& p : points) box_.add(p);
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / some) some_points_.push_back(points[i]);
   }
 
   // The box of the points divided evenly, cells of any proportion: the smallest cells of which at most `branching` are
   // occupied.
   Candidate even_division() const {
-    Candidate best;
     const Vec3 extent = box_.extent();
     const double least_edge = 1e-9 * max_norm(extent);
     const int most = static_cast<int>(std::min<std::size_t>(2 * branching_, 32));
-    std::vector<Vec3> centers;
+    std::vector<Vec3> edges;
+    std::vector<std::pair<double, std::size_t>> order;  // smallest first, in the order of the loops among equals
     for (int nx = 1; nx <= most; ++nx)
       for (int ny = 1; ny <= most; ++ny)
         for (int nz = 1; nz <= most; ++nz) {
           if (static_cast<std::size_t>(nx) * ny * nz > 8 * branching_) break;
           // A hair larger than the box, so that points on its upper faces stay in the last cells.
-          const Vec3 edge{std::max(extent.x, least_edge) * (1 + 1e-9) / nx,
-                          std::max(extent.y, least_edge) * (1 + 1e-9) / ny,
-                          std::max(extent.z, least_edge) * (1 + 1e-9) / nz};
-          const Lattice lattice{box_.lower, edge};
-          if (lattice.cell_radius() >= best.radius) continue;
-          if (occupied_cells(lattice, points_, branching_, centers)) best = {centers, lattice.cell_radius()};
+          edges.push_back({std::max(extent.x, least_edge) * (1 + 1e-9) / nx,
+                           std::max(extent.y, least_edge) * (1 + 1e-9) / ny,
+                           std::max(extent.z, least_edge) * (1 + 1e-9) / nz});
+          order.emplace_back(Lattice{box_.lower, edges.back()}.cell_radius(), order.size());
         }
-    return best;
+    std::sort(order.begin(), order.end());
+    std::vector<Vec3> centers;
+    for (const auto& [radius, i] : order)
+      if (occupied({box_.lower, edges[i]}, branching_, centers)) return {std::move(centers), radius};
+    return {};
   }
 
   // Cubic cells, smaller and smaller by a twentieth of the first size, until no shift works.
@@ -71,17 +74,21 @@ class LatticeSearch {
     std::size_t spheres;  // after greedy cover; only looked for when near enough to matter
     std::vector<Vec3> centers;
   };
-  // most_cells: more are not worth looking at.
-  Count count(double edge, const Vec3& shift, std::size_t most_cells) const {
+  // As occupied_cells has it, of all points. A few of them, spread over all, mostly tell that cells are too many.
+  bool occupied(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const {
+    return occupied_cells(lattice, some_points_, most, centers) && occupied_cells(lattice, points_, most, centers);
+  }
+  // most_cells, most_spheres: more are not worth looking at.
+  Count count(double edge, const Vec3& shift, std::size_t most_cells, std::size_t most_spheres) const {
     const Lattice lattice{box_.lower - shift * edge, {edge, edge, edge}};
     Count result{};
-    if (!occupied_cells(lattice, points_, most_cells, result.centers)) {
+    if (!occupied(lattice, most_cells, result.centers)) {
       result.cells = result.spheres = most_cells + 1;
       return result;
     }
     result.cells = result.spheres = result.centers.size();
     if (result.cells > branching_) {
-      const std::vector<std::uint32_t> chosen = greedy_cover(result.centers, lattice.cell_radius(), points_);
+      const std::vector<std::uint32_t> chosen = greedy_cover(result.centers, lattice.cell_radius(), points_, most_spheres);
       std::vector<Vec3> kept;
       for (const std::uint32_t c : chosen) kept.push_back(result.centers[c]);
       result.centers = std::move(kept);
@@ -92,7 +99,7 @@ class LatticeSearch {
 
   // Coordinate search over the shift, from the one that worked before.
   bool try_size(double edge, Vec3& shift, Candidate& best) const {
-    Count least = count(edge, shift, 2 * branching_);
+    Count least = count(edge, shift, 2 * branching_, 2 * branching_);
     constexpr int shifts_per_axis = 6;
     for (int sweep = 0; sweep < 2 && least.spheres > branching_; ++sweep) {
       const std::size_t before = least.spheres + least.cells;
@@ -101,7 +108,7 @@ class LatticeSearch {
           Vec3 trial_shift = shift;
           trial_shift[axis] += static_cast<double>(k) / shifts_per_axis;
           trial_shift[axis] -= std::floor(trial_shift[axis]);
-          Count trial = count(edge, trial_shift, std::min(least.cells, 2 * branching_));
+          Count trial = count(edge, trial_shift, std::min(least.cells, 2 * branching_), least.spheres);
           if (trial.spheres < least.spheres || (trial.spheres == least.spheres && trial.cells < least.cells)) {
             least = std::move(trial);
             shift = trial_shift;
@@ -114,7 +121,10 @@ class LatticeSearch {
     return true;
   }
 
+  static constexpr std::size_t some = 64;
+
   std::span<const Vec3> points_;
+  std::vector<Vec3> some_points_;
   std::size_t branching_;
   Box box_;
 };
