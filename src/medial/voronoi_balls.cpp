@@ -15,8 +15,8 @@ namespace morula::detail {
 
 namespace {
 
-/// Balls that hold no surface in their inside, which lies on one side of it therefore: closed surfaces wind round all of
-/// its points equally often. The allowance is for rounding.
+/// Balls that hold no surface in their inside, which lies on one side of it therefore: closed surfaces wind round all
+/// of its points equally often. The allowance is for rounding.
 class EmptyBalls {
  public:
   explicit EmptyBalls(double largest_coordinate) : rounding_(1e-12 * largest_coordinate) {}

@@ -115,7 +115,8 @@ TEST(VoronoiBalls, one_by_one_and_at_once_are_the_same_balls) {
     ASSERT_EQ(a.alive, b.alive);
     if (!a.alive) continue;
     EXPECT_EQ(a.ball, b.ball);
-    EXPECT_EQ(one_by_one.distance(static_cast<std::uint32_t>(slot)), at_once.distance(static_cast<std::uint32_t>(slot)));
+    EXPECT_EQ(one_by_one.distance(static_cast<std::uint32_t>(slot)),
+              at_once.distance(static_cast<std::uint32_t>(slot)));
     EXPECT_EQ(a.samples, b.samples);
     EXPECT_EQ(a.neighbors, b.neighbors);
   }

@@ -37,8 +37,8 @@ struct Lattice {
 bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most, std::vector<Vec3>& centers);
 
 /// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index
-/// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more than
-/// `most`, the first most + 1 of them.
+/// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more
+/// than `most`, the first most + 1 of them.
 std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points,
                                         std::size_t most);
 

@@ -88,7 +88,8 @@ class LatticeSearch {
     }
     result.cells = result.spheres = result.centers.size();
     if (result.cells > branching_) {
-      const std::vector<std::uint32_t> chosen = greedy_cover(result.centers, lattice.cell_radius(), points_, most_spheres);
+      const std::vector<std::uint32_t> chosen =
+          greedy_cover(result.centers, lattice.cell_radius(), points_, most_spheres);
       std::vector<Vec3> kept;
       for (const std::uint32_t c : chosen) kept.push_back(result.centers[c]);
       result.centers = std::move(kept);
