@@ -1,20 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
 #include "update/points/narrow.hpp"
+#include "update/rebuild/ownerships.hpp"
 #include "update/rebuild/rebuild_job.hpp"
 #include "update/rebuild/relative_looseness.hpp"
-#include "update/rebuild/strain_cost.hpp"
-#include "update/reowned_body.hpp"
 
 namespace morula {
 using namespace detail;
@@ -57,8 +54,6 @@ std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   return used;
 }
 
-// Of the lengths from one estimate to the next, where none has changed but by rounding.
-constexpr double still_strain = 1e-5;
 // Shares by which figures of one ownership may differ for the pose to count as the same.
 constexpr double still = 1e-3, as_built = 0.05;
 
@@ -68,17 +63,6 @@ bool all_within(double share, std::span<const double> a, std::span<const double>
   return true;
 }
 
-// An ownership costs a switch, which makes queries start anew: it has to be expected to be better by this much.
-constexpr double least_gain = 0.02;
-// Where the spheres of an ownership take up so many times what they did where it was made, another is looked at in each
-// frame, whatever is expected of it.
-constexpr double grown = 1.15;
-// What spheres take up is clearly more, or clearly less, above and below these shares.
-constexpr double much_more = 1.15, much_less = 0.8;
-// An ownership that was seen to be no better is looked at again after so many frames: meanwhile others are.
-constexpr std::uint64_t seen_lately = 4;
-// Every so many frames it is the turn of the one not seen for longest, so that none is left aside for ever.
-constexpr std::uint64_t turn_every = 3;
 // Frames over which one estimate is spread at most.
 constexpr std::size_t most_steps = 8;
 
@@ -90,17 +74,7 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
-  Epoch epoch_of(const Mesh& posed, Body body, std::size_t levels);
-  UpdateStatus follow(Epoch& ownership, bool resting, const PositionView& positions, Workers& workers) noexcept;
   bool at_rest(const PositionView& positions) const noexcept;
-  double gain() const noexcept { return std::max(least_gain, options.gain); }
-  template <typename Visit>
-  void for_others(const Visit& visit) noexcept;
-  Epoch& made_for_this() noexcept;
-  Epoch& tightest_seen(const PositionView& positions, Workers& workers) noexcept;
-  Epoch* next_to_see(bool has_grown) noexcept;
-  double expected_score(const Epoch& ownership) const noexcept;
-  bool takes_over(const Epoch& candidate) const noexcept;
   void stay_at_rest() noexcept;
   void check(const PositionView& positions, Workers& workers);
   void decide(const PositionView& positions, Workers& workers);
@@ -118,26 +92,16 @@ struct RebuiltBody::State {
   void start(int steps, const PositionView& positions, Workers& workers);
   void collect(bool taken);
   void change_to(Epoch& next) noexcept;
-  bool still_fits(const Epoch& candidate) const noexcept;
   void raise_threshold() noexcept;
 
   RebuildOptions options;
   std::vector<Vec3> rest;
   std::vector<std::uint32_t> used;
-  Epoch home;
-  std::shared_ptr<const StrainGauge> gauge;
-  SphereVolumes volumes;
   LoosenessEstimator estimator;
-  std::optional<StrainCost> cost;  // once it is known how loose the home ownership is
-  std::vector<Epoch> known;        // for known poses
-  std::unique_ptr<Epoch> away;     // rebuilt; kept as long as no other comes
-  Epoch* present;
-  std::vector<float> lengths;         // at this frame's positions
+  Ownerships owned;
   std::vector<float> lengths_before;  // at the estimate before
-  double strain_at_estimate = 0;      // of the present ownership
-  double score_at_estimate = 0;
-  double strain_now = 0;          // when the estimate under way was begun
-  std::vector<double> threshold;  // of looseness, per level: above, a rebuild is wanted
+  double strain_now = 0;              // of the present one, when the estimate under way was begun
+  std::vector<double> threshold;      // of looseness, per level: above, a rebuild is wanted
   std::vector<double> estimated, earlier;
   RebuildReport report;
   std::uint64_t epoch = 0, frame = 0;
@@ -152,10 +116,6 @@ struct RebuiltBody::State {
 };
 
 namespace {
-
-std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
-  return std::make_shared<const CoveredTree>(CoveredTree{built.tree, built.cover, built.report});
-}
 
 ReownedBody::Ways ways_of(const RebuildOptions& options) {
   return {options.reown_tests > 0, options.fit_leaves};
@@ -173,30 +133,16 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
     : options((require_in_range(rebuild_options), require_poses(mesh, built), std::move(rebuild_options))),
       rest(mesh.positions),
       used(used_vertices(mesh)),
-      // Whether they belong together is what Body asks, so it comes first.
-      home{ReownedBody::make(mesh, without_poses(built), workers, ways_of(options)), {}, {}, {}},
-      gauge(std::make_shared<const StrainGauge>(mesh, built)),
-      volumes(home.body),
       estimator(mesh, options.sample_count),
-      present(&home),
-      lengths(gauge->length_count()),
-      lengths_before(gauge->length_count()),
+      owned(mesh, built, {options.gain, options.reown_tests, ways_of(options)}, estimator, workers),
+      lengths_before(owned.lengths().size()),
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), gauge, volumes, ways_of(options))) {
-  home = epoch_of(mesh, std::move(home.body), threshold.size());
-  std::vector<PositionView> poses{rest};
-  for (const KnownPose& pose : built.poses) {
-    poses.emplace_back(pose.positions);
-    const Mesh posed{pose.positions, mesh.facets};
-    known.push_back(epoch_of(posed, ReownedBody::make(posed, pose.built, workers, ways_of(options)), threshold.size()));
-  }
-  cost.emplace(home).calibrate(home, known, poses, estimator, workers);
-  report.looseness = home.looseness_at_build;
+                                       built.tree.level_count(), owned.gauge(), owned.volumes(), ways_of(options))) {
   report.rebuild_frames = first_guess;
-  change_to(home);
+  change_to(owned.home());
   epoch = 0;
   if (options.thread == RebuildThread::background) thread.emplace();
 }
@@ -205,40 +151,30 @@ RebuiltBody::State::~State() {
   job->request_stop();
 }
 
-// The body is at the pose that it was made for.
-Epoch RebuiltBody::State::epoch_of(const Mesh& posed, Body body, std::size_t levels) {
-  Epoch made{std::move(body), std::vector<double>(levels), std::vector<float>(gauge->length_count()),
-             std::vector<double>(levels)};
-  estimator.reserve(made.body.rest_tree().node_count());
-  estimator.pose(posed.positions);
-  estimator.estimate(made.body, made.looseness_at_build);
-  gauge->measure(posed.positions, made.lengths);
-  made.volume_at_build = volumes.of(made.body);
-  return made;
-}
-
 RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers& workers) noexcept {
-  Epoch* chosen = present;
+  Epoch* chosen = &owned.present();
   const bool whole = positions.size() == rest.size(), resting = whole && at_rest(positions);
   const bool arrived = whole && !resting && job->stage() == RebuildJob::Stage::done;
   if (resting) {
-    chosen = &home;
+    chosen = &owned.home();
   } else if (whole) {
-    gauge->measure(positions, lengths);
-    chosen = arrived && job->finished() != nullptr && takes_over(*job->finished()) ? job->finished() : &made_for_this();
+    owned.measure(positions);
+    const bool takes_over = arrived && job->finished() != nullptr && owned.takes_over(*job->finished());
+    chosen = takes_over ? job->finished() : &owned.made_for_this();
   }
-  RebuildStatus status{.update = follow(*chosen, resting, positions, workers)};
-  if (!status && chosen != present) status.update = follow(*(chosen = present), resting, positions, workers);
+  Epoch* const present = &owned.present();
+  RebuildStatus status{.update = owned.follow(*chosen, resting, positions, workers)};
+  if (!status && chosen != present) status.update = owned.follow(*(chosen = present), resting, positions, workers);
   if (!status) return status;
 
   const std::uint64_t before = epoch;
   ++frame;
-  if (chosen == present && !resting) chosen = &tightest_seen(positions, workers);
+  if (chosen == present && !resting) chosen = &owned.tightest_seen(frame, positions, workers);
   // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
   try {
     if (chosen != present) {
-      report.returned_home += chosen == &home;
-      report.recalled += std::any_of(known.begin(), known.end(), [&](const Epoch& k) { return chosen == &k; });
+      report.returned_home += chosen == &owned.home();
+      report.recalled += owned.is_known(*chosen);
       change_to(*chosen);
     }
     if (arrived) collect(chosen == job->finished());
@@ -253,14 +189,6 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   return status;
 }
 
-// As it was made, where it has not served before this frame, and at rest.
-UpdateStatus RebuiltBody::State::follow(Epoch& ownership, bool resting, const PositionView& positions,
-                                        Workers& workers) noexcept {
-  const bool as_made = resting || &ownership != present;
-  if (as_made) ReownedBody::give_back(ownership.body);
-  return ReownedBody::update(ownership.body, positions, as_made ? 0 : options.reown_tests, workers);
-}
-
 bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
   if (positions.is_double())
     return std::all_of(used.begin(), used.end(), [&](std::uint32_t v) { return positions[v] == rest[v]; });
@@ -268,74 +196,11 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
                      [&](std::uint32_t v) { return positions[v] == nearest_floats(rest[v]); });
 }
 
-// Of the present one: what was measured last, and what strain has been added since.
-double RebuiltBody::State::expected_score(const Epoch& ownership) const noexcept {
-  const double strain = StrainGauge::strain(lengths, ownership.lengths);
-  const auto more = [&](double at) { return cost->at(ownership, at); };
-  if (&ownership == present) return score_at_estimate + more(strain) - more(strain_at_estimate);
-  return relative_looseness(ownership.looseness_at_build, home.looseness_at_build) + more(strain);
-}
-
-template <typename Visit>
-void RebuiltBody::State::for_others(const Visit& visit) noexcept {
-  const auto unless_present = [&](Epoch& ownership) {
-    if (&ownership != present) visit(ownership);
-  };
-  unless_present(home);
-  for (Epoch& ownership : known) unless_present(ownership);
-  if (away) unless_present(*away);
-}
-
-// The ownership whose own pose this is; else the present one, as where positions are not finite, or where lengths feel
-// no difference: then rounding would choose.
-Epoch& RebuiltBody::State::made_for_this() noexcept {
-  Epoch* own = present;
-  double least = StrainGauge::strain(lengths, present->lengths);
-  if (least < still_strain) return *present;
-  for_others([&](Epoch& other) {
-    const double strain = StrainGauge::strain(lengths, other.lengths);
-    if (strain < still_strain && strain < least) least = strain, own = &other;
-  });
-  return *own;
-}
-
-// The present ownership, or another that is expected to be tighter and does not take up much more when it is updated in
-// this frame, or that takes up much less. What strain costs is a guess: where a body has parts that come apart, lengths
-// feel few of them. What spheres take up counts many times what they share.
-Epoch& RebuiltBody::State::tightest_seen(const PositionView& positions, Workers& workers) noexcept {
-  const double taken_up = volumes.of(present->body), promise = (1 - gain()) * expected_score(*present);
-  Epoch* const other = next_to_see(taken_up > grown * present->volume_at_build);
-  if (other == nullptr || !follow(*other, false, positions, workers)) return *present;
-  other->seen_frame = frame;
-  const double most = expected_score(*other) < promise ? much_more : much_less;
-  return volumes.of(other->body) < most * taken_up ? *other : *present;
-}
-
-// The one that is expected to be the tightest of those not seen lately, and now and then the one not seen for longest.
-// As long as the present one takes up what it did where it was made, only what promises to be better.
-Epoch* RebuiltBody::State::next_to_see(bool has_grown) noexcept {
-  Epoch* next = nullptr;
-  double least = has_grown ? std::numeric_limits<double>::infinity() : (1 - gain()) * expected_score(*present);
-  const bool in_turn = has_grown && frame % turn_every == 0;
-  for_others([&](Epoch& other) {
-    if (!in_turn && other.seen_frame != 0 && frame < other.seen_frame + seen_lately) return;
-    const double score = in_turn ? static_cast<double>(other.seen_frame) : expected_score(other);
-    if (score < least) least = score, next = &other;
-  });
-  return next;
-}
-
-bool RebuiltBody::State::takes_over(const Epoch& candidate) const noexcept {
-  double least = expected_score(*present);
-  for (const Epoch& ownership : known) least = std::min(least, expected_score(ownership));
-  return expected_score(candidate) < (1 - options.gain) * std::min(least, expected_score(home));
-}
-
 // Where patches change hands, figures go on changing after the body has stopped.
 bool RebuiltBody::State::has_kept_its_shape() noexcept {
   if (options.reown_tests == 0) return false;
-  const bool kept = StrainGauge::strain(lengths, lengths_before) < still_strain;
-  lengths_before = lengths;
+  const bool kept = StrainGauge::strain(owned.lengths(), lengths_before) < still_strain;
+  std::ranges::copy(owned.lengths(), lengths_before.begin());
   return kept;
 }
 
@@ -346,12 +211,10 @@ bool RebuiltBody::State::has_grown() const noexcept {
 }
 
 void RebuiltBody::State::change_to(Epoch& next) noexcept {
-  present = &next;
+  owned.serve(next);
   ++epoch;
   estimator.give_up();
   report.looseness = report.looseness_at_build = next.looseness_at_build;
-  score_at_estimate = relative_looseness(next.looseness_at_build, home.looseness_at_build);
-  strain_at_estimate = 0;
   for (std::size_t level = 0; level < threshold.size(); ++level)
     threshold[level] = options.looser_by * std::max(negligible_looseness, next.looseness_at_build[level]);
 }
@@ -360,7 +223,7 @@ void RebuiltBody::State::stay_at_rest() noexcept {
   next_pose.reset();
   job->request_stop();
   estimator.give_up();
-  report.looseness = home.looseness_at_build;
+  report.looseness = owned.home().looseness_at_build;
 }
 
 void RebuiltBody::State::check(const PositionView& positions, Workers& workers) {
@@ -369,8 +232,8 @@ void RebuiltBody::State::check(const PositionView& positions, Workers& workers) 
   const bool due = frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) == 0;
   if (due) {
     ++report.checks;
-    estimator.begin(positions, present->body, estimate_steps());
-    strain_now = StrainGauge::strain(lengths, present->lengths);
+    estimator.begin(positions, owned.present().body, estimate_steps());
+    strain_now = owned.strain();
   }
   const bool is_known = estimator.step(estimated);
   if (is_known) finish_estimate();
@@ -389,19 +252,11 @@ void RebuiltBody::State::finish_estimate() noexcept {
   is_still = all_within(still, estimated, report.looseness) || has_kept_its_shape();
   settled = settled && is_still;
   report.looseness = estimated;
-  score_at_estimate = relative_looseness(estimated, home.looseness_at_build);
-  strain_at_estimate = strain_now;
-  if (!(strain_at_estimate > least_strain)) return;
-  // What patches that changed hands have brought is not what the ownership would be like as it was made: that is
-  // looser.
-  if (present->body.pose().dealing != 0 && cost->of(*present, estimated, strain_now) <= cost->of(*present)) return;
-  present->looseness_elsewhere = estimated;
-  present->strain_elsewhere = strain_at_estimate;
-  cost->learn_from(*present);
+  owned.learn(estimated, strain_now);
 }
 
 void RebuiltBody::State::decide(const PositionView& positions, Workers& workers) {
-  const bool settling = is_still && !settled && (present != &home || is_off_build());
+  const bool settling = is_still && !settled && (!owned.home_serves() || is_off_build());
   if (settling) job->request_stop();  // of a pose that the body did not stop at
   if (!may_start() || !(settling || has_grown())) return;
   settled = is_still;
@@ -409,7 +264,7 @@ void RebuiltBody::State::decide(const PositionView& positions, Workers& workers)
 }
 
 bool RebuiltBody::State::is_off_build() const noexcept {
-  return !all_within(as_built, report.looseness, present->looseness_at_build);
+  return !all_within(as_built, report.looseness, owned.present().looseness_at_build);
 }
 
 bool RebuiltBody::State::may_start() const noexcept {
@@ -451,7 +306,7 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
     case RebuildThread::caller: {
       job->run();
       Epoch* const made = job->finished();
-      const bool taken = made != nullptr && takes_over(*made) && made->body.update(positions, workers);
+      const bool taken = made != nullptr && owned.takes_over(*made) && made->body.update(positions, workers);
       if (taken) change_to(*made);
       collect(taken);
       break;
@@ -483,18 +338,13 @@ void RebuiltBody::State::collect(bool taken) {
   report.rebuild_frames = frame - start_frame;
   if (taken) {
     ++report.swapped;
-    std::swap(away, result.epoch);
-    estimator.reserve(away->body.rest_tree().node_count());
+    estimator.reserve(result.epoch->body.rest_tree().node_count());
+    owned.keep(result.epoch);
   } else {
     ++report.refused;
-    if (still_fits(*result.epoch)) raise_threshold();
+    if (owned.fits_here(*result.epoch, options.looser_by)) raise_threshold();
   }
   job->retire(std::move(result.epoch));
-}
-
-bool RebuiltBody::State::still_fits(const Epoch& candidate) const noexcept {
-  const double at_build = relative_looseness(candidate.looseness_at_build, home.looseness_at_build);
-  return expected_score(candidate) <= options.looser_by * at_build;
 }
 
 // What was built for this very pose is no better, so the pose is what is loose: it has to change before another try.
@@ -519,7 +369,7 @@ RebuildStatus RebuiltBody::update(const PositionView& positions, Workers& worker
 }
 
 const Body& RebuiltBody::body() const {
-  return state_->present->body;
+  return state_->owned.present().body;
 }
 
 std::uint64_t RebuiltBody::epoch() const {
@@ -527,7 +377,7 @@ std::uint64_t RebuiltBody::epoch() const {
 }
 
 bool RebuiltBody::is_home() const {
-  return state_->present == &state_->home;
+  return state_->owned.home_serves();
 }
 
 bool RebuiltBody::is_rebuilding() const {
