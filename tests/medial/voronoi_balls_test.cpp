@@ -102,6 +102,22 @@ TEST(VoronoiBalls, sides_are_those_of_distances_in_whatever_order_they_are_asked
   EXPECT_GT(inside, 100u);
 }
 
+TEST(VoronoiBalls, sides_are_those_of_distances_where_surfaces_pass_through_each_other) {
+  Mesh mesh = sample_body("torus", 24);
+  const auto count = static_cast<std::uint32_t>(mesh.vertex_count());
+  const std::vector<Vec3> positions = mesh.positions;
+  const std::vector<Facet> facets = mesh.facets;
+  for (const Vec3& p : positions) mesh.positions.push_back(p + Vec3{0.31, 0.17, 0.23});
+  for (const Facet& f : facets) mesh.facets.push_back({f[0] + count, f[1] + count, f[2] + count});
+  const SignedDistance shape(mesh);
+  ASSERT_TRUE(shape.has_volume());
+  ASSERT_EQ(shape.method(), SignMethod::winding_number);
+  const Box box = bounding_box(mesh);
+  VoronoiBalls voronoi(box, shape);
+  voronoi.insert(surface_points(mesh, 600));
+  expect_sound(voronoi, box, shape);
+}
+
 TEST(VoronoiBalls, one_by_one_and_at_once_are_the_same_balls) {
   const Mesh mesh = sample_body("torus", 24);
   const SignedDistance shape(mesh);

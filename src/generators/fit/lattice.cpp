@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "generators/fit/fit_kernels.hpp"
+#include "generators/fit/greedy_rows.hpp"
 #include "geometry/each_bit.hpp"
 
 namespace morula::detail {
@@ -160,18 +161,12 @@ std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double ra
     for (std::size_t i = 0; i < points.size(); ++i) squares[i] = squared_distance(centers[c], points[i]);
     fit_kernels().at_most_in_double(squares.data(), squares.size(), squared_radius, &contained[c * words]);
   }
-  std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
+  GreedyRows rows(contained, words);
   std::vector<std::uint32_t> chosen;
   while (chosen.size() <= most) {
-    std::size_t best = 0, largest = 0;
-    for (std::size_t c = 0; c < centers.size(); ++c) {
-      std::size_t gain = 0;
-      for (std::size_t w = 0; w < words; ++w) gain += bit_count(contained[c * words + w] & open[w]);
-      if (gain > largest) largest = gain, best = c;
-    }
-    if (largest == 0) break;
-    chosen.push_back(static_cast<std::uint32_t>(best));
-    for (std::size_t w = 0; w < words; ++w) open[w] &= ~contained[best * words + w];
+    const GreedyRows::Choice best = rows.choose();
+    if (best.new_bits == 0) break;
+    chosen.push_back(best.row);
   }
   return chosen;
 }

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "generators/fit/fit_kernels.hpp"
+#include "generators/fit/greedy_rows.hpp"
 #include "generators/reduce/ball_set.hpp"
 
 namespace morula::detail {
@@ -57,24 +58,15 @@ class Expansion {
     contains_.resize(set_.size() * words);
     for (std::size_t i = 0; i < set_.size(); ++i)
       fit_kernels().at_most_in_double(row(i), sample_count_, s, &contains_[i * words]);
-    std::vector<std::size_t> chosen, at_most(set_.size(), sample_count_);  // what a ball may still contain
-    std::vector<std::uint64_t> open(words, ~std::uint64_t{0});
+    GreedyRows rows(contains_, words);
+    std::vector<std::size_t> chosen;
     std::size_t left = sample_count_;
     while (left > 0) {
-      std::size_t best = 0, most = 0;
-      for (std::size_t i = 0; i < set_.size(); ++i) {
-        // What is left only gets less.
-        if (at_most[i] <= most) continue;
-        std::size_t gain = 0;
-        for (std::size_t w = 0; w < words; ++w) gain += bit_count(contains_[i * words + w] & open[w]);
-        at_most[i] = gain;
-        if (gain > most) most = gain, best = i;
-      }
+      const GreedyRows::Choice best = rows.choose();
       // Nor do the balls to come contain more than this one does.
-      if (most * (branching_ - chosen.size()) < left) return {};
-      chosen.push_back(best);
-      for (std::size_t w = 0; w < words; ++w) open[w] &= ~contains_[best * words + w];
-      left -= most;
+      if (best.new_bits * (branching_ - chosen.size()) < left) return {};
+      chosen.push_back(best.row);
+      left -= best.new_bits;
     }
     return chosen;
   }

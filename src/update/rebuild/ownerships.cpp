@@ -82,6 +82,11 @@ double Ownerships::expected_score(const Epoch& ownership) const noexcept {
   return relative_looseness(ownership.looseness_at_build, home_.looseness_at_build) + more(strain);
 }
 
+// What another has to be expected to stay below.
+double Ownerships::promise_needed() const noexcept {
+  return (1 - std::max(least_gain, settings_.gain)) * expected_score(*present_);
+}
+
 template <typename Visit>
 void Ownerships::for_others(const Visit& visit) noexcept {
   const auto unless_present = [&](Epoch& ownership) {
@@ -107,21 +112,19 @@ Epoch& Ownerships::made_for_this() noexcept {
 // costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up counts many
 // times what they share.
 Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept {
-  const double gain = std::max(least_gain, settings_.gain);
-  const double taken_up = volumes_.of(present_->body), promise = (1 - gain) * expected_score(*present_);
+  const double taken_up = volumes_.of(present_->body);
   Epoch* const other = next_to_see(frame, taken_up > grown * present_->volume_at_build);
   if (other == nullptr || !follow(*other, false, positions, workers)) return *present_;
   other->seen_frame = frame;
-  const double most = expected_score(*other) < promise ? much_more : much_less;
+  const double most = expected_score(*other) < promise_needed() ? much_more : much_less;
   return volumes_.of(other->body) < most * taken_up ? *other : *present_;
 }
 
 // The one that is expected to be the tightest of those not seen lately, and now and then the one not seen for longest.
 // As long as the present one takes up what it did where it was made, only what promises to be better.
 Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
-  const double gain = std::max(least_gain, settings_.gain);
   Epoch* next = nullptr;
-  double least = has_grown ? std::numeric_limits<double>::infinity() : (1 - gain) * expected_score(*present_);
+  double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();
   const bool in_turn = has_grown && frame % turn_every == 0;
   for_others([&](Epoch& other) {
     if (!in_turn && other.seen_frame != 0 && frame < other.seen_frame + seen_lately) return;

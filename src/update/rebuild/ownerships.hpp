@@ -71,6 +71,7 @@ class Ownerships {
  private:
   Epoch made(const Mesh& posed, Body body, LoosenessEstimator& estimator) const;
   double expected_score(const Epoch& ownership) const noexcept;
+  double promise_needed() const noexcept;
   Epoch* next_to_see(std::uint64_t frame, bool has_grown) noexcept;
   template <typename Visit>
   void for_others(const Visit& visit) noexcept;

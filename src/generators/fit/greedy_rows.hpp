@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Rows of bits, of which one after the other is chosen: that with most bits which no chosen one has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/each_bit.hpp"
+
+namespace morula::detail {
+
+class GreedyRows {
+ public:
+  /// bits: borrowed; row after row of so many words.
+  GreedyRows(std::span<const std::uint64_t> bits, std::size_t words)
+      : bits_(bits),
+        words_(words),
+        open_(words, ~std::uint64_t{0}),
+        most_new_(words > 0 ? bits.size() / words : 0, 64 * words) {}
+
+  struct Choice {
+    std::uint32_t row;
+    std::size_t new_bits;  ///< 0: no row has any
+  };
+  /// The first among equals. Cost: that of one pass over the rows that may have more new bits than the best before
+  /// them.
+  Choice choose() {
+    Choice best{0, 0};
+    for (std::uint32_t row = 0; row < most_new_.size(); ++row) {
+      // A row only gets fewer.
+      if (most_new_[row] <= best.new_bits) continue;
+      std::size_t count = 0;
+      for (std::size_t w = 0; w < words_; ++w) count += bit_count(word(row, w) & open_[w]);
+      most_new_[row] = count;
+      if (count > best.new_bits) best = {row, count};
+    }
+    if (best.new_bits > 0)
+      for (std::size_t w = 0; w < words_; ++w) open_[w] &= ~word(best.row, w);
+    return best;
+  }
+
+ private:
+  std::uint64_t word(std::uint32_t row, std::size_t w) const { return bits_[row * words_ + w]; }
+
+  std::span<const std::uint64_t> bits_;
+  std::size_t words_;
+  std::vector<std::uint64_t> open_;    // bits that no chosen row has
+  std::vector<std::size_t> most_new_;  // of each row: what it had when it was last counted
+};
+
+}  // namespace morula::detail
