@@ -82,8 +82,10 @@ float focal_distance(float a, float b) {
 
 constexpr std::size_t most_levels = max_depth + 1;
 
-// Nanoseconds, about, of the tasks of an estimate in steps: only how they compare matters.
-constexpr double sample_cost = 35, facet_cost = 1.1, level_cost = 300;
+// Nanoseconds, about, of what an estimate does: only how they compare matters, for that is how steps share it.
+constexpr double facet_cost = 1.1, touch_cost = 1.5, raise_cost = 14, facing_cost = 16, block_cost = 150;
+// Of a sample, in each step that moves it.
+constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{13.5, 13.5, 13.5, 4, 4, 21, 21, 4};
 
 }  // namespace
 
@@ -104,14 +106,21 @@ Subject subject_of(const Body& body) noexcept {
   return {&body.rest_tree(), body.spheres(), body.origin()};
 }
 
-// An estimate in steps: the tasks of one come in a fixed order, and each has a share of the cost.
+// Blocks that one task looks out from.
+constexpr std::size_t blocks_per_look = 2;
+// A group at one level and to one side: rays are raised over the spheres, then its blocks look out along them.
+constexpr std::size_t tasks_per_side = 1 + group_size / blocks_per_look;
+
+// An estimate in steps: its tasks come in a fixed order, and each step gets as many as make up its share of the cost.
+// What a task costs was counted at the estimate before: a body moves little from one to the next.
 struct Course {
   std::vector<Vec3> positions;
   std::vector<Spheref> spheres;
   Subject subject;
   std::size_t step = 0, steps = 0;  // equal: nothing is under way
   std::size_t task = 0;
-  double cost = 0, whole_cost = 0;  // of the tasks done, and of all
+  double cost = 0, whole_cost = 0;  // of the tasks done, and of all, as expected
+  std::vector<double> expected;     // of each task
 };
 
 struct LoosenessEstimator::State {
@@ -119,6 +128,8 @@ struct LoosenessEstimator::State {
       : samples(rest, count), height(samples.blocks().size()), candidates(height.size()) {
     for (auto& side : outlook) side.resize(samples.count());
     course.positions.resize(rest.vertex_count());
+    course.expected.resize(SurfaceSamples::move_steps + samples.group_bounds().size() * (most_levels - 1) * per_level());
+    for (std::size_t task = 0; task < course.expected.size(); ++task) course.expected[task] = first_guess(task);
   }
 
   SurfaceSamples samples;
@@ -126,21 +137,28 @@ struct LoosenessEstimator::State {
   std::array<std::vector<Outlook>, 2> outlook;  // outward and inward, per sample
   std::vector<std::uint32_t> candidates;        // blocks that may face the present one; the first few are set
   Course course{};
+  double work = 0;                              // of the task under way
   std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
 
   struct Groups {
     std::size_t begin, end;
   };
   Groups all_groups() const noexcept { return {0, samples.group_bounds().size()}; }
-  std::size_t task_count() const noexcept { return SurfaceSamples::move_steps + all_groups().end; }
-  double cost_of(std::size_t task) const noexcept;
+  // Of the levels below the root of the present course.
+  std::size_t level_count() const noexcept { return std::min(most_levels, course.subject.tree->level_count()) - 1; }
+  std::size_t per_level() const noexcept { return (samples.has_volume() ? 1 : 2) * tasks_per_side; }
+  std::size_t task_count() const noexcept {
+    return SurfaceSamples::move_steps + all_groups().end * level_count() * per_level();
+  }
+  double first_guess(std::size_t task) const noexcept;
   void run(std::size_t task) noexcept;
 
   void forget_outlook() noexcept;
   void pose(const PositionView& positions) noexcept;
   double looseness_at(const Subject& subject, std::size_t level, double outward, double inward) const noexcept;
   double level(const Subject& subject, std::size_t level) noexcept;
-  double outside_volume(const Subject& subject, std::size_t level, float side, Groups groups, double volume) noexcept;
+  double outside_volume(const Subject& subject, std::size_t level, float side) noexcept;
+  double look_out_from(std::size_t begin, std::size_t end, float side, double volume) noexcept;
   void raise_over_level(const Subject& subject, std::size_t level, float side, Groups groups) noexcept;
   void raise_over(const Spheref& ball, float side, Groups groups) noexcept;
   std::span<const std::uint32_t> blocks_facing(std::size_t block, float longest) noexcept;
@@ -162,11 +180,16 @@ void LoosenessEstimator::State::pose(const PositionView& positions) noexcept {
 
 void LoosenessEstimator::State::raise_over(const Spheref& ball, float side, Groups groups) noexcept {
   const std::vector<BlockBound>& bounds = samples.bounds();
+  work += touch_cost * static_cast<double>(groups.end - groups.begin);
   for (std::size_t g = groups.begin; g < groups.end; ++g) {
     if (!touch(ball, samples.group_bounds()[g])) continue;
     const std::size_t end = std::min(bounds.size(), (g + 1) * group_size);
-    for (std::size_t b = g * group_size; b < end; ++b)
-      if (touch(ball, bounds[b].places)) raise_to(ball, samples.blocks()[b], side, height[b]);
+    work += touch_cost * static_cast<double>(group_size);
+    for (std::size_t b = g * group_size; b < end; ++b) {
+      if (!touch(ball, bounds[b].places)) continue;
+      raise_to(ball, samples.blocks()[b], side, height[b]);
+      work += raise_cost;
+    }
   }
 }
 
@@ -218,6 +241,7 @@ void LoosenessEstimator::State::look_out(std::size_t b, float side, const Sample
     if (lengths[i] > outlook_of(b * block_size + i, side).length) longest = std::max(longest, lengths[i]);
   if (!(longest > 0)) return;
   const std::span<const std::uint32_t> facing = blocks_facing(b, longest);
+  work += touch_cost * static_cast<double>(samples.bounds().size() + block_size * facing.size());
   const SampleBlock& block = samples.blocks()[b];
   for (std::size_t i = 0; i < block_size; ++i) {
     const float length = lengths[i];
@@ -227,9 +251,11 @@ void LoosenessEstimator::State::look_out(std::size_t b, float side, const Sample
     const Spheref nearer{from + direction * (side * length), length};
     Lanes nearness;
     nearness.fill(Float4(0.0f));
-    for (const std::uint32_t other : facing)
-      if (touch(nearer, samples.bounds()[other].places))
-        find_facing(from, direction, side, samples.blocks()[other], nearness);
+    for (const std::uint32_t other : facing) {
+      if (!touch(nearer, samples.bounds()[other].places)) continue;
+      find_facing(from, direction, side, samples.blocks()[other], nearness);
+      work += facing_cost;
+    }
     known = {length, largest_lane(max(max(nearness[0], nearness[1]), max(nearness[2], nearness[3])))};
   }
 }
@@ -247,16 +273,22 @@ double LoosenessEstimator::State::volume_over(std::size_t b, float side,
   return volume;
 }
 
-// Adds to `volume`, block after block: the same sum whether the groups come at once or one by one.
-double LoosenessEstimator::State::outside_volume(const Subject& subject, std::size_t level, float side, Groups groups,
-                                                 double volume) noexcept {
-  raise_over_level(subject, level, side, groups);
-  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b) {
+// Of the rays as they have been raised. Adds to `volume`, block after block: the same sum whether all come at once or a
+// few at a time.
+double LoosenessEstimator::State::look_out_from(std::size_t begin, std::size_t end, float side,
+                                                double volume) noexcept {
+  for (std::size_t b = begin; b < std::min(height.size(), end); ++b) {
     const SampleBlock::Lanes lengths = ray_lengths(b, side);
     look_out(b, side, lengths);
     volume += volume_over(b, side, lengths);
+    work += block_cost;
   }
   return volume;
+}
+
+double LoosenessEstimator::State::outside_volume(const Subject& subject, std::size_t level, float side) noexcept {
+  raise_over_level(subject, level, side, all_groups());
+  return look_out_from(0, height.size(), side, 0);
 }
 
 double LoosenessEstimator::State::looseness_at(const Subject& subject, std::size_t level, double outward,
@@ -275,32 +307,42 @@ double LoosenessEstimator::State::looseness_at(const Subject& subject, std::size
 double LoosenessEstimator::State::level(const Subject& subject, std::size_t level) noexcept {
   double outward = 0, inward = 0;
   if (level > 0 && samples.volume() > 0) {
-    outward = outside_volume(subject, level, 1.0f, all_groups(), 0);
-    if (!samples.has_volume()) inward = outside_volume(subject, level, -1.0f, all_groups(), 0);
+    outward = outside_volume(subject, level, 1.0f);
+    if (!samples.has_volume()) inward = outside_volume(subject, level, -1.0f);
   }
   return looseness_at(subject, level, outward, inward);
 }
 
-double LoosenessEstimator::State::cost_of(std::size_t task) const noexcept {
-  if (task < SurfaceSamples::move_steps / 2) return sample_cost * static_cast<double>(samples.count());
-  if (task < SurfaceSamples::move_steps) return facet_cost * static_cast<double>(samples.facet_count());
-  return level_cost * static_cast<double>(group_size * block_size);
+// Before one was run.
+double LoosenessEstimator::State::first_guess(std::size_t task) const noexcept {
+  if (task < move_cost.size()) return move_cost[task] * static_cast<double>(samples.count());
+  if (task < SurfaceSamples::move_steps)
+    return facet_cost * static_cast<double>(samples.facet_count()) / static_cast<double>(move_cost.size());
+  return 20 * block_cost;
 }
 
-// First the samples are moved, step by step; then each group of their blocks is looked out from, at every level.
+// First the samples are moved, step by step. Then each group of their blocks is looked out from, at every level and to
+// both sides where it counts.
 void LoosenessEstimator::State::run(std::size_t task) noexcept {
   if (task < SurfaceSamples::move_steps) return samples.move(course.positions, task, task + 1);
-  const std::size_t group = task - SurfaceSamples::move_steps;
-  if (group == 0) {
+  std::size_t k = task - SurfaceSamples::move_steps;
+  if (k == 0) {
     forget_outlook();
     for (auto& side : outside) side.fill(0);
   }
-  const Groups one{group, group + 1};
-  const std::size_t levels = std::min(most_levels, course.subject.tree->level_count());
-  for (std::size_t level = 1; level < levels; ++level) {
-    outside[0][level] = outside_volume(course.subject, level, 1.0f, one, outside[0][level]);
-    if (!samples.has_volume()) outside[1][level] = outside_volume(course.subject, level, -1.0f, one, outside[1][level]);
+  const std::size_t part = k % tasks_per_side, inward = k % per_level() / tasks_per_side;
+  k /= per_level();
+  const std::size_t level = 1 + k % level_count(), group = k / level_count();
+  const float side = inward == 0 ? 1.0f : -1.0f;
+  work = 0;
+  if (part == 0) {
+    raise_over_level(course.subject, level, side, {group, group + 1});
+  } else {
+    const std::size_t end = group * group_size + part * blocks_per_look;
+    double& volume = outside[inward][level];
+    volume = look_out_from(end - blocks_per_look, end, side, volume);
   }
+  course.expected[task] = work;
 }
 
 LoosenessEstimator::LoosenessEstimator(const Mesh& rest, std::size_t sample_count) {
@@ -345,7 +387,7 @@ void LoosenessEstimator::begin(const PositionView& positions, const Body& body, 
   s.course.step = s.course.task = 0;
   s.course.steps = std::max<std::size_t>(1, steps);
   s.course.cost = s.course.whole_cost = 0;
-  for (std::size_t task = 0; task < s.task_count(); ++task) s.course.whole_cost += s.cost_of(task);
+  for (std::size_t task = 0; task < s.task_count(); ++task) s.course.whole_cost += s.course.expected[task];
 }
 
 bool LoosenessEstimator::step(std::span<double> looseness) noexcept {
@@ -355,9 +397,10 @@ bool LoosenessEstimator::step(std::span<double> looseness) noexcept {
   if (c.step == c.steps) return false;
   const bool last = ++c.step == c.steps;
   const double until = c.whole_cost * static_cast<double>(c.step) / static_cast<double>(c.steps);
-  for (; c.task < s.task_count() && (last || c.cost < until); ++c.task) {
+  // A task that is half due is done.
+  for (; c.task < s.task_count() && (last || c.cost + c.expected[c.task] / 2 < until); ++c.task) {
+    c.cost += c.expected[c.task];
     s.run(c.task);
-    c.cost += s.cost_of(c.task);
   }
   if (!last) return false;
   const std::size_t levels = c.subject.tree->level_count();
