@@ -11,59 +11,19 @@
 #include <string>
 
 #include "parallel/float_environment.hpp"
-#include "simd/float4.hpp"
+#include "update/points/ray_kernels.hpp"
 #include "update/points/surface_samples.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-// One float per sample of a block.
-using Lanes = std::array<Float4, block_size / 4>;
-
-Float4 lanes_of(const SampleBlock::Lanes& values, std::size_t quad) {
-  return Float4::load(values.data() + 4 * quad);
-}
-
-// 1 where value > 0, else 0; in between for values below 1e-30.
-Float4 is_positive(const Float4& value) {
-  return min(max(value * Float4(1e30f), Float4(0.0f)), Float4(1.0f));
-}
-
-// Where rays from the block's samples leave the ball, for those inside it; heights grow to that. side: 1 outward, −1.
-void raise_to(const Spheref& ball, const SampleBlock& block, float side, Lanes& height) noexcept {
-  const Float4 cx(ball.center.x), cy(ball.center.y), cz(ball.center.z), squared_radius(ball.radius * ball.radius);
-  for (std::size_t q = 0; q < height.size(); ++q) {
-    const Float4 x = lanes_of(block.x, q) - cx, y = lanes_of(block.y, q) - cy, z = lanes_of(block.z, q) - cz;
-    const Float4 along =
-        Float4(side) * (x * lanes_of(block.dx, q) + y * lanes_of(block.dy, q) + z * lanes_of(block.dz, q));
-    const Float4 depth = max(squared_radius - (x * x + y * y + z * z), Float4(0.0f));
-    height[q] = max(height[q], (sqrt(along * along + depth) - along) * is_positive(depth));
-  }
-}
-
 bool touch(const Spheref& a, const Spheref& b) {
   const float reach = a.radius + b.radius;
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
-// Between directions: below 60 degrees, rays keep apart as curvature has it.
-constexpr float facing_cosine = 0.5f, facing_sine = 0.5f * std::numbers::sqrt3_v<float>;
-
-// One over the distance along a ray at which y becomes as near as its start x is 2 (y − x)·d / |y − x|². The largest
-// over samples y whose directions face the ray's, lane by lane.
-void find_facing(const Vec3f& from, const Vec3f& direction, float side, const SampleBlock& block,
-                 Lanes& nearness) noexcept {
-  const Float4 px(from.x), py(from.y), pz(from.z), dx(direction.x), dy(direction.y), dz(direction.z);
-  const Float4 least_facing(facing_cosine), twice(2 * side), tiny(1e-30f);
-  for (std::size_t q = 0; q < nearness.size(); ++q) {
-    const Float4 x = lanes_of(block.x, q) - px, y = lanes_of(block.y, q) - py, z = lanes_of(block.z, q) - pz;
-    const Float4 along = x * dx + y * dy + z * dz;
-    const Float4 cosine = lanes_of(block.dx, q) * dx + lanes_of(block.dy, q) * dy + lanes_of(block.dz, q) * dz;
-    const Float4 value = twice * along / (x * x + y * y + z * z + tiny);
-    nearness[q] = max(nearness[q], value * is_positive(least_facing - cosine));
-  }
-}
+constexpr float facing_sine = 0.5f * std::numbers::sqrt3_v<float>;
 
 // May a direction of one cone face one of the other?
 bool may_face(const BlockBound& a, const BlockBound& b) {
@@ -80,10 +40,13 @@ float focal_distance(float a, float b) {
   return divisor > 0 ? 2 / divisor : std::numeric_limits<float>::infinity();
 }
 
+// Spheres that rays are raised over at a time.
+constexpr std::size_t most_spheres = 512;
+
 constexpr std::size_t most_levels = max_depth + 1;
 
 // Nanoseconds, about, of what an estimate does: only how they compare matters, for that is how steps share it.
-constexpr double facet_cost = 1.1, touch_cost = 1.5, raise_cost = 14, facing_cost = 16, block_cost = 150;
+constexpr double facet_cost = 1.1, sphere_cost = 0.5, facing_cost = 2, block_cost = 150;
 // Of a sample, in each step that moves it.
 constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{13.5, 13.5, 13.5, 4, 4, 21, 21, 4};
 
@@ -125,7 +88,9 @@ struct Course {
 
 struct LoosenessEstimator::State {
   State(const Mesh& rest, std::size_t count)
-      : samples(rest, count), height(samples.blocks().size()), candidates(height.size()) {
+      : samples(rest, count), height(samples.blocks().size()), facing(height.size()) {
+    facing_places.reserve(height.size());
+    spheres.reserve(most_spheres);
     for (auto& side : outlook) side.resize(samples.count());
     course.positions.resize(rest.vertex_count());
     course.expected.resize(SurfaceSamples::move_steps + samples.group_bounds().size() * (most_levels - 1) * per_level());
@@ -133,9 +98,11 @@ struct LoosenessEstimator::State {
   }
 
   SurfaceSamples samples;
-  std::vector<Lanes> height;                    // per block
+  std::vector<SampleBlock::Lanes> height;       // per block
   std::array<std::vector<Outlook>, 2> outlook;  // outward and inward, per sample
-  std::vector<std::uint32_t> candidates;        // blocks that may face the present one; the first few are set
+  std::vector<std::uint32_t> facing;            // blocks that may face the present one
+  RaySphereList facing_places;                  // of these
+  RaySphereList spheres;                        // that rays are being raised over
   Course course{};
   double work = 0;                              // of the task under way
   std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
@@ -160,8 +127,8 @@ struct LoosenessEstimator::State {
   double outside_volume(const Subject& subject, std::size_t level, float side) noexcept;
   double look_out_from(std::size_t begin, std::size_t end, float side, double volume) noexcept;
   void raise_over_level(const Subject& subject, std::size_t level, float side, Groups groups) noexcept;
-  void raise_over(const Spheref& ball, float side, Groups groups) noexcept;
-  std::span<const std::uint32_t> blocks_facing(std::size_t block, float longest) noexcept;
+  void raise_over_spheres(float side, Groups groups) noexcept;
+  FacingBlocks blocks_facing(std::size_t block, float longest) noexcept;
   SampleBlock::Lanes ray_lengths(std::size_t block, float side) const noexcept;
   void look_out(std::size_t block, float side, const SampleBlock::Lanes& lengths) noexcept;
   double volume_over(std::size_t block, float side, const SampleBlock::Lanes& lengths) const noexcept;
@@ -178,26 +145,19 @@ void LoosenessEstimator::State::pose(const PositionView& positions) noexcept {
   forget_outlook();
 }
 
-void LoosenessEstimator::State::raise_over(const Spheref& ball, float side, Groups groups) noexcept {
-  const std::vector<BlockBound>& bounds = samples.bounds();
-  work += touch_cost * static_cast<double>(groups.end - groups.begin);
-  for (std::size_t g = groups.begin; g < groups.end; ++g) {
-    if (!touch(ball, samples.group_bounds()[g])) continue;
-    const std::size_t end = std::min(bounds.size(), (g + 1) * group_size);
-    work += touch_cost * static_cast<double>(group_size);
-    for (std::size_t b = g * group_size; b < end; ++b) {
-      if (!touch(ball, bounds[b].places)) continue;
-      raise_to(ball, samples.blocks()[b], side, height[b]);
-      work += raise_cost;
-    }
-  }
+void LoosenessEstimator::State::raise_over_spheres(float side, Groups groups) noexcept {
+  const RaySpheres columns = spheres.columns();
+  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b)
+    ray_kernels().raise(samples.blocks()[b], samples.bounds()[b].places, columns, side, height[b].data());
+  work += sphere_cost * static_cast<double>(spheres.count() * group_size * (groups.end - groups.begin));
+  spheres.clear();
 }
 
 // The spheres of level set j: those of level j and the leaves above it.
 void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::size_t level, float side,
                                                  Groups groups) noexcept {
   for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b)
-    height[b].fill(Float4(0.0f));
+    height[b].fill(0);
   const SphereTree& tree = *subject.tree;
   const double scale = samples.per_mesh_unit();
   const auto narrow_scale = static_cast<float>(scale);
@@ -205,8 +165,10 @@ void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::si
   for (std::uint32_t node = 0; node < tree.level_begin[level + 1]; ++node) {
     if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
     const Spheref& s = subject.spheres[node];
-    raise_over({s.center * narrow_scale + shift, s.radius * narrow_scale}, side, groups);
+    spheres.add({s.center * narrow_scale + shift, s.radius * narrow_scale});
+    if (spheres.count() == most_spheres) raise_over_spheres(side, groups);
   }
+  raise_over_spheres(side, groups);
 }
 
 // Rays end at focal points: neighbouring ones meet there, and beyond each would count what is the other's.
@@ -214,23 +176,23 @@ SampleBlock::Lanes LoosenessEstimator::State::ray_lengths(std::size_t b, float s
   const SampleBlock& block = samples.blocks()[b];
   SampleBlock::Lanes lengths;
   for (std::size_t i = 0; i < block_size; ++i)
-    lengths[i] = std::min(height[b][i / 4].lanes()[i % 4], focal_distance(side * block.growth1[i], block.growth2[i]));
+    lengths[i] = std::min(height[b][i], focal_distance(side * block.growth1[i], block.growth2[i]));
   return lengths;
 }
 
 // Whatever is nearer to a point of a ray than its start lies within twice the ray's length of the start.
-std::span<const std::uint32_t> LoosenessEstimator::State::blocks_facing(std::size_t block, float longest) noexcept {
+FacingBlocks LoosenessEstimator::State::blocks_facing(std::size_t block, float longest) noexcept {
   const std::vector<BlockBound>& bounds = samples.bounds();
   const Spheref reached{bounds[block].places.center, bounds[block].places.radius + 2 * longest};
-  std::size_t count = 0;
+  facing_places.clear();
   for (std::size_t g = 0; g < samples.group_bounds().size(); ++g) {
     if (!touch(reached, samples.group_bounds()[g])) continue;
     const std::size_t end = std::min(bounds.size(), (g + 1) * group_size);
     for (std::size_t b = g * group_size; b < end; ++b)
       if (touch(reached, bounds[b].places) && may_face(bounds[block], bounds[b]))
-        candidates[count++] = static_cast<std::uint32_t>(b);
+        facing[facing_places.count()] = static_cast<std::uint32_t>(b), facing_places.add(bounds[b].places);
   }
-  return std::span(candidates).first(count);
+  return {samples.blocks().data(), facing.data(), facing_places.columns()};
 }
 
 // Brings the outlook of the block's rays up to their heights. Levels are done from the coarse to the fine ones, whose
@@ -240,23 +202,15 @@ void LoosenessEstimator::State::look_out(std::size_t b, float side, const Sample
   for (std::size_t i = 0; i < block_size; ++i)
     if (lengths[i] > outlook_of(b * block_size + i, side).length) longest = std::max(longest, lengths[i]);
   if (!(longest > 0)) return;
-  const std::span<const std::uint32_t> facing = blocks_facing(b, longest);
-  work += touch_cost * static_cast<double>(samples.bounds().size() + block_size * facing.size());
+  const FacingBlocks may_be_faced = blocks_facing(b, longest);
+  work += facing_cost * static_cast<double>(samples.bounds().size() + block_size * facing_places.count());
   const SampleBlock& block = samples.blocks()[b];
   for (std::size_t i = 0; i < block_size; ++i) {
     const float length = lengths[i];
     Outlook& known = outlook_of(b * block_size + i, side);
     if (!(length > known.length)) continue;
     const Vec3f from{block.x[i], block.y[i], block.z[i]}, direction{block.dx[i], block.dy[i], block.dz[i]};
-    const Spheref nearer{from + direction * (side * length), length};
-    Lanes nearness;
-    nearness.fill(Float4(0.0f));
-    for (const std::uint32_t other : facing) {
-      if (!touch(nearer, samples.bounds()[other].places)) continue;
-      find_facing(from, direction, side, samples.blocks()[other], nearness);
-      work += facing_cost;
-    }
-    known = {length, largest_lane(max(max(nearness[0], nearness[1]), max(nearness[2], nearness[3])))};
+    known = {length, ray_kernels().nearness({from, direction, side, length}, may_be_faced)};
   }
 }
 
