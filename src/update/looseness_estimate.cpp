@@ -93,7 +93,8 @@ struct LoosenessEstimator::State {
     spheres.reserve(most_spheres);
     for (auto& side : outlook) side.resize(samples.count());
     course.positions.resize(rest.vertex_count());
-    course.expected.resize(SurfaceSamples::move_steps + samples.group_bounds().size() * (most_levels - 1) * per_level());
+    course.expected.resize(SurfaceSamples::move_steps +
+                           samples.group_bounds().size() * (most_levels - 1) * per_level());
     for (std::size_t task = 0; task < course.expected.size(); ++task) course.expected[task] = first_guess(task);
   }
 
@@ -104,7 +105,7 @@ struct LoosenessEstimator::State {
   RaySphereList facing_places;                  // of these
   RaySphereList spheres;                        // that rays are being raised over
   Course course{};
-  double work = 0;                              // of the task under way
+  double work = 0;                                           // of the task under way
   std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
 
   struct Groups {

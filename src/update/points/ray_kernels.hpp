@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rays from samples of the surface: where they leave spheres, and how near they come to surface that faces them. Most of
-// what an estimate of looseness computes. One source, ray_kernels.inl, compiled for each kind of processor and chosen at
-// run time.
+// Rays from samples of the surface: where they leave spheres, and how near they come to surface that faces them. Most
+// of what an estimate of looseness computes. One source, ray_kernels.inl, compiled for each kind of processor and
+// chosen at run time.
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ struct FacingBlocks {
 };
 
 struct RayKernels {
-  /// Where rays from the block's samples leave spheres, for those inside: heights grow to the farthest. places: contains
-  /// the samples. side: 1 outward, −1 inward.
+  /// Where rays from the block's samples leave spheres, for those inside: heights grow to the farthest. places:
+  /// contains the samples. side: 1 outward, −1 inward.
   void (*raise)(const SampleBlock& block, const Spheref& places, const RaySpheres& spheres, float side, float* heights);
   /// One over the distance along the ray at which a sample y that faces it becomes as near as its start x,
   /// 2 (y − x)·d / |y − x|²: the largest over the samples. Where none is above 1 / length, any number up to that.

@@ -16,7 +16,9 @@ constexpr double least_gain = 0.02;
 // frame, whatever is expected of it.
 constexpr double grown = 1.15;
 // What spheres take up is clearly more, or clearly less, above and below these shares.
-constexpr double much_more = 1.15, much_less = 0.8;
+constexpr double much_more = 1.15, much_less = 0.85;
+// Others looked at in one frame.
+constexpr int most_seen = 2;
 // An ownership that was seen to be no better is looked at again after so many frames: meanwhile others are.
 constexpr std::uint64_t seen_lately = 4;
 // Every so many frames it is the turn of the one not seen for longest, so that none is left aside for ever.
@@ -113,11 +115,18 @@ Epoch& Ownerships::made_for_this() noexcept {
 // times what they share.
 Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept {
   const double taken_up = volumes_.of(present_->body);
-  Epoch* const other = next_to_see(frame, taken_up > grown * present_->volume_at_build);
-  if (other == nullptr || !follow(*other, false, positions, workers)) return *present_;
-  other->seen_frame = frame;
-  const double most = expected_score(*other) < promise_needed() ? much_more : much_less;
-  return volumes_.of(other->body) < most * taken_up ? *other : *present_;
+  const bool has_grown = taken_up > grown * present_->volume_at_build;
+  Epoch* best = present_;
+  double least = std::numeric_limits<double>::infinity();  // that another takes up which may serve
+  for (int seen = 0; seen < most_seen; ++seen) {
+    Epoch* const other = next_to_see(frame, has_grown);
+    if (other == nullptr || !follow(*other, false, positions, workers)) break;
+    other->seen_frame = frame;
+    const double most = expected_score(*other) < promise_needed() ? much_more : much_less;
+    const double its = volumes_.of(other->body);
+    if (its < most * taken_up && its < least) least = its, best = other;
+  }
+  return *best;
 }
 
 // The one that is expected to be the tightest of those not seen lately, and now and then the one not seen for longest.

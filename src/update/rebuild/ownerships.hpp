@@ -53,7 +53,7 @@ class Ownerships {
   /// The ownership whose own pose this is; else the present one, as where positions are not finite, or where lengths
   /// feel no difference: then rounding would choose.
   Epoch& made_for_this() noexcept;
-  /// The present ownership, updated in this frame, or another that was updated beside it and serves better.
+  /// The present ownership, updated in this frame, or one of two others that were updated beside it and serves better.
   Epoch& tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
   /// Is a rebuilt one, not looked at yet, expected to be better than all that there are?
   bool takes_over(const Epoch& rebuilt) const noexcept;

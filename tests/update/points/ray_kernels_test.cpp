@@ -161,7 +161,8 @@ TEST(RayKernels, raise_to_where_rays_leave_the_farthest_sphere) {
         kernels.raise(block, around(block), list.columns(), side, found.data());
         for (std::size_t k = 0; k < block_size; ++k)
           EXPECT_EQ(bits(found[k]), bits(expected[k]))
-              << kind_name(static_cast<std::size_t>(&kernels - all_ray_kernels().data())) << ", " << count << " spheres";
+              << kind_name(static_cast<std::size_t>(&kernels - all_ray_kernels().data())) << ", " << count
+              << " spheres";
       }
     }
 }
