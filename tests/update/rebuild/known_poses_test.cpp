@@ -181,13 +181,14 @@ double taken_up(const Body& body, const std::vector<double>& at_rest) {
 }
 
 // Where the body waits, all ownerships have had their turn. As long as the one that serves takes up little more than
-// where it was made, no other is looked at.
-TEST(KnownPoses, leave_none_aside_that_takes_up_much_less) {
+// where it was made, no other is looked at. From each of the first `starts` of as many poses as there are trees to all
+// others. Returns at how many of the places where it waits the claim is about anything.
+int expect_none_is_left_aside(std::uint64_t trees, std::size_t starts) {
   const BuildOptions how{.method = Method::octree, .depth = 2};
   std::vector<Mesh> poses;
   std::vector<Body> ownerships;
   CoveredTree built;
-  for (std::uint64_t seed = 1; seed <= 7; ++seed) {
+  for (std::uint64_t seed = 1; seed <= trees; ++seed) {
     poses.push_back(heap_at(seed));
     const auto tree = std::make_shared<const CoveredTree>(build(poses.back(), how));
     ownerships.emplace_back(poses.back(), tree);
@@ -202,37 +203,51 @@ TEST(KnownPoses, leave_none_aside_that_takes_up_much_less) {
   const detail::SphereVolumes volumes(ownerships.front());
   RebuiltBody body(poses.front(), built, known_only);
   int far_from_all = 0;
-  for (std::size_t from = 0; from < poses.size(); ++from)
+  for (std::size_t from = 0; from < starts; ++from)
     for (std::size_t to = 0; to < poses.size(); ++to)
       for (const double t : {0.5, 0.7, 1.5}) {
         if (from == to) continue;
         const std::vector<Vec3> positions = between(poses[from], poses[to], t);
         double soon = 0;
         for (int frame = 1; frame <= 24; ++frame) {
-          ASSERT_TRUE(body.update(positions));
+          EXPECT_TRUE(body.update(positions));
           if (frame == 5) soon = taken_up(body.body(), at_rest);
         }
         const std::uint64_t settled = body.epoch();
-        for (int frame = 0; frame < 12; ++frame) ASSERT_TRUE(body.update(positions));
+        for (int frame = 0; frame < 12; ++frame) EXPECT_TRUE(body.update(positions));
         EXPECT_EQ(body.epoch(), settled);
         std::vector<double> now;
         for (Body& ownership : ownerships) {
-          ASSERT_TRUE(ownership.update(positions));
+          EXPECT_TRUE(ownership.update(positions));
           now.push_back(taken_up(ownership, at_rest));
           EXPECT_NEAR(volumes.of(ownership), now.back(), 1e-5 * now.back());
         }
         const double least = *std::min_element(now.begin(), now.end()), served = taken_up(body.body(), at_rest);
         const auto which =
             std::find_if(now.begin(), now.end(), [&](double v) { return std::abs(v - served) < 1e-6 * v; });
-        ASSERT_NE(which, now.end()) << "none of the trees serves";
+        if (which == now.end()) {
+          ADD_FAILURE() << "none of the trees serves";
+          continue;
+        }
         const double made = as_made[static_cast<std::size_t>(which - now.begin())];
         if (served > 1.16 * made) {
           ++far_from_all;
           EXPECT_LE(served, 1.26 * least) << from << " to " << to << " at " << t;
-          EXPECT_LE(soon, 1.26 * least) << from << " to " << to << " at " << t << ", two of six seen a frame";
+          if (trees < 8) {
+            EXPECT_LE(soon, 1.26 * least) << from << " to " << to << " at " << t << ", two seen a frame";
+          }
         }
       }
-  EXPECT_GT(far_from_all, 60) << "of 126: the claim is about these";
+  return far_from_all;
+}
+
+TEST(KnownPoses, leave_none_aside_that_takes_up_much_less) {
+  EXPECT_GT(expect_none_is_left_aside(7, 7), 60) << "of 126";
+}
+
+// More than are looked at before the first may be looked at again.
+TEST(KnownPoses, leave_none_of_many_aside) {
+  EXPECT_GT(expect_none_is_left_aside(16, 2), 40) << "of 90";
 }
 
 // Bodies in a row that gather to the corners of a cube without a turn: leaves hold parts of one alone, so lengths feel
