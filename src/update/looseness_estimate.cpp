@@ -23,6 +23,7 @@ bool touch(const Spheref& a, const Spheref& b) {
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
+// Of the angle of facing_cosine.
 constexpr float facing_sine = 0.5f * std::numbers::sqrt3_v<float>;
 
 // May a direction of one cone face one of the other?
@@ -108,15 +109,18 @@ struct LoosenessEstimator::State {
   double work = 0;                                           // of the task under way
   std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
 
-  struct Groups {
+  struct Blocks {
     std::size_t begin, end;
   };
-  Groups all_groups() const noexcept { return {0, samples.group_bounds().size()}; }
+  Blocks all_blocks() const noexcept { return {0, height.size()}; }
+  Blocks some_blocks(std::size_t begin, std::size_t count) const noexcept {
+    return {std::min(begin, height.size()), std::min(begin + count, height.size())};
+  }
   // Of the levels below the root of the present course.
   std::size_t level_count() const noexcept { return std::min(most_levels, course.subject.tree->level_count()) - 1; }
   std::size_t per_level() const noexcept { return (samples.has_volume() ? 1 : 2) * tasks_per_side; }
   std::size_t task_count() const noexcept {
-    return SurfaceSamples::move_steps + all_groups().end * level_count() * per_level();
+    return SurfaceSamples::move_steps + samples.group_bounds().size() * level_count() * per_level();
   }
   double first_guess(std::size_t task) const noexcept;
   void run(std::size_t task) noexcept;
@@ -126,9 +130,9 @@ struct LoosenessEstimator::State {
   double looseness_at(const Subject& subject, std::size_t level, double outward, double inward) const noexcept;
   double level(const Subject& subject, std::size_t level) noexcept;
   double outside_volume(const Subject& subject, std::size_t level, float side) noexcept;
-  double look_out_from(std::size_t begin, std::size_t end, float side, double volume) noexcept;
-  void raise_over_level(const Subject& subject, std::size_t level, float side, Groups groups) noexcept;
-  void raise_over_spheres(float side, Groups groups) noexcept;
+  double look_out_from(Blocks blocks, float side, double volume) noexcept;
+  void raise_over_level(const Subject& subject, std::size_t level, float side, Blocks blocks) noexcept;
+  void raise_over_spheres(float side, Blocks blocks) noexcept;
   FacingBlocks blocks_facing(std::size_t block, float longest) noexcept;
   SampleBlock::Lanes ray_lengths(std::size_t block, float side) const noexcept;
   void look_out(std::size_t block, float side, const SampleBlock::Lanes& lengths) noexcept;
@@ -146,19 +150,18 @@ void LoosenessEstimator::State::pose(const PositionView& positions) noexcept {
   forget_outlook();
 }
 
-void LoosenessEstimator::State::raise_over_spheres(float side, Groups groups) noexcept {
+void LoosenessEstimator::State::raise_over_spheres(float side, Blocks blocks) noexcept {
   const RaySpheres columns = spheres.columns();
-  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b)
+  for (std::size_t b = blocks.begin; b < blocks.end; ++b)
     ray_kernels().raise(samples.blocks()[b], samples.bounds()[b].places, columns, side, height[b].data());
-  work += sphere_cost * static_cast<double>(spheres.count() * group_size * (groups.end - groups.begin));
+  work += sphere_cost * static_cast<double>(spheres.count() * (blocks.end - blocks.begin));
   spheres.clear();
 }
 
 // The spheres of level set j: those of level j and the leaves above it.
 void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::size_t level, float side,
-                                                 Groups groups) noexcept {
-  for (std::size_t b = groups.begin * group_size; b < std::min(height.size(), groups.end * group_size); ++b)
-    height[b].fill(0);
+                                                 Blocks blocks) noexcept {
+  for (std::size_t b = blocks.begin; b < blocks.end; ++b) height[b].fill(0);
   const SphereTree& tree = *subject.tree;
   const double scale = samples.per_mesh_unit();
   const auto narrow_scale = static_cast<float>(scale);
@@ -167,9 +170,9 @@ void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::si
     if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
     const Spheref& s = subject.spheres[node];
     spheres.add({s.center * narrow_scale + shift, s.radius * narrow_scale});
-    if (spheres.count() == most_spheres) raise_over_spheres(side, groups);
+    if (spheres.count() == most_spheres) raise_over_spheres(side, blocks);
   }
-  raise_over_spheres(side, groups);
+  raise_over_spheres(side, blocks);
 }
 
 // Rays end at focal points: neighbouring ones meet there, and beyond each would count what is the other's.
@@ -230,9 +233,8 @@ double LoosenessEstimator::State::volume_over(std::size_t b, float side,
 
 // Of the rays as they have been raised. Adds to `volume`, block after block: the same sum whether all come at once or a
 // few at a time.
-double LoosenessEstimator::State::look_out_from(std::size_t begin, std::size_t end, float side,
-                                                double volume) noexcept {
-  for (std::size_t b = begin; b < std::min(height.size(), end); ++b) {
+double LoosenessEstimator::State::look_out_from(Blocks blocks, float side, double volume) noexcept {
+  for (std::size_t b = blocks.begin; b < blocks.end; ++b) {
     const SampleBlock::Lanes lengths = ray_lengths(b, side);
     look_out(b, side, lengths);
     volume += volume_over(b, side, lengths);
@@ -242,8 +244,8 @@ double LoosenessEstimator::State::look_out_from(std::size_t begin, std::size_t e
 }
 
 double LoosenessEstimator::State::outside_volume(const Subject& subject, std::size_t level, float side) noexcept {
-  raise_over_level(subject, level, side, all_groups());
-  return look_out_from(0, height.size(), side, 0);
+  raise_over_level(subject, level, side, all_blocks());
+  return look_out_from(all_blocks(), side, 0);
 }
 
 double LoosenessEstimator::State::looseness_at(const Subject& subject, std::size_t level, double outward,
@@ -287,15 +289,14 @@ void LoosenessEstimator::State::run(std::size_t task) noexcept {
   }
   const std::size_t part = k % tasks_per_side, inward = k % per_level() / tasks_per_side;
   k /= per_level();
-  const std::size_t level = 1 + k % level_count(), group = k / level_count();
+  const std::size_t level = 1 + k % level_count(), first = k / level_count() * group_size;
   const float side = inward == 0 ? 1.0f : -1.0f;
   work = 0;
   if (part == 0) {
-    raise_over_level(course.subject, level, side, {group, group + 1});
+    raise_over_level(course.subject, level, side, some_blocks(first, group_size));
   } else {
-    const std::size_t end = group * group_size + part * blocks_per_look;
     double& volume = outside[inward][level];
-    volume = look_out_from(end - blocks_per_look, end, side, volume);
+    volume = look_out_from(some_blocks(first + (part - 1) * blocks_per_look, blocks_per_look), side, volume);
   }
   course.expected[task] = work;
 }

@@ -3,8 +3,11 @@
 // No update allocates: every one is counted.
 #include <gtest/gtest.h>
 
+#include <morula/generators/build.hpp>
+#include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <support/allocations.hpp>
 
@@ -42,6 +45,26 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
     }
   }
   EXPECT_GT(allocations, 0u) << "the counter counts";
+}
+
+TEST(Allocation, no_estimate_of_looseness_allocates) {
+  std::vector<test::Specimen> bodies = test::specimens();
+  const Mesh blob = sample_body("blob", 40);
+  bodies.push_back({"blob of many spheres", blob, build(blob, {.method = Method::octree, .depth = 5})});
+  for (const test::Specimen& b : bodies) {
+    const Body body(b.mesh, b.built);
+    LoosenessEstimator estimator(b.mesh);
+    estimator.reserve(b.built.tree.node_count());
+    std::vector<double> figures(b.built.tree.level_count());
+    const std::size_t before = allocations;
+    estimator.pose(b.mesh.positions);
+    estimator.estimate(body, figures);
+    estimator.begin(b.mesh.positions, body, 3);
+    while (!estimator.step(figures)) {
+    }
+    const std::size_t after = allocations;
+    EXPECT_EQ(after - before, 0u) << b.name;
+  }
 }
 
 TEST(Allocation, no_modal_update_allocates_good_or_bad) {

@@ -25,6 +25,21 @@ TEST_P(EstimateOf, a_sample_body_agrees_with_voxels_at_rest_and_deformed) {
 INSTANTIATE_TEST_SUITE_P(Sample, EstimateOf, testing::Values("limb", "bar", "capsule", "torus", "blob", "two"),
                          [](const auto& tested) { return std::string(tested.param); });
 
+TEST(LoosenessEstimate, of_thousands_of_spheres_agrees_with_voxels) {
+  const Mesh mesh = sample_body("blob", 40);
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 5});
+  ASSERT_GT(level_set_spheres(built.tree, built.tree.spheres, 5).size(), 2000u);
+  const Body body(mesh, built);
+  const std::vector<double> estimate = estimate_looseness(mesh, body, mesh.positions);
+  const LoosenessMeter meter(mesh);
+  for (std::size_t level = 1; level < estimate.size(); ++level) {
+    const auto measured =
+        meter.measure(mesh.positions, level_set_spheres(built.tree, built.tree.spheres, level), {.resolution = 256});
+    ASSERT_TRUE(measured.looseness);
+    EXPECT_NEAR(estimate[level], *measured.looseness, 0.15 * *measured.looseness) << "level " << level;
+  }
+}
+
 // What is known without voxels: shells about a ball, and the root.
 TEST(LoosenessEstimate, is_exact_about_a_ball) {
   const Mesh ball = test::icosphere(4);

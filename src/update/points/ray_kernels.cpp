@@ -19,6 +19,9 @@ namespace {
 // changes them by some 1e-6.
 constexpr float kept_around = 1.001f;
 constexpr std::size_t spheres_step = RaySpheres::step;
+constexpr std::size_t whole_steps(std::size_t count) {
+  return (count + spheres_step - 1) / spheres_step * spheres_step;
+}
 constexpr float much = 1e30f;  // times what is above 0, at least 1 unless that is below 1e-30
 
 /// What the others have to reproduce.
@@ -106,9 +109,7 @@ const RayKernels& ray_kernels() {
 }
 
 void RaySphereList::reserve(std::size_t most) {
-  const std::size_t whole = (most + spheres_step - 1) / spheres_step * spheres_step;
-  for (std::vector<float>* column : {&x_, &y_, &z_, &radius_})
-    if (column->size() < whole) column->resize(whole);
+  for (std::vector<float>* column : {&x_, &y_, &z_, &radius_}) column->resize(whole_steps(most));
 }
 
 void RaySphereList::add(const Spheref& sphere) noexcept {
@@ -118,7 +119,7 @@ void RaySphereList::add(const Spheref& sphere) noexcept {
 }
 
 RaySpheres RaySphereList::columns() noexcept {
-  const std::size_t end = (count_ + spheres_step - 1) / spheres_step * spheres_step;
+  const std::size_t end = whole_steps(count_);
   for (std::size_t i = count_; i < end; ++i) radius_[i] = std::numeric_limits<float>::quiet_NaN();
   return {x_.data(), y_.data(), z_.data(), radius_.data(), end};
 }

@@ -57,6 +57,7 @@ const RayKernels& ray_kernels();
 /// Spheres that become columns, filled up to whole steps.
 class RaySphereList {
  public:
+  /// Room for so many. Before the first is added.
   void reserve(std::size_t most);
   void clear() noexcept { count_ = 0; }
   /// At most as many as there is room for.

@@ -136,6 +136,7 @@ Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
   double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();
   const bool in_turn = has_grown && frame % turn_every == 0;
   for_others([&](Epoch& other) {
+    if (other.seen_frame == frame) return;
     if (!in_turn && other.seen_frame != 0 && frame < other.seen_frame + seen_lately) return;
     const double score = in_turn ? static_cast<double>(other.seen_frame) : expected_score(other);
     if (score < least) least = score, next = &other;
