@@ -94,7 +94,7 @@ def study(path, args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", help="MD2 files")
-    parser.add_argument("--most", type=int, default=12, help="known poses at most (default 12)")
+    parser.add_argument("--most", type=int, default=24, help="known poses at most (default 24)")
     parser.add_argument("--looser-by", type=float, default=1.2, help="poses are added until none is served so much worse (default 1.2)")
     parser.add_argument("--depth", type=int, default=2, help="of the trees (default 2)")
     parser.add_argument("--between", type=int, default=6, help="frames from key to key (default 6)")

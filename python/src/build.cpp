@@ -103,6 +103,7 @@ void bind_build(nb::module_& m) {
               "list[tuple[str, numpy.typing.NDArray[numpy.float64]]]"),
       doc::principal_strains);
   Record<KnownPosesReport>(m, "KnownPosesReport", "What add_known_poses() did.")
+      .field("built", &KnownPosesReport::built, doc::KnownPosesReport_built)
       .field("added", &KnownPosesReport::added)
       .field("worst", &KnownPosesReport::worst, doc::KnownPosesReport_worst);
   m.def(

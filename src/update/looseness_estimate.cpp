@@ -370,6 +370,10 @@ std::size_t LoosenessEstimator::sample_count() const {
   return state_->samples.count();
 }
 
+bool LoosenessEstimator::has_volume() const {
+  return state_->samples.has_volume();
+}
+
 double LoosenessEstimator::volume() const {
   return state_->samples.volume();
 }

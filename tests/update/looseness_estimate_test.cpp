@@ -6,6 +6,7 @@
 #include <morula/accuracy/looseness.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <numbers>
@@ -38,6 +39,63 @@ TEST(LoosenessEstimate, of_thousands_of_spheres_agrees_with_voxels) {
     ASSERT_TRUE(measured.looseness);
     EXPECT_NEAR(estimate[level], *measured.looseness, 0.15 * *measured.looseness) << "level " << level;
   }
+}
+
+// Bodies side by side, nearer to each other than samples are, then apart, each turned its own way: what lay beside a
+// sample at rest says nothing of the surface around it.
+TEST(LoosenessEstimate, of_bodies_that_part_agrees_with_voxels) {
+  const Mesh part = sample_body("capsule", 12);
+  const Vec3 size = bounding_box(part).extent();
+  const auto bundle = [&](const Vec3& apart, double turned) {
+    Mesh all;
+    for (int i = 0; i < 27; ++i) {
+      const Vec3 at{apart.x * (i % 3), apart.y * (i / 3 % 3), apart.z * (i / 9)};
+      const RigidTransform place = RigidTransform::from_axis({1.0 + i, 2.0 - i, 0.5}, turned * (i + 1), at);
+      const auto first = static_cast<std::uint32_t>(all.positions.size());
+      for (const Vec3& p : part.positions) all.positions.push_back(place(p));
+      for (const Facet& f : part.facets) all.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+    }
+    return all;
+  };
+  const auto loose_facets = [](const Mesh& mesh) {
+    Mesh soup;
+    for (const Facet& f : mesh.facets) {
+      const auto first = static_cast<std::uint32_t>(soup.positions.size());
+      for (const std::uint32_t v : f) soup.positions.push_back(mesh.positions[v]);
+      soup.facets.push_back({first, first + 1, first + 2});
+    }
+    return soup;
+  };
+  const Mesh together = bundle(1.02 * size, 0), parted = bundle(1.2 * max_norm(size) * Vec3{1, 1, 1}, 1);
+  const Body body(parted, build(parted, {.depth = 3, .quality = Quality::fast}));
+  std::vector<Sphere> spheres;
+  body.copy_spheres(spheres);
+  LoosenessEstimator estimator(together);
+  std::vector<double> estimate(body.rest_tree().level_count());
+  estimator.pose(parted.positions);
+  estimator.estimate(body, estimate);
+  const LoosenessMeter meter(parted);
+  for (std::size_t level = 2; level < estimate.size(); ++level) {
+    const auto measured =
+        meter.measure(parted.positions, level_set_spheres(body.rest_tree(), spheres, level), {.resolution = 256});
+    ASSERT_TRUE(measured.looseness);
+    EXPECT_NEAR(estimate[level], *measured.looseness, 0.15 * *measured.looseness) << "level " << level;
+  }
+  // Facets with corners of their own at the same places are of one piece. Both have a border, so that both count alike.
+  std::vector<double> looseness[2];
+  for (const bool is_loose : {false, true}) {
+    Mesh before = together, after = parted;
+    for (Mesh* mesh : {&before, &after}) {
+      mesh->facets.pop_back();
+      if (is_loose) *mesh = loose_facets(*mesh);
+    }
+    LoosenessEstimator of_open(before);
+    looseness[is_loose].resize(estimate.size());
+    of_open.pose(after.positions);
+    of_open.estimate(body, looseness[is_loose]);
+  }
+  EXPECT_GT(looseness[0].back(), 0);
+  EXPECT_EQ(looseness[0], looseness[1]);
 }
 
 // What is known without voxels: shells about a ball, and the root.

@@ -140,7 +140,7 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& b
   if (!o.poses.empty()) {
     std::vector<std::string> names;
     for (const KnownPose& pose : built.poses) names.push_back(pose.name);
-    json["poses"] = {{"source", o.poses}, {"trees", names}, {"looser_by_at_most", poses.worst}};
+    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.built}, {"looser_by_at_most", poses.worst}};
   }
   if (o.report) json["seconds"]["report"] = seconds.report;
   return json;
@@ -159,8 +159,9 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
   if (!o.poses.empty()) {
     std::vector<std::string> names;
     for (const KnownPose& pose : built.poses) names.push_back(pose.name);
-    fmt::print("poses         {}{}{}; at worst {} times as loose as at its own\n", counted(names.size(), "more tree"),
-               names.empty() ? "" : ": ", fmt::join(names, ", "), figure(poses.worst));
+    fmt::print("poses         {}{}{}; at worst {} times as loose as one built for the pose\n",
+               counted(names.size(), "more tree"), names.empty() ? "" : ": ", fmt::join(names, ", "),
+               figure(poses.worst));
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
              counted(built.cover.patch_count(), "patch", "patches"));
@@ -203,11 +204,12 @@ KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, const std:
                            .most = o.most_poses,
                            .stop = interrupt.token(),
                            .progress = {}};
+  const std::vector<NamedPose> poses = candidate_poses(motion, mesh);
   options.progress = [&](std::size_t count, double worst) {
-    const auto share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, o.most_poses));
+    const auto share = static_cast<double>(count) / static_cast<double>(poses.size());
     progress.update(share, fmt::format("{}: at worst {} times as loose", counted(count, "tree"), figure(worst)));
   };
-  return add_known_poses(mesh, built, candidate_poses(motion, mesh), options, workers);
+  return add_known_poses(mesh, built, poses, options, workers);
 }
 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
@@ -340,7 +342,7 @@ void add_build(CLI::App& app, Run& run) {
       "size along each axis")
       ->type_name("MOTION");
   add_option(*command, "--pose-looser-by", o->pose_looser_by,
-             "As many of --poses as it takes for no pose to be this many times as loose as its tree was made")
+             "As many of --poses as it takes for no pose to be this many times as loose as a tree built for it")
       ->type_name("X")
       ->transform(real_number())
       ->capture_default_str();

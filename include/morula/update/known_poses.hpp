@@ -22,24 +22,30 @@ struct KnownPoseOptions {
   Method method = Method::morula;
   Quality quality = Quality::standard;
   std::uint64_t seed = 1;
-  /// A pose gets a tree of its own when the tightest of those there are is somewhere this many times as loose there as
-  /// at the pose it was made for; above 1.
+  /// A pose gets a tree of its own when the tightest of those there are has a level that is this many times as loose
+  /// there as that of a tree built for the pose; above 1.
   double looser_by = 1.5;
   std::size_t most = 24;  ///< trees added at most; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
-  /// After every tree: how many there are, and by how much the tightest one is looser at the worst pose. May be empty.
-  std::function<void(std::size_t count, double worst)> progress{};
+  /// Before every tree and at the end: KnownPosesReport::built and worst so far. May be empty.
+  std::function<void(std::size_t built, double worst)> progress{};
 };
 
 struct KnownPosesReport {
+  /// Trees, at most one for each pose: those added, and those that only show how tight a pose can be.
+  std::size_t built = 0;
   std::size_t added = 0;
-  double worst = 1;  ///< over all poses: by how much the tightest tree is looser there than where it was made
+  /// Over all poses that have no tree of their own, and levels: how many times as loose the tightest tree is as one
+  /// built for the pose; at least 1. Poses for which none was built count beside the tightest of all trees, each at its
+  /// own.
+  double worst = 1;
 };
 
 /// Chooses among `poses` those that no tree serves, the worst served first, and adds a tree for each to built.poses.
-/// Cost: a build for each one added, and an update and an estimate of looseness for each pose and tree. Same bits for
-/// any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and for a pose of
-/// another size, before anything is changed; BuildStopped.
+/// Cost: a build for each pose that might be one of them, which may be all (their trees are kept until it is done); an
+/// update and an estimate of looseness for each pose and tree added. Same bits for any number of workers. Throws as
+/// build and Body do, std::invalid_argument for options out of range and for a pose of another size, before anything is
+/// changed; BuildStopped.
 KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options = {}, Workers& workers = serial_workers());
 

@@ -55,6 +55,8 @@ class LoosenessEstimator {
   std::size_t sample_count() const;
   /// V at the last pose, mesh units cubed.
   double volume() const;
+  /// The mesh is closed: it has an inside, and looseness tells what spheres take up beside it.
+  bool has_volume() const;
 
  private:
   struct State;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/trigonometry.hpp>
@@ -13,6 +14,7 @@
 #include <numeric>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 
 namespace morula::detail {
 namespace {
@@ -46,7 +48,47 @@ struct ReaderOf {
   }
 };
 
+// Of each vertex, the first at the same place: pieces that share a seam without sharing vertices are one.
+std::vector<std::uint32_t> first_at_place(std::span<const Vec3> positions) {
+  std::vector<std::uint32_t> order(positions.size()), first(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t v) { return std::tuple(positions[v].x, positions[v].y, positions[v].z, v); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
+  return first;
+}
+
 }  // namespace
+
+// Pieces of surface: of each sample, the one it lies on.
+struct SurfaceSamples::Pieces {
+  std::vector<std::uint32_t> of_sample{};  // empty where there is one piece only
+  std::vector<std::size_t> sample_count{};
+
+  // A piece with too few samples for a ring has neighbours wherever they are, as have loose facets.
+  bool may_be_neighbours(std::uint32_t a, std::uint32_t b) const {
+    return of_sample.empty() || of_sample[a] == of_sample[b] || sample_count[of_sample[a]] <= ring_size;
+  }
+};
+
+SurfaceSamples::Pieces SurfaceSamples::pieces_of(const Mesh& rest) const {
+  const std::vector<std::uint32_t> first = first_at_place(rest.positions);
+  std::vector<Facet> facets = rest.facets;
+  for (Facet& f : facets)
+    for (std::uint32_t& v : f) v = first[v];
+  const Components components = components_by_vertices(MeshView{rest.positions, facets});
+  std::vector<std::uint32_t> of_vertex(rest.vertex_count());
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    for (const std::uint32_t v : rest.facets[f]) of_vertex[v] = components.of_facet[f];
+  Pieces pieces;
+  pieces.sample_count.resize(components.count);
+  for (const Site& site : sites_) {
+    pieces.of_sample.push_back(of_vertex[site.facet[0]]);
+    ++pieces.sample_count[pieces.of_sample.back()];
+  }
+  return pieces;
+}
 
 SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(rest.facets) {
   const MeshReport report = inspect(rest);
@@ -68,7 +110,7 @@ SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(re
   const PositionView positions = rest.positions;
   place(ReaderOf<double>{positions}, 0, sites_.size());
   bound_blocks();
-  choose_rings(std::sqrt(each) * per_mesh_unit_);
+  choose_rings(std::sqrt(each) * per_mesh_unit_, report.component_count > 1 ? pieces_of(rest) : Pieces{});
   move(positions);
 }
 
@@ -86,14 +128,15 @@ void SurfaceSamples::sort_into_blocks(std::vector<Vec3f> points) {
   area_.resize(sites_.size());
 }
 
-void SurfaceSamples::choose_rings(double spacing) {
-  for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing);
+void SurfaceSamples::choose_rings(double spacing, const Pieces& pieces) {
+  for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing, pieces);
 }
 
 // One neighbour in each of six sectors about the normal: the nearest that is not so near that rounding and facets
-// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbour.
-std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample,
-                                                                             double spacing) const {
+// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbour, nor is a piece of
+// surface that lies through this one, or leaves it when the body moves.
+std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample, double spacing,
+                                                                             const Pieces& pieces) const {
   constexpr double near = 1.5, far = 4.0;  // spacings
   constexpr float other_side = -0.2f;      // cosine between normals
   const Vec3f normal = normal_[sample];
@@ -112,6 +155,7 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
       const Vec3f offset = point_[other] - point_[sample];
       const double gap = length(offset);
       if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
+      if (!pieces.may_be_neighbours(sample, other)) continue;
       const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
       const auto sector =
           std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));

@@ -28,7 +28,7 @@ void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<cons
                                   " positions for " + std::to_string(mesh.vertex_count()) + " vertices");
 }
 
-// How every pose is served by the trees that there are.
+// How every pose is served by the trees that there are, beside what a tree built for it would do.
 class Service {
  public:
   Service(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses, Workers& workers)
@@ -36,49 +36,93 @@ class Service {
         workers_(workers),
         estimator_(mesh),
         home_(built.tree.level_count()),
-        score_(poses.size(), std::numeric_limits<double>::infinity()),
-        growth_(poses.size(), 1) {
+        own_(poses.size()),
+        serving_(poses.size()) {
     Body body(mesh, CoveredTree{built.tree, built.cover, built.report}, {}, workers);
-    estimator_.pose(mesh.positions);
-    estimator_.estimate(body, home_);
-    serve(body, home_);
-    for (const KnownPose& pose : built.poses) add({pose.positions, mesh.facets}, pose.built);
+    home_ = looseness_of(body, mesh.positions);
+    tightest_ = home_;
+    serve(body);
+    for (const KnownPose& pose : built.poses) {
+      Body known({pose.positions, mesh.facets}, pose.built, {}, workers);
+      learn(looseness_of(known, pose.positions));
+      serve(known);
+    }
   }
 
-  void add(const Mesh& posed, std::shared_ptr<const CoveredTree> built) {
-    Body body(posed, std::move(built), {}, workers_);
-    std::vector<double> at_build(home_.size());
-    estimator_.pose(posed.positions);
-    estimator_.estimate(body, at_build);
-    serve(body, at_build);
+  struct Worst {
+    std::size_t pose;
+    double growth;
+  };
+  /// The pose served worst of those whose own tree does not serve yet, and how many times looser than it could be.
+  Worst worst() const {
+    Worst result{0, 1};
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      if (const double its = growth(i); !own_[i].serves && its > result.growth) result = {i, its};
+    return result;
   }
 
-  /// The pose served worst, and how badly.
-  std::pair<std::size_t, double> worst() const {
-    const auto found = std::max_element(growth_.begin(), growth_.end());
-    return {static_cast<std::size_t>(found - growth_.begin()), *found};
+  bool has_tree(std::size_t pose) const { return own_[pose].tree != nullptr; }
+  std::shared_ptr<const CoveredTree> tree(std::size_t pose) const { return own_[pose].tree; }
+
+  /// A tree built for a pose: from now on it is known how tight that one can be.
+  void keep(std::size_t pose, const Mesh& posed, std::shared_ptr<const CoveredTree> built) {
+    Body body(posed, built, {}, workers_);
+    own_[pose] = {std::move(built), looseness_of(body, posed.positions), false};
+    learn(own_[pose].looseness);
+  }
+
+  /// It serves wherever it is tighter, too.
+  void let_serve(std::size_t pose, const Mesh& posed) {
+    own_[pose].serves = true;
+    Body body(posed, own_[pose].tree, {}, workers_);
+    serve(body);
   }
 
  private:
-  // By the tightest tree, and how much looser that is than where it was made.
-  void serve(Body& body, std::span<const double> at_build) {
+  struct Own {
+    std::shared_ptr<const CoveredTree> tree;
+    std::vector<double> looseness;  // at this pose
+    bool serves = false;
+  };
+  struct Serving {
+    double score = std::numeric_limits<double>::infinity();
+    std::vector<double> looseness;
+  };
+
+  // A pose for which no tree was built may be as easy to cover as the easiest one.
+  double growth(std::size_t pose) const {
+    return largest_growth(serving_[pose].looseness, has_tree(pose) ? own_[pose].looseness : tightest_);
+  }
+
+  std::vector<double> looseness_of(const Body& body, const PositionView& positions) {
     std::vector<double> looseness(home_.size());
+    estimator_.pose(positions);
+    estimator_.estimate(body, looseness);
+    return looseness;
+  }
+
+  void learn(std::span<const double> looseness) {
+    for (std::size_t level = 0; level < looseness.size(); ++level)
+      tightest_[level] = std::min(tightest_[level], looseness[level]);
+  }
+
+  void serve(Body& body) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (const UpdateStatus status = body.update(poses_[i].positions, workers_); !status)
         throw std::invalid_argument("known poses: \"" + poses_[i].name + "\": " + message(status));
-      estimator_.pose(poses_[i].positions);
-      estimator_.estimate(body, looseness);
+      std::vector<double> looseness = looseness_of(body, poses_[i].positions);
       const double score = relative_looseness(looseness, home_);
-      if (!(score < score_[i])) continue;
-      score_[i] = score;
-      growth_[i] = largest_growth(looseness, at_build);
+      if (score < serving_[i].score) serving_[i] = {score, std::move(looseness)};
     }
   }
 
   std::span<const NamedPose> poses_;
   Workers& workers_;
   LoosenessEstimator estimator_;
-  std::vector<double> home_, score_, growth_;
+  std::vector<double> home_;
+  std::vector<double> tightest_;  // of all trees, each at the pose that it was built for, level by level
+  std::vector<Own> own_;
+  std::vector<Serving> serving_;
 };
 
 }  // namespace
@@ -97,18 +141,19 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
                                    .stop = options.stop};
   Service service(mesh, built, poses, workers);
   std::vector<KnownPose> added;
-  std::vector<std::uint8_t> has_own(poses.size());
   while (true) {
     const auto [pose, growth] = service.worst();
     report.worst = growth;
-    if (options.progress) options.progress(added.size(), growth);
-    // A pose that its own tree serves no better is hard to cover.
-    if (!(growth > options.looser_by) || added.size() == options.most || has_own[pose] != 0) break;
-    has_own[pose] = 1;
+    if (options.progress) options.progress(report.built, growth);
+    if (!(growth > options.looser_by) || added.size() == options.most) break;
     const Mesh posed{poses[pose].positions, mesh.facets};
-    auto tree = std::make_shared<const CoveredTree>(build(posed, build_options, workers));
-    service.add(posed, tree);
-    added.push_back({poses[pose].name, poses[pose].positions, std::move(tree)});
+    if (service.has_tree(pose)) {
+      service.let_serve(pose, posed);
+      added.push_back({poses[pose].name, poses[pose].positions, service.tree(pose)});
+    } else {
+      service.keep(pose, posed, std::make_shared<const CoveredTree>(build(posed, build_options, workers)));
+      ++report.built;
+    }
   }
   report.added = added.size();
   std::move(added.begin(), added.end(), std::back_inserter(built.poses));

@@ -12,17 +12,15 @@ namespace {
 
 // An ownership costs a switch, which makes queries start anew: it has to be expected to be better by this much.
 constexpr double least_gain = 0.02;
-// Where the spheres of an ownership take up so many times what they did where it was made, another is looked at in each
-// frame, whatever is expected of it.
+// Where the spheres of an ownership take up so many times what they did where it was made, others are looked at in each
+// frame, whatever is expected of them.
 constexpr double grown = 1.15;
-// What spheres take up is clearly more, or clearly less, above and below these shares.
-constexpr double much_more = 1.15, much_less = 0.85;
-// Others looked at in one frame.
-constexpr int most_seen = 2;
-// An ownership that was seen to be no better is looked at again after so many frames: meanwhile others are.
-constexpr std::uint64_t seen_lately = 4;
-// Every so many frames it is the turn of the one not seen for longest, so that none is left aside for ever.
-constexpr std::uint64_t turn_every = 3;
+// Others looked at in one frame: two, or as many as test so many points together, some 8 us, but no more than eight.
+constexpr std::size_t least_seen = 2, most_seen = 8, tests_to_see = 20'000;
+// An ownership that was seen to be no better is looked at again after all others were and so many frames, or where
+// strain has come to be so many times what it was then.
+constexpr std::size_t seen_lately = 4;
+constexpr double closer = 0.8;
 
 std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
   return std::make_shared<const CoveredTree>(CoveredTree{built.tree, built.cover, built.report});
@@ -34,59 +32,22 @@ Ownerships::Ownerships(const Mesh& mesh, const CoveredTree& built, const Setting
                        LoosenessEstimator& estimator, Workers& workers)
     : settings_(settings),
       // Whether they belong together is what Body asks, so it comes first.
-      home_{ReownedBody::make(mesh, without_poses(built), workers, settings.ways),
-            std::vector<double>(built.tree.level_count()),
-            {},
-            {}},
-      gauge_(std::make_shared<const StrainGauge>(mesh, built)),
-      volumes_(home_.body),
+      home_(ReownedBody::make(mesh, without_poses(built), workers, settings.ways), mesh, estimator,
+            built.tree.level_count()),
       present_(&home_),
-      lengths_(gauge_->length_count()) {
-  home_ = made(mesh, std::move(home_.body), estimator);
+      lengths_(home_.gauge.length_count()) {
   std::vector<PositionView> poses{mesh.positions};
   for (const KnownPose& pose : built.poses) {
     poses.emplace_back(pose.positions);
     const Mesh posed{pose.positions, mesh.facets};
-    known_.push_back(made(posed, ReownedBody::make(posed, pose.built, workers, settings.ways), estimator));
+    known_.emplace_back(ReownedBody::make(posed, pose.built, workers, settings.ways), posed, estimator, level_count());
   }
   cost_.emplace(home_).calibrate(home_, known_, poses, estimator, workers);
   serve(home_);
 }
 
-// The body is at the pose that it was made for.
-Epoch Ownerships::made(const Mesh& posed, Body body, LoosenessEstimator& estimator) const {
-  Epoch result{std::move(body), std::vector<double>(level_count()), std::vector<float>(gauge_->length_count()),
-               std::vector<double>(level_count())};
-  estimator.reserve(result.body.rest_tree().node_count());
-  estimator.pose(posed.positions);
-  estimator.estimate(result.body, result.looseness_at_build);
-  gauge_->measure(posed.positions, result.lengths);
-  result.volume_at_build = volumes_.of(result.body);
-  return result;
-}
-
 bool Ownerships::is_known(const Epoch& ownership) const noexcept {
   return std::any_of(known_.begin(), known_.end(), [&](const Epoch& k) { return &k == &ownership; });
-}
-
-UpdateStatus Ownerships::follow(Epoch& ownership, bool resting, const PositionView& positions,
-                                Workers& workers) noexcept {
-  const bool as_made = resting || &ownership != present_;
-  if (as_made) ReownedBody::give_back(ownership.body);
-  return ReownedBody::update(ownership.body, positions, as_made ? 0 : settings_.reown_tests, workers);
-}
-
-// Of the present one: what was measured last, and what strain has been added since.
-double Ownerships::expected_score(const Epoch& ownership) const noexcept {
-  const double strain = StrainGauge::strain(lengths_, ownership.lengths);
-  const auto more = [&](double at) { return cost_->at(ownership, at); };
-  if (&ownership == present_) return score_at_estimate_ + more(strain) - more(strain_at_estimate_);
-  return relative_looseness(ownership.looseness_at_build, home_.looseness_at_build) + more(strain);
-}
-
-// What another has to be expected to stay below.
-double Ownerships::promise_needed() const noexcept {
-  return (1 - std::max(least_gain, settings_.gain)) * expected_score(*present_);
 }
 
 template <typename Visit>
@@ -99,52 +60,82 @@ void Ownerships::for_others(const Visit& visit) noexcept {
   if (away_) unless_present(*away_);
 }
 
+void Ownerships::measure(const PositionView& positions) noexcept {
+  present_->strain_now = present_->gauge.strain(positions);
+  for_others([&](Epoch& other) { other.strain_now = other.gauge.strain(positions); });
+  home_.gauge.measure(positions, lengths_);
+}
+
+UpdateStatus Ownerships::follow(Epoch& ownership, bool resting, const PositionView& positions,
+                                Workers& workers) noexcept {
+  const bool as_made = resting || &ownership != present_;
+  if (as_made) ReownedBody::give_back(ownership.body);
+  const UpdateStatus status =
+      ReownedBody::update(ownership.body, positions, as_made ? 0 : settings_.reown_tests, workers);
+  if (status && &ownership == present_) tests_of_update_ = status.points_tested;
+  return status;
+}
+
+// Of the present one: what was measured last, and what strain has been added since.
+double Ownerships::expected_score(const Epoch& ownership) const noexcept {
+  const double strain = ownership.strain_now;
+  const auto more = [&](double at) { return cost_->at(ownership, at); };
+  if (&ownership == present_) return score_at_estimate_ + more(strain) - more(strain_at_estimate_);
+  return relative_looseness(ownership.looseness_at_build, home_.looseness_at_build) + more(strain);
+}
+
+// What another has to be expected to stay below.
+double Ownerships::promise_needed() const noexcept {
+  return (1 - std::max(least_gain, settings_.gain)) * expected_score(*present_);
+}
+
 Epoch& Ownerships::made_for_this() noexcept {
   Epoch* own = present_;
   double least = strain();
   if (least < still_strain) return *present_;
   for_others([&](Epoch& other) {
-    const double its = StrainGauge::strain(lengths_, other.lengths);
+    const double its = other.strain_now;
     if (its < still_strain && its < least) least = its, own = &other;
   });
   return *own;
 }
 
-// Another serves that is expected to be tighter and does not take up much more, or that takes up much less. What strain
-// costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up counts many
-// times what they share.
+// What strain costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up
+// is seen, so it decides.
 Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept {
-  const double taken_up = volumes_.of(present_->body);
-  const bool has_grown = taken_up > grown * present_->volume_at_build;
+  const bool has_grown = present_->growth() > grown;
   Epoch* best = present_;
-  double least = std::numeric_limits<double>::infinity();  // that another takes up which may serve
-  for (int seen = 0; seen < most_seen; ++seen) {
+  double least = (1 - least_gain) * present_->taken_up();
+  const std::size_t count = seen_in_a_frame();
+  for (std::size_t seen = 0; seen < count; ++seen) {
     Epoch* const other = next_to_see(frame, has_grown);
     if (other == nullptr || !follow(*other, false, positions, workers)) break;
-    other->seen_frame = frame;
-    const double most = expected_score(*other) < promise_needed() ? much_more : much_less;
-    const double its = volumes_.of(other->body);
-    if (its < most * taken_up && its < least) least = its, best = other;
+    other->seen_frame = frame, other->seen_strain = other->strain_now;
+    if (const double its = other->taken_up(); its < least) least = its, best = other;
   }
   return *best;
 }
 
-// The one that is expected to be the tightest of those not seen lately, and now and then the one not seen for longest.
-// As long as the present one takes up what it did where it was made, only what promises to be better.
+std::size_t Ownerships::seen_in_a_frame() const noexcept {
+  return std::clamp(tests_to_see / std::max<std::size_t>(1, tests_of_update_), least_seen, most_seen);
+}
+
+// The one that is expected to be the tightest of those not seen lately, so that none is left aside for ever. As long as
+// the present one takes up what it did where it was made, only what promises to be better.
 Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
+  const std::uint64_t round = std::max(seen_lately, known_.size() / seen_in_a_frame() + 1);
   Epoch* next = nullptr;
   double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();
-  const bool in_turn = has_grown && frame % turn_every == 0;
   for_others([&](Epoch& other) {
-    if (other.seen_frame == frame) return;
-    if (!in_turn && other.seen_frame != 0 && frame < other.seen_frame + seen_lately) return;
-    const double score = in_turn ? static_cast<double>(other.seen_frame) : expected_score(other);
-    if (score < least) least = score, next = &other;
+    const bool seen_before = other.seen_frame != 0 && frame < other.seen_frame + round;
+    if (other.seen_frame == frame || (seen_before && !(other.strain_now < closer * other.seen_strain))) return;
+    if (const double score = expected_score(other); score < least) least = score, next = &other;
   });
   return next;
 }
 
-bool Ownerships::takes_over(const Epoch& rebuilt) const noexcept {
+bool Ownerships::takes_over(Epoch& rebuilt, const PositionView& positions) const noexcept {
+  rebuilt.strain_now = rebuilt.gauge.strain(positions);
   double least = expected_score(*present_);
   for (const Epoch& ownership : known_) least = std::min(least, expected_score(ownership));
   return expected_score(rebuilt) < (1 - settings_.gain) * std::min(least, expected_score(home_));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The ownerships of a rebuilt body, and which of them is to serve: docs/rebuild.md#how-an-ownership-is-chosen.
+// The ownerships of a rebuilt body, and which of them is to serve: docs/known_poses.md#how-an-ownership-is-chosen.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "update/rebuild/rebuild_job.hpp"
-#include "update/rebuild/sphere_volumes.hpp"
+#include "update/rebuild/epoch.hpp"
 #include "update/rebuild/strain_cost.hpp"
-#include "update/rebuild/strain_gauge.hpp"
 #include "update/reowned_body.hpp"
 
 namespace morula::detail {
@@ -39,15 +37,15 @@ class Ownerships {
   bool home_serves() const noexcept { return present_ == &home_; }
   bool is_known(const Epoch& ownership) const noexcept;
   std::size_t level_count() const { return home_.looseness_at_build.size(); }
-  const std::shared_ptr<const StrainGauge>& gauge() const { return gauge_; }
-  const SphereVolumes& volumes() const { return volumes_; }
 
   // A frame, from its positions on.
 
-  void measure(const PositionView& positions) noexcept { gauge_->measure(positions, lengths_); }
+  /// How far they are from the poses that the ownerships were made for.
+  void measure(const PositionView& positions) noexcept;
+  /// Those of the ownership at rest.
   std::span<const float> lengths() const { return lengths_; }
-  /// How far the frame's pose is from the one that the present ownership was made for.
-  double strain() const noexcept { return StrainGauge::strain(lengths_, present_->lengths); }
+  /// From the pose that the present ownership was made for.
+  double strain() const noexcept { return present_->strain_now; }
   /// Updates one; as it was made, where it has not served before this frame, and at rest.
   UpdateStatus follow(Epoch& ownership, bool resting, const PositionView& positions, Workers& workers) noexcept;
   /// The ownership whose own pose this is; else the present one, as where positions are not finite, or where lengths
@@ -56,8 +54,8 @@ class Ownerships {
   /// The present ownership, updated in this frame, or one of two others that were updated beside it and serves better.
   Epoch& tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
   /// Is a rebuilt one, not looked at yet, expected to be better than all that there are?
-  bool takes_over(const Epoch& rebuilt) const noexcept;
-  /// Is it expected to be less than so many times as loose as where it was made?
+  bool takes_over(Epoch& rebuilt, const PositionView& positions) const noexcept;
+  /// Is it expected to be less than so many times as loose as where it was made? takes_over was asked in this frame.
   bool fits_here(const Epoch& rebuilt, double looser_by) const noexcept;
 
   // What became of it.
@@ -69,22 +67,21 @@ class Ownerships {
   void learn(const std::vector<double>& looseness, double strain) noexcept;
 
  private:
-  Epoch made(const Mesh& posed, Body body, LoosenessEstimator& estimator) const;
   double expected_score(const Epoch& ownership) const noexcept;
   double promise_needed() const noexcept;
+  std::size_t seen_in_a_frame() const noexcept;
   Epoch* next_to_see(std::uint64_t frame, bool has_grown) noexcept;
   template <typename Visit>
   void for_others(const Visit& visit) noexcept;
 
   Settings settings_;
   Epoch home_;
-  std::shared_ptr<const StrainGauge> gauge_;
-  SphereVolumes volumes_;
   std::optional<StrainCost> cost_;  // once it is known how loose the home ownership is
   std::vector<Epoch> known_;
   std::unique_ptr<Epoch> away_;  // rebuilt
   Epoch* present_;
-  std::vector<float> lengths_;  // at this frame's positions
+  std::vector<float> lengths_;       // of the ownership at rest, at this frame's positions
+  std::size_t tests_of_update_ = 0;  // points that the last one of the present ownership tested
   // Of the present one, at its last estimate.
   double strain_at_estimate_ = 0, score_at_estimate_ = 0;
 };

@@ -38,14 +38,8 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 }  // namespace
 
 RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-                       std::shared_ptr<const StrainGauge> gauge, SphereVolumes volumes, ReownedBody::Ways ways)
-    : snapshot_(home),
-      build_(build),
-      estimator_(home, sample_count),
-      levels_(levels),
-      gauge_(std::move(gauge)),
-      volumes_(std::move(volumes)),
-      ways_(ways) {
+                       ReownedBody::Ways ways)
+    : snapshot_(home), build_(build), estimator_(home, sample_count), levels_(levels), ways_(ways) {
   earlier_.fill(home.positions);
   last_pose_ = home.positions;
 }
@@ -92,17 +86,10 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
   auto built = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
   if (build_.stop.stop_requested()) throw BuildStopped();
-  auto epoch = std::make_unique<Epoch>(Epoch{ReownedBody::make(snapshot_, std::move(built), one, ways_),
-                                             std::vector<double>(levels_), std::vector<float>(gauge_->length_count()),
-                                             std::vector<double>(levels_)});
-  gauge_->measure(snapshot_.positions, epoch->lengths);
-  epoch->volume_at_build = volumes_.of(epoch->body);
-  estimator_.pose(snapshot_.positions);
-  estimator_.estimate(epoch->body, epoch->looseness_at_build);
+  auto epoch = std::make_unique<Epoch>(ReownedBody::make(snapshot_, std::move(built), one, ways_), snapshot_,
+                                       estimator_, levels_);
   // The frame that takes it over lies between the pose it was asked for at and the one it was made for.
-  std::vector<float> lengths(gauge_->length_count());
-  gauge_->measure(last_pose_, lengths);
-  epoch->strain_elsewhere = StrainGauge::strain(lengths, epoch->lengths);
+  epoch->strain_elsewhere = epoch->gauge.strain(last_pose_);
   if (epoch->strain_elsewhere > 0 && epoch->body.update(last_pose_, one)) {
     estimator_.pose(last_pose_);
     estimator_.estimate(epoch->body, epoch->looseness_elsewhere);

@@ -14,24 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "update/rebuild/sphere_volumes.hpp"
-#include "update/rebuild/strain_gauge.hpp"
+#include "update/rebuild/epoch.hpp"
 #include "update/reowned_body.hpp"
 
 namespace morula::detail {
-
-/// A body, and what is known of it at the pose it was made for: how loose it was, per level set, and the lengths that
-/// tell how far another pose is from that one. And how loose it was at another pose, at a strain from that one, where
-/// it was ever measured; else that strain is 0.
-struct Epoch {
-  Body body;
-  std::vector<double> looseness_at_build;
-  std::vector<float> lengths;
-  std::vector<double> looseness_elsewhere;
-  double strain_elsewhere = 0;
-  double volume_at_build = 0;    ///< of its spheres (SphereVolumes)
-  std::uint64_t seen_frame = 0;  ///< when it was last updated beside another that served
-};
 
 /// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
 /// while idle or done, the runner's while queued; whoever hands over does so by writing it.
@@ -39,7 +25,7 @@ class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
   RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-             std::shared_ptr<const StrainGauge> gauge, SphereVolumes volumes, ReownedBody::Ways ways);
+             ReownedBody::Ways ways);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -76,8 +62,6 @@ class RebuildJob {
   BuildOptions build_;
   LoosenessEstimator estimator_;
   std::size_t levels_;
-  std::shared_ptr<const StrainGauge> gauge_;
-  SphereVolumes volumes_;
   ReownedBody::Ways ways_;
   std::stop_source stop_;
   std::unique_ptr<Epoch> retired_{};

@@ -140,7 +140,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       estimated(built.tree.level_count()),
       earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
-                                       built.tree.level_count(), owned.gauge(), owned.volumes(), ways_of(options))) {
+                                       built.tree.level_count(), ways_of(options))) {
   report.rebuild_frames = first_guess;
   change_to(owned.home());
   epoch = 0;
@@ -159,7 +159,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     chosen = &owned.home();
   } else if (whole) {
     owned.measure(positions);
-    const bool takes_over = arrived && job->finished() != nullptr && owned.takes_over(*job->finished());
+    const bool takes_over = arrived && job->finished() != nullptr && owned.takes_over(*job->finished(), positions);
     chosen = takes_over ? job->finished() : &owned.made_for_this();
   }
   Epoch* const present = &owned.present();
@@ -306,7 +306,7 @@ void RebuiltBody::State::start(int steps, const PositionView& positions, Workers
     case RebuildThread::caller: {
       job->run();
       Epoch* const made = job->finished();
-      const bool taken = made != nullptr && owned.takes_over(*made) && made->body.update(positions, workers);
+      const bool taken = made != nullptr && owned.takes_over(*made, positions) && made->body.update(positions, workers);
       if (taken) change_to(*made);
       collect(taken);
       break;

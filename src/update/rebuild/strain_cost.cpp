@@ -54,9 +54,7 @@ double StrainCost::of(const Epoch& ownership, std::span<const double> looseness,
 void StrainCost::calibrate(Epoch& home, std::span<const Epoch> known, std::span<const PositionView> poses,
                            LoosenessEstimator& estimator, Workers& workers) {
   const auto ownership = [&](std::size_t pose) -> const Epoch& { return pose == 0 ? home : known[pose - 1]; };
-  const auto strain_at = [&](const Epoch& of, std::size_t pose) {
-    return StrainGauge::strain(ownership(pose).lengths, of.lengths);
-  };
+  const auto strain_at = [&](const Epoch& of, std::size_t pose) { return of.gauge.strain(poses[pose]); };
   std::vector<double> estimated(home.looseness_at_build.size());
   const auto is_estimated_at = [&](Body& probe, std::size_t pose) {
     if (!probe.update(poses[pose], workers)) return false;

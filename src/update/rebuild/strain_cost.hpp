@@ -8,7 +8,7 @@
 #include <morula/update/looseness_estimate.hpp>
 #include <span>
 
-#include "update/rebuild/rebuild_job.hpp"
+#include "update/rebuild/epoch.hpp"
 
 namespace morula::detail {
 

@@ -24,51 +24,62 @@ std::array<std::uint32_t, 3> extremes(std::span<const Vec3> positions, std::span
 
 }  // namespace
 
-StrainGauge::StrainGauge(const Mesh& rest, const CoveredTree& built, std::size_t most) {
+StrainGauge::StrainGauge(const Mesh& posed, const SphereTree& tree, const Cover& cover) {
   std::vector<Pair> all;
   std::vector<std::uint32_t> vertices;
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
-    if (!built.tree.is_leaf(node)) continue;
+  double sum = 0;
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
+    if (!tree.is_leaf(node)) continue;
     vertices.clear();
-    for (std::uint32_t p = built.cover.region_begin[node]; p < built.cover.region_end[node]; ++p) {
-      const Facet& facet = rest.facets[built.cover.patch_facet[p]];
+    for (std::uint32_t p = cover.region_begin[node]; p < cover.region_end[node]; ++p) {
+      const Facet& facet = posed.facets[cover.patch_facet[p]];
       vertices.insert(vertices.end(), facet.begin(), facet.end());
     }
     if (vertices.empty()) continue;
-    const auto [a, b, c] = extremes(rest.positions, vertices);
+    const auto [a, b, c] = extremes(posed.positions, vertices);
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
-      if (const double length = distance(rest.positions[from], rest.positions[to]); length > 0)
-        all.push_back({from, to, length});
+      if (const double length = distance(posed.positions[from], posed.positions[to]); length > 0) {
+        all.push_back({from, to});
+        sum += length;
+      }
   }
+  if (sum > 0) over_mean_ = static_cast<double>(all.size()) / sum;
   const std::size_t count = std::min(most, all.size());
   for (std::size_t i = 0; i < count; ++i) pairs_.push_back(all[i * all.size() / count]);
+  at_build_.resize(count);
+  measure(posed.positions, at_build_);
 }
 
 void StrainGauge::measure(const PositionView& positions, std::span<float> lengths) const noexcept {
   constexpr float shortest = 1e-3f;  // counts as at least that: two vertices may come together
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    const double now = distance(positions[pair.from], positions[pair.to]);
-    lengths[i] = std::max(static_cast<float>(now / pair.at_rest), shortest);
+    const double now = distance(positions[pairs_[i].from], positions[pairs_[i].to]);
+    lengths[i] = std::max(static_cast<float>(now * over_mean_), shortest);
   }
+}
+
+double StrainGauge::strain(const PositionView& positions) const noexcept {
+  std::array<float, most> now;
+  measure(positions, now);
+  return strain(std::span(now).first(pairs_.size()), at_build_);
 }
 
 // What gets longer makes spheres grow, and what gets shorter much less: a limb at 0.88 of the length that its tree was
 // made for is as loose as one at 1.09 of it.
-static float cost_of_length(float now, float at_build) noexcept {
+static float cost_of_length(float now, float before) noexcept {
   constexpr float of_shortening = 0.3f;
-  const float difference = (now - at_build) * (now + at_build) / (now * at_build);
-  return difference * difference * (now > at_build ? 1.0f : of_shortening);
+  const float difference = (now - before) * (now + before) / (now * before);
+  return difference * difference * (now > before ? 1.0f : of_shortening);
 }
 
-double StrainGauge::strain(std::span<const float> now, std::span<const float> at_build) noexcept {
+double StrainGauge::strain(std::span<const float> now, std::span<const float> before) noexcept {
   // Sums of their own, so that an addition need not wait for the one before.
   constexpr std::size_t lanes = 8;
   std::array<float, lanes> sum{};
   std::size_t i = 0;
   for (; i + lanes <= now.size(); i += lanes)
-    for (std::size_t k = 0; k < lanes; ++k) sum[k] += cost_of_length(now[i + k], at_build[i + k]);
-  for (; i < now.size(); ++i) sum[0] += cost_of_length(now[i], at_build[i]);
+    for (std::size_t k = 0; k < lanes; ++k) sum[k] += cost_of_length(now[i + k], before[i + k]);
+  for (; i < now.size(); ++i) sum[0] += cost_of_length(now[i], before[i]);
   double all = 0;
   for (const float s : sum) all += static_cast<double>(s);
   return now.empty() ? 0 : std::sqrt(all / static_cast<double>(now.size())) / 2;

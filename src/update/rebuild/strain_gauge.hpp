@@ -15,23 +15,29 @@ namespace morula::detail {
 
 class StrainGauge {
  public:
-  /// Lengths within the leaves of a tree, a few for each, at most `most`.
-  StrainGauge(const Mesh& rest, const CoveredTree& built, std::size_t most = 768);
+  static constexpr std::size_t most = 256;  ///< lengths
+
+  /// Lengths within the leaves of a tree that was made for this pose, a few for each.
+  StrainGauge(const Mesh& posed, const SphereTree& tree, const Cover& cover);
 
   std::size_t length_count() const { return pairs_.size(); }
-  /// As many lengths as there are, at these positions, over those at rest; not finite where positions are not.
+  /// As many lengths as there are, at these positions, over the mean one at the pose that the tree was made for; not
+  /// finite where positions are not.
   void measure(const PositionView& positions, std::span<float> lengths) const noexcept;
-  /// Root of the mean square of half (x − 1 / x) over the lengths, x being one now over the same at_build, and those
-  /// that are shorter now counting less: about the mean strain since an ownership was built. Nought for the same pose,
-  /// however it is turned and wherever it lies; not a number where a length is not finite.
-  static double strain(std::span<const float> now, std::span<const float> at_build) noexcept;
+  /// From the pose that the tree was made for to these positions.
+  double strain(const PositionView& positions) const noexcept;
+  /// Root of the mean square of half (x − 1 / x) over the lengths, x being one now over the same before, and those
+  /// that are shorter now counting less: about the mean strain since then. Nought for the same pose, however it is
+  /// turned and wherever it lies; not a number where a length is not finite.
+  static double strain(std::span<const float> now, std::span<const float> before) noexcept;
 
  private:
   struct Pair {
     std::uint32_t from, to;
-    double at_rest;
   };
   std::vector<Pair> pairs_;
+  double over_mean_ = 1;  // 1 / the mean length
+  std::vector<float> at_build_;
 };
 
 }  // namespace morula::detail

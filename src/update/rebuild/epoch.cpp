@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "update/rebuild/sphere_volumes.hpp"
+#include "update/rebuild/epoch.hpp"
+
+#include <utility>
 
 #include "update/rebuild/relative_looseness.hpp"
 
@@ -27,16 +29,28 @@ void for_level_sets(const Body& body, std::size_t levels, const Take& take) {
 
 }  // namespace
 
-SphereVolumes::SphereVolumes(const Body& home) : home_(home.rest_tree().level_count()) {
-  for_level_sets(home, home_.size(), [&](std::size_t level, double sum) { home_[level] = sum; });
+Epoch::Epoch(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, std::size_t levels)
+    : body(std::move(its_body)),
+      gauge(posed, body.rest_tree(), body.cover()),
+      looseness_at_build(levels),
+      looseness_elsewhere(levels),
+      cubes_at_build_(levels) {
+  estimator.reserve(body.rest_tree().node_count());
+  estimator.pose(posed.positions);
+  estimator.estimate(body, looseness_at_build);
+  taken_up_at_build_ = (looseness_at_build.back() + (estimator.has_volume() ? 1 : 0)) * estimator.volume();
+  for_level_sets(body, levels, [&](std::size_t level, double cubes) { cubes_at_build_[level] = cubes; });
 }
 
-double SphereVolumes::of(const Body& body) const noexcept {
+double Epoch::growth() const noexcept {
   double all = 0;
-  for_level_sets(body, home_.size(), [&](std::size_t level, double sum) {
-    if (level >= first_counted_level(home_.size()) && home_[level] > 0) all += sum / home_[level];
+  int counted = 0;
+  for_level_sets(body, cubes_at_build_.size(), [&](std::size_t level, double cubes) {
+    if (level < first_counted_level(cubes_at_build_.size()) || !(cubes_at_build_[level] > 0)) return;
+    all += cubes / cubes_at_build_[level];
+    ++counted;
   });
-  return all;
+  return counted > 0 ? all / counted : 1;
 }
 
 }  // namespace morula::detail
