@@ -22,8 +22,10 @@ struct Epoch {
   /// How many times what they took up at that pose its spheres take up now: Σ r³ over the same, in the mean of the
   /// levels that count. Cost: linear in the nodes.
   double growth() const noexcept;
-  /// Volume that its leaves take up now, mesh units cubed. Their union is known at that pose, and is taken to grow as
-  /// the spheres do: Σ r³ alone would count many times what they share.
+  /// What its leaves take up now, in volumes of the object at that pose, as looseness is. Their union is known there,
+  /// and is taken to grow as the spheres do: Σ r³ alone would count many times what they share. Not in mesh units:
+  /// where an object swells from pose to pose, an ownership made for the larger one would seem to take up more at all
+  /// others.
   double taken_up() const noexcept { return taken_up_at_build_ * growth(); }
 
   Body body;

@@ -185,7 +185,7 @@ struct Ownership {
     std::vector<double> looseness(tree->tree.level_count());
     estimator.pose(posed.positions);
     estimator.estimate(body, looseness);
-    taken_up_as_made = (1 + looseness.back()) * signed_volume(posed);
+    taken_up_as_made = 1 + looseness.back();
   }
 
   double growth() const {
@@ -220,7 +220,7 @@ class Heap {
     double growth = 0, taken_up = std::numeric_limits<double>::infinity();
     double least = std::numeric_limits<double>::infinity();
 
-    bool is_served_well() const { return taken_up <= 1.03 * least; }
+    bool is_served_well() const { return taken_up <= 1.009 * least; }
   };
   Figures at(const std::vector<Vec3>& positions) {
     Figures figures;
