@@ -51,7 +51,7 @@ class Ownerships {
   /// The ownership whose own pose this is; else the present one, as where positions are not finite, or where lengths
   /// feel no difference: then rounding would choose.
   Epoch& made_for_this() noexcept;
-  /// The present ownership, updated in this frame, or one of two others that were updated beside it and serves better.
+  /// The present ownership, updated in this frame, or one of some others that were updated beside it and take up less.
   Epoch& tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
   /// Is a rebuilt one, not looked at yet, expected to be better than all that there are?
   bool takes_over(Epoch& rebuilt, const PositionView& positions) const noexcept;
