@@ -165,6 +165,8 @@ def test_samplers_and_estimators_say_what_single_calls_say(limb, built, motion):
     bare = spheres * [1, 1, 1, 0.6]
     assert morula.FitSampler(limb, seed=2).measure(bare).surface_gap_mean != sampler.measure(bare).surface_gap_mean > 0
     estimator = morula.LoosenessEstimator(limb)
+    assert estimator.has_volume
+    assert not morula.LoosenessEstimator(morula.Mesh(limb.positions, limb.facets[1:])).has_volume
     body = morula.Body(limb, built)
     for positions in motion[:3]:
         body.update(positions)

@@ -38,23 +38,6 @@ double plain_volume(const Mesh& mesh) {
   return sum / 6;
 }
 
-/// Every facet with vertices of its own, as STL has them.
-Mesh soup_of(const Mesh& mesh) {
-  Mesh soup;
-  for (const Facet& f : mesh.facets) {
-    const auto first = static_cast<std::uint32_t>(soup.positions.size());
-    for (const std::uint32_t v : f) soup.positions.push_back(mesh.positions[v]);
-    soup.facets.push_back({first, first + 1, first + 2});
-  }
-  return soup;
-}
-
-void append(Mesh& to, const Mesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(to.positions.size());
-  to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
-  for (const Facet& f : mesh.facets) to.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
-}
-
 Mesh scaled(Mesh mesh, double factor) {
   for (Vec3& p : mesh.positions) p = p * factor;
   return mesh;
@@ -127,7 +110,7 @@ TEST(Repair, closed_pieces_face_outwards_and_cavities_stay_cavities) {
   EXPECT_NEAR(plain_volume(repair(inverted(ball)).mesh), volume, 1e-9 * volume);
   // A shell with a cavity, as it should be and inside out.
   Mesh shell = ball;
-  append(shell, inverted(scaled(ball, 0.5)));
+  shell = joined(shell, inverted(scaled(ball, 0.5)));
   const double hollow = 0.875 * volume;
   EXPECT_NEAR(plain_volume(repair(shell).mesh), hollow, 1e-9 * volume);
   EXPECT_FALSE(repair(shell).report.changed());

@@ -130,6 +130,21 @@ Mesh joined(const Mesh& a, const Mesh& b) {
   return both;
 }
 
+Mesh soup_of(const Mesh& mesh) {
+  Mesh soup;
+  for (const Facet& f : mesh.facets) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    for (const std::uint32_t v : f) soup.positions.push_back(mesh.positions[v]);
+    soup.facets.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+Mesh placed(Mesh mesh, const RigidTransform& place) {
+  for (Vec3& p : mesh.positions) p = place(p);
+  return mesh;
+}
+
 Mesh inverted(Mesh mesh) {
   for (Facet& f : mesh.facets) std::swap(f[1], f[2]);
   return mesh;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,12 @@ Mesh facet_soup(std::size_t facet_count, std::uint64_t seed);
 
 /// Both meshes as one, the second one's indices shifted.
 Mesh joined(const Mesh& a, const Mesh& b);
+/// Every facet with vertices of its own, as STL has them.
+Mesh soup_of(const Mesh& mesh);
 /// Every facet turned over.
 Mesh inverted(Mesh mesh);
 Mesh scaled(Mesh mesh, double factor);
 Mesh translated(Mesh mesh, const Vec3& offset);
+Mesh placed(Mesh mesh, const RigidTransform& place);
 
 }  // namespace morula::test

@@ -51,20 +51,9 @@ TEST(LoosenessEstimate, of_bodies_that_part_agrees_with_voxels) {
     for (int i = 0; i < 27; ++i) {
       const Vec3 at{apart.x * (i % 3), apart.y * (i / 3 % 3), apart.z * (i / 9)};
       const RigidTransform place = RigidTransform::from_axis({1.0 + i, 2.0 - i, 0.5}, turned * (i + 1), at);
-      const auto first = static_cast<std::uint32_t>(all.positions.size());
-      for (const Vec3& p : part.positions) all.positions.push_back(place(p));
-      for (const Facet& f : part.facets) all.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+      all = test::joined(all, test::placed(part, place));
     }
     return all;
-  };
-  const auto loose_facets = [](const Mesh& mesh) {
-    Mesh soup;
-    for (const Facet& f : mesh.facets) {
-      const auto first = static_cast<std::uint32_t>(soup.positions.size());
-      for (const std::uint32_t v : f) soup.positions.push_back(mesh.positions[v]);
-      soup.facets.push_back({first, first + 1, first + 2});
-    }
-    return soup;
   };
   const Mesh together = bundle(1.02 * size, 0), parted = bundle(1.2 * max_norm(size) * Vec3{1, 1, 1}, 1);
   const Body body(parted, build(parted, {.depth = 3, .quality = Quality::fast}));
@@ -87,7 +76,7 @@ TEST(LoosenessEstimate, of_bodies_that_part_agrees_with_voxels) {
     Mesh before = together, after = parted;
     for (Mesh* mesh : {&before, &after}) {
       mesh->facets.pop_back();
-      if (is_loose) *mesh = loose_facets(*mesh);
+      if (is_loose) *mesh = test::soup_of(*mesh);
     }
     LoosenessEstimator of_open(before);
     looseness[is_loose].resize(estimate.size());

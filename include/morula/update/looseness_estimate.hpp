@@ -19,6 +19,7 @@ namespace morula {
 ///
 /// Mostly within 5 % of the voxel measure up to a looseness of 1.5, within 15 % in all poses of the tests, deformed and
 /// rough bodies among them; 20 % was seen once, on a limb stretched to twice its length.
+/// Bodies that lie through each other read too loose, up to several times: what they share counts in each.
 /// Surface that no sphere contains counts as perfectly tight: read looseness beside the certificate. An open mesh has
 /// no inside: both sides count, and V is the volume of the ball with the mesh's area; only ratios mean something then.
 class LoosenessEstimator {

@@ -157,7 +157,10 @@ void bind_looseness_estimate(nb::module_& m) {
           nb::arg("body"), nb::arg("positions"),
           "Looseness of every level set of a body, from the root; object volumes. The root's is exact where it "
           "contains the object. positions: those of the body's last update, finite. The same bits on every run. Cost: "
-          "linear in facets (the volume) and samples.");
+          "linear in facets (the volume) and samples.")
+      .def_prop_ro(
+          "has_volume", [](const HeldEstimator& self) { return self.estimator.has_volume(); },
+          doc::LoosenessEstimator_has_volume);
   m.def(
       "estimate_looseness",
       [](const PosedBody& body, PositionsGiven given) {

@@ -35,8 +35,7 @@ Ownerships::Ownerships(const Mesh& mesh, const CoveredTree& built, const Setting
       // Whether they belong together is what Body asks, so it comes first.
       home_(ReownedBody::make(mesh, without_poses(built), workers, settings.ways), mesh, estimator,
             built.tree.level_count()),
-      present_(&home_),
-      lengths_(home_.gauge.length_count()) {
+      present_(&home_) {
   std::vector<PositionView> poses{mesh.positions};
   for (const KnownPose& pose : built.poses) {
     poses.emplace_back(pose.positions);
@@ -64,7 +63,6 @@ void Ownerships::for_others(const Visit& visit) noexcept {
 void Ownerships::measure(const PositionView& positions) noexcept {
   present_->strain_now = present_->gauge.strain(positions);
   for_others([&](Epoch& other) { other.strain_now = other.gauge.strain(positions); });
-  home_.gauge.measure(positions, lengths_);
 }
 
 UpdateStatus Ownerships::follow(Epoch& ownership, bool resting, const PositionView& positions,

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "update/rebuild/epoch.hpp"
@@ -42,8 +41,6 @@ class Ownerships {
 
   /// How far they are from the poses that the ownerships were made for.
   void measure(const PositionView& positions) noexcept;
-  /// Those of the ownership at rest.
-  std::span<const float> lengths() const { return lengths_; }
   /// From the pose that the present ownership was made for.
   double strain() const noexcept { return present_->strain_now; }
   /// Updates one; as it was made, where it has not served before this frame, and at rest.
@@ -80,7 +77,6 @@ class Ownerships {
   std::vector<Epoch> known_;
   std::unique_ptr<Epoch> away_;  // rebuilt
   Epoch* present_;
-  std::vector<float> lengths_;       // of the ownership at rest, at this frame's positions
   std::size_t tests_of_update_ = 0;  // points that the last one of the present ownership tested
   // Of the present one, at its last estimate.
   double strain_at_estimate_ = 0, score_at_estimate_ = 0;

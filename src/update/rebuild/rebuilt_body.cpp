@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <morula/update/rebuilt_body.hpp>
@@ -80,9 +81,9 @@ struct RebuiltBody::State {
   void decide(const PositionView& positions, Workers& workers);
 
   std::size_t estimate_steps() const noexcept;
-  void finish_estimate() noexcept;
+  void finish_estimate(const PositionView& positions) noexcept;
   bool has_grown() const noexcept;
-  bool has_kept_its_shape() noexcept;
+  bool has_kept_its_shape(const PositionView& positions) noexcept;
   bool is_off_build() const noexcept;
   bool may_start() const noexcept;
   void request_rebuild(const PositionView& positions, Workers& workers);
@@ -99,10 +100,10 @@ struct RebuiltBody::State {
   std::vector<std::uint32_t> used;
   LoosenessEstimator estimator;
   Ownerships owned;
-  std::vector<float> lengths_before;  // at the estimate before
-  double strain_now = 0;              // of the present one, when the estimate under way was begun
-  std::vector<double> threshold;      // of looseness, per level: above, a rebuild is wanted
-  std::vector<double> estimated, earlier;
+  std::array<std::vector<float>, 2> lengths;  // within leaves at rest, at this estimate and the one before
+  double strain_now = 0;                      // of the present one, when the estimate under way was begun
+  std::vector<double> threshold;              // of looseness, per level: above, a rebuild is wanted
+  std::vector<double> estimated;
   RebuildReport report;
   std::uint64_t epoch = 0, frame = 0;
   bool is_still = false;                 // no other than at the estimate before
@@ -135,10 +136,9 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       used(used_vertices(mesh)),
       estimator(mesh, options.sample_count),
       owned(mesh, built, {options.gain, options.reown_tests, ways_of(options)}, estimator, workers),
-      lengths_before(owned.lengths().size()),
+      lengths{std::vector<float>(owned.home().gauge.length_count()), lengths[0]},
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
-      earlier(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
                                        built.tree.level_count(), ways_of(options))) {
   report.rebuild_frames = first_guess;
@@ -197,11 +197,11 @@ bool RebuiltBody::State::at_rest(const PositionView& positions) const noexcept {
 }
 
 // Where patches change hands, figures go on changing after the body has stopped.
-bool RebuiltBody::State::has_kept_its_shape() noexcept {
+bool RebuiltBody::State::has_kept_its_shape(const PositionView& positions) noexcept {
   if (options.reown_tests == 0) return false;
-  const bool kept = StrainGauge::strain(owned.lengths(), lengths_before) < still_strain;
-  std::ranges::copy(owned.lengths(), lengths_before.begin());
-  return kept;
+  std::swap(lengths[0], lengths[1]);
+  owned.home().gauge.measure(positions, lengths[0]);
+  return StrainGauge::strain(lengths[0], lengths[1]) < still_strain;
 }
 
 bool RebuiltBody::State::has_grown() const noexcept {
@@ -236,7 +236,7 @@ void RebuiltBody::State::check(const PositionView& positions, Workers& workers) 
     strain_now = owned.strain();
   }
   const bool is_known = estimator.step(estimated);
-  if (is_known) finish_estimate();
+  if (is_known) finish_estimate(positions);
   if (!fixed && is_known) decide(positions, workers);
   if (fixed && due && may_start()) request_rebuild(positions, workers);
 }
@@ -248,8 +248,8 @@ std::size_t RebuiltBody::State::estimate_steps() const noexcept {
   return std::min(most_steps, static_cast<std::size_t>(period));
 }
 
-void RebuiltBody::State::finish_estimate() noexcept {
-  is_still = all_within(still, estimated, report.looseness) || has_kept_its_shape();
+void RebuiltBody::State::finish_estimate(const PositionView& positions) noexcept {
+  is_still = all_within(still, estimated, report.looseness) || has_kept_its_shape(positions);
   settled = settled && is_still;
   report.looseness = estimated;
   owned.learn(estimated, strain_now);

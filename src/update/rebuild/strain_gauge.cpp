@@ -43,7 +43,7 @@ StrainGauge::StrainGauge(const Mesh& posed, const SphereTree& tree, const Cover&
         sum += length;
       }
   }
-  if (sum > 0) over_mean_ = static_cast<double>(all.size()) / sum;
+  if (sum > 0) mean_length_ = sum / static_cast<double>(all.size());
   const std::size_t count = std::min(most, all.size());
   for (std::size_t i = 0; i < count; ++i) pairs_.push_back(all[i * all.size() / count]);
   at_build_.resize(count);
@@ -54,7 +54,7 @@ void StrainGauge::measure(const PositionView& positions, std::span<float> length
   constexpr float shortest = 1e-3f;  // counts as at least that: two vertices may come together
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const double now = distance(positions[pairs_[i].from], positions[pairs_[i].to]);
-    lengths[i] = std::max(static_cast<float>(now * over_mean_), shortest);
+    lengths[i] = std::max(static_cast<float>(now / mean_length_), shortest);
   }
 }
 

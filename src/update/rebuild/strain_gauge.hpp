@@ -36,7 +36,7 @@ class StrainGauge {
     std::uint32_t from, to;
   };
   std::vector<Pair> pairs_;
-  double over_mean_ = 1;  // 1 / the mean length
+  double mean_length_ = 1;  // at the pose that the tree was made for
   std::vector<float> at_build_;
 };
 

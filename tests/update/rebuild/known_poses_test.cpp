@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Trees for known poses: whichever serves, every level covers, none that takes up much less is left aside, and rest is
+// Trees for known poses: whichever serves, every level covers, none that takes up less is left aside, and rest is
 // rest.
 #include <gtest/gtest.h>
 
@@ -15,6 +15,8 @@
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <random>
+#include <stop_token>
+#include <support/meshes.hpp>
 
 #include "../bodies.hpp"
 #include "limb.hpp"
@@ -136,7 +138,6 @@ TEST(KnownPoses, are_tighter_than_one_tree_over_the_motion) {
   }
 }
 
-// Trees for strong stretch tell little of what a little strain costs, by which what was rebuilt is judged.
 // Long bodies that lie through each other and tumble, each on its own: leaves hold parts of several, and lengths within
 // them feel some of what comes apart.
 Mesh heap_at(std::uint64_t seed, int resolution = 6) {
@@ -150,9 +151,7 @@ Mesh heap_at(std::uint64_t seed, int resolution = 6) {
     const Vec3 axis = vector_within(1);
     const double turned = within(3);
     const RigidTransform place = RigidTransform::from_axis(axis, turned, vector_within(0.5));
-    const auto first = static_cast<std::uint32_t>(heap.positions.size());
-    for (const Vec3& p : part.positions) heap.positions.push_back(place(p));
-    for (const Facet& f : part.facets) heap.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+    heap = test::joined(heap, test::placed(part, place));
   }
   return heap;
 }
@@ -309,11 +308,7 @@ TEST(KnownPoses, are_found_where_no_length_changes) {
   const auto eight = [](const auto& place) {
     const Mesh part = sample_body("capsule", 6);
     Mesh all;
-    for (unsigned i = 0; i < 8; ++i) {
-      const auto first = static_cast<std::uint32_t>(all.positions.size());
-      for (const Vec3& p : part.positions) all.positions.push_back(p + place(i));
-      for (const Facet& f : part.facets) all.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
-    }
+    for (unsigned i = 0; i < 8; ++i) all = test::joined(all, test::translated(part, place(i)));
     return all;
   };
   const Mesh row = eight([](unsigned i) { return Vec3{0, 2.6 * i, 0}; });
@@ -331,6 +326,7 @@ TEST(KnownPoses, are_found_where_no_length_changes) {
   EXPECT_EQ(body.epoch(), 1u) << "one change, and that is all: rounding does not choose";
 }
 
+// Trees for strong stretch tell little of what a little strain costs, by which what was rebuilt is judged.
 TEST(KnownPoses, do_not_keep_what_was_rebuilt_for_another_motion_from_serving) {
   double leaves[2]{};
   for (const bool knows : {false, true}) {
@@ -427,6 +423,29 @@ TEST(KnownPoses, are_added_beside_a_tree_that_is_loose_at_its_own_pose) {
     return estimate_looseness(posed, Body(posed, tree), posed.positions).back();
   };
   EXPECT_LT(1.5 * leaves({built.poses[1].positions, limb().facets}, built.poses[1].built), leaves(stretched, loose));
+}
+
+// Nothing is added, and a tree is built for a pose once at most.
+TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
+  CoveredTree built = bare(home_with_poses());
+  std::stop_source stop;
+  std::size_t trees = 0;
+  KnownPoseOptions options = quick_poses;
+  options.stop = stop.get_token();
+  options.progress = [&](std::size_t count, double) {
+    trees = count;
+    if (count == 2) stop.request_stop();
+  };
+  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), options), BuildStopped);
+  EXPECT_EQ(trees, 2u);
+  EXPECT_TRUE(built.poses.empty());
+  options.stop = {};
+  options.looser_by = 1.0001;
+  options.most = 64;
+  options.progress = {};
+  const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
+  EXPECT_LE(report.built, frames_of_stretch().size());
+  EXPECT_EQ(report.added, built.poses.size());
 }
 
 TEST(KnownPoses, of_principal_strains_keep_the_volume_and_reach_twice_the_size) {
