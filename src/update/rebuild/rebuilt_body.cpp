@@ -136,11 +136,11 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       used(used_vertices(mesh)),
       estimator(mesh, options.sample_count),
       owned(mesh, built, {options.gain, options.reown_tests, ways_of(options)}, estimator, workers),
-      lengths{std::vector<float>(owned.home().gauge.length_count()), lengths[0]},
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
       job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
                                        built.tree.level_count(), ways_of(options))) {
+  for (std::vector<float>& of_estimate : lengths) of_estimate.resize(owned.home().gauge.length_count());
   report.rebuild_frames = first_guess;
   change_to(owned.home());
   epoch = 0;
