@@ -125,7 +125,7 @@ CoveredTree with_poses_of(const NamedMotion& motion, const Input& input, Covered
   for (int frame = 1; frame <= frames_per_second; ++frame)
     poses.push_back({std::to_string(frame),
                      deform(input.mesh, {motion.deformation}, static_cast<double>(frame) / frames_per_second)});
-  add_known_poses(input.mesh, home, poses, {.quality = Quality::fast, .looser_by = 1.5, .most = 12}, *settings.workers);
+  add_known_poses(input.mesh, home, poses, {.quality = Quality::fast}, *settings.workers);
   return home;
 }
 

@@ -128,11 +128,11 @@ void bind_build(nb::module_& m) {
         return std::make_pair(copy, report);
       },
       nb::arg("mesh"), nb::arg("built"), nb::arg("poses"), nb::kw_only(), nb::arg("method") = "morula",
-      nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("looser_by") = 1.5, nb::arg("most") = 24,
+      nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("looser_by") = 1.2, nb::arg("most") = 24,
       nb::arg("workers") = nb::none(),
       nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, built: CoveredTree, "
               "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: str = 'morula', "
-              "quality: str = 'default', seed: int = 1, looser_by: float = 1.5, most: int = 24, "
+              "quality: str = 'default', seed: int = 1, looser_by: float = 1.2, most: int = 24, "
               "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),
       (std::string("A copy of the tree with known poses, pairs of name and positions (vertices, 3). ") +
        doc::add_known_poses)

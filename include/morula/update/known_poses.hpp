@@ -24,7 +24,7 @@ struct KnownPoseOptions {
   std::uint64_t seed = 1;
   /// A pose gets a tree of its own when the tightest of those there are has a level that is this many times as loose
   /// there as that of a tree built for the pose; above 1.
-  double looser_by = 1.5;
+  double looser_by = 1.2;
   std::size_t most = 24;  ///< trees added at most; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
   /// Before every tree and at the end: KnownPosesReport::built and worst so far. May be empty.

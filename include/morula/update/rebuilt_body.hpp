@@ -75,6 +75,7 @@ struct RebuildReport {
   std::size_t refused = 0;         ///< not better than what there was
   std::size_t returned_home = 0;   ///< changes back to the home ownership, at rest or because it was tighter
   std::size_t recalled = 0;        ///< changes to an ownership made for a known pose
+  std::size_t compared = 0;        ///< updates of ownerships that did not serve, to see whether they are tighter
   double rebuild_seconds = 0;      ///< wall time of the last one finished
   std::size_t rebuild_frames = 0;  ///< frames from the pose it was built for to its end
   std::string failure;

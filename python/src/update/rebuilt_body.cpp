@@ -37,6 +37,7 @@ void bind_rebuilt_body(nb::module_& m) {
       .field("refused", &RebuildReport::refused, doc::RebuildReport_refused)
       .field("returned_home", &RebuildReport::returned_home, doc::RebuildReport_returned_home)
       .field("recalled", &RebuildReport::recalled, doc::RebuildReport_recalled)
+      .field("compared", &RebuildReport::compared, doc::RebuildReport_compared)
       .field("rebuild_seconds", &RebuildReport::rebuild_seconds, doc::RebuildReport_rebuild_seconds)
       .field("rebuild_frames", &RebuildReport::rebuild_frames, doc::RebuildReport_rebuild_frames)
       .field("failure", &RebuildReport::failure)

@@ -16,8 +16,8 @@ constexpr double least_gain = 0.02, least_less = 0.008;
 // Where the spheres of an ownership take up so many times what they did where it was made, others are looked at in each
 // frame, whatever is expected of them.
 constexpr double grown = 1.15;
-// Others looked at in one frame: two, or as many as test so many points together, some 8 us, but no more than eight.
-constexpr std::size_t least_seen = 2, most_seen = 8, tests_to_see = 20'000;
+// Others looked at in one frame: one, or as many as test so many points together, some 8 us, but no more than eight.
+constexpr std::size_t least_seen = 1, most_seen = 8, tests_to_see = 20'000;
 // An ownership that was seen to be no better is looked at again after all others were and so many frames, or where
 // strain has come to be so many times what it was then.
 constexpr std::size_t seen_lately = 4;
@@ -109,6 +109,7 @@ Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positi
   for (std::size_t seen = 0; seen < count; ++seen) {
     Epoch* const other = next_to_see(frame, has_grown);
     if (other == nullptr || !follow(*other, false, positions, workers)) break;
+    ++compared_;
     other->seen_frame = frame, other->seen_strain = other->strain_now;
     if (const double its = other->taken_up(); its < least) least = its, best = other;
   }

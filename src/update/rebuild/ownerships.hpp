@@ -50,6 +50,8 @@ class Ownerships {
   Epoch& made_for_this() noexcept;
   /// The present ownership, updated in this frame, or one of some others that were updated beside it and take up less.
   Epoch& tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
+  /// Others looked at so far.
+  std::size_t compared() const noexcept { return compared_; }
   /// Is a rebuilt one, not looked at yet, expected to be better than all that there are?
   bool takes_over(Epoch& rebuilt, const PositionView& positions) const noexcept;
   /// Is it expected to be less than so many times as loose as where it was made? takes_over was asked in this frame.
@@ -78,6 +80,7 @@ class Ownerships {
   std::unique_ptr<Epoch> away_;  // rebuilt
   Epoch* present_;
   std::size_t tests_of_update_ = 0;  // points that the last one of the present ownership tested
+  std::size_t compared_ = 0;
   // Of the present one, at its last estimate.
   double strain_at_estimate_ = 0, score_at_estimate_ = 0;
 };

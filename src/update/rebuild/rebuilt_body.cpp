@@ -169,7 +169,10 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
 
   const std::uint64_t before = epoch;
   ++frame;
-  if (chosen == present && !resting) chosen = &owned.tightest_seen(frame, positions, workers);
+  if (chosen == present && !resting) {
+    chosen = &owned.tightest_seen(frame, positions, workers);
+    report.compared = owned.compared();
+  }
   // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
   try {
     if (chosen != present) {

@@ -283,7 +283,7 @@ TEST(KnownPoses, leave_none_aside_that_takes_up_less) {
   EXPECT_EQ(waits.soon_served_well, waits.about_anything) << "several are looked at in a frame";
 }
 
-// More than are looked at before the first may be looked at again; of such a body two in a frame.
+// More than are looked at before the first may be looked at again.
 TEST(KnownPoses, leave_none_of_many_aside) {
   Heap heap(16, 16);
   const Waits waits = expect_none_is_left_aside(heap, 2);
@@ -300,6 +300,19 @@ TEST(KnownPoses, are_looked_at_again_when_the_body_comes_closer) {
       ASSERT_TRUE(heap.body->update(between(heap.poses[from], heap.poses[to], t)));
     EXPECT_TRUE(heap.at(between(heap.poses[from], heap.poses[to], 0.97)).is_served_well()) << from << " to " << to;
   }
+}
+
+// docs/known_poses.md#how-an-ownership-is-chosen
+TEST(KnownPoses, of_large_bodies_one_is_looked_at_in_a_frame) {
+  Heap heap(4, 40);
+  const std::vector<Vec3> loose_in_all = between(heap.poses[0], heap.poses[1], 1.5);
+  for (int frame = 1; frame <= 40; ++frame) {
+    const std::size_t compared = heap.body->report().compared;
+    const RebuildStatus status = heap.body->update(loose_in_all);
+    ASSERT_GT(status.update.points_tested, 20'000u) << "a large body";
+    EXPECT_LE(heap.body->report().compared, compared + 1) << frame;
+  }
+  EXPECT_GT(heap.body->report().compared, 20u);
 }
 
 // Bodies in a row that change places without a turn: leaves hold parts of one alone, so lengths feel nothing, and
