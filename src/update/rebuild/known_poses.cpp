@@ -17,6 +17,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
+constexpr std::size_t most_side_by_side = 16;  // builds; each holds what a build holds
+
 void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses,
                       const KnownPoseOptions& options) {
   if (!(options.looser_by > 1)) throw std::invalid_argument("known poses: looser_by must be above 1");
@@ -59,6 +61,17 @@ class Service {
     for (std::size_t i = 0; i < poses_.size(); ++i)
       if (const double its = growth(i); !own_[i].serves && its > result.growth) result = {i, its};
     return result;
+  }
+
+  /// Poses without a tree that may be served so many times looser than they could be, the worst first; some of them.
+  std::vector<std::size_t> unknown(double looser_by, std::size_t most) const {
+    std::vector<Worst> found;
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      if (const double its = growth(i); !has_tree(i) && its > looser_by) found.push_back({i, its});
+    std::stable_sort(found.begin(), found.end(), [](const Worst& a, const Worst& b) { return a.growth > b.growth; });
+    std::vector<std::size_t> poses;
+    for (std::size_t k = 0; k < std::min(most, found.size()); ++k) poses.push_back(found[k].pose);
+    return poses;
   }
 
   bool has_tree(std::size_t pose) const { return own_[pose].tree != nullptr; }
@@ -140,19 +153,33 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
                                    .quality = options.quality,
                                    .stop = options.stop};
   Service service(mesh, built, poses, workers);
+  const auto posed = [&](std::size_t pose) { return Mesh{poses[pose].positions, mesh.facets}; };
+  const auto tell = [&] {
+    if (options.progress) options.progress(report.built, report.worst);
+  };
   std::vector<KnownPose> added;
   while (true) {
     const auto [pose, growth] = service.worst();
     report.worst = growth;
-    if (options.progress) options.progress(report.built, growth);
+    tell();
     if (!(growth > options.looser_by) || added.size() == options.most) break;
-    const Mesh posed{poses[pose].positions, mesh.facets};
     if (service.has_tree(pose)) {
-      service.let_serve(pose, posed);
+      service.let_serve(pose, posed(pose));
       added.push_back({poses[pose].name, poses[pose].positions, service.tree(pose)});
-    } else {
-      service.keep(pose, posed, std::make_shared<const CoveredTree>(build(posed, build_options, workers)));
+      continue;
+    }
+    // Several side by side: a build keeps few threads busy. Some turn out not to be needed, as one that comes to serve
+    // may serve them; so no more than a quarter of what was needed before.
+    const std::vector<std::size_t> next =
+        service.unknown(options.looser_by, std::clamp<std::size_t>(report.built / 4, 1, most_side_by_side));
+    std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());
+    workers.run(next.size(), [&](std::size_t i) {
+      trees[i] = std::make_shared<const CoveredTree>(build(posed(next[i]), build_options, workers));
+    });
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      service.keep(next[i], posed(next[i]), std::move(trees[i]));
       ++report.built;
+      if (i + 1 < next.size()) tell();
     }
   }
   report.added = added.size();

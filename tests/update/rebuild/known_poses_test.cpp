@@ -30,9 +30,10 @@ using test::stretched_limb;
 
 const RebuildOptions known_only{.thread = RebuildThread::none};
 
-std::vector<NamedPose> frames_of_stretch() {
+std::vector<NamedPose> frames_of_stretch(int count = 8) {
   std::vector<NamedPose> poses;
-  for (int i = 1; i <= 8; ++i) poses.push_back({"frame " + std::to_string(i), stretched_limb(i / 8.0)});
+  for (int i = 1; i <= count; ++i)
+    poses.push_back({"frame " + std::to_string(i), stretched_limb(static_cast<double>(i) / count)});
   return poses;
 }
 const KnownPoseOptions quick_poses{.quality = Quality::draft, .looser_by = 1.5, .most = 3};
@@ -419,6 +420,33 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   EXPECT_EQ(add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .looser_by = 100}).added,
             0u);
   EXPECT_EQ(built.poses.size(), before);
+}
+
+// However many are built side by side: the same poses get the same trees, each that of a build alone.
+TEST(KnownPoses, are_built_side_by_side_as_one_by_one) {
+  KnownPoseOptions options = quick_poses;
+  options.looser_by = 1.02;
+  options.most = 8;
+  const BuildOptions alone{.depth = static_cast<int>(home_with_poses().tree.level_count()) - 1,
+                           .seed = options.seed,
+                           .quality = options.quality};
+  std::vector<std::vector<std::pair<std::size_t, double>>> told(2);
+  std::vector<std::vector<std::uint64_t>> hashes(2);
+  for (std::size_t run = 0; run < 2; ++run) {
+    options.progress = [&](std::size_t count, double worst) { told[run].push_back({count, worst}); };
+    CoveredTree built = bare(home_with_poses());
+    Workers workers(run == 0 ? 1 : 3);
+    const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(16), options, workers);
+    EXPECT_GE(report.built, 10u) << "two are built side by side from eight on";
+    EXPECT_EQ(told[run].back().first, report.built);
+    ASSERT_GE(built.poses.size(), 4u);
+    for (const KnownPose& pose : built.poses) {
+      hashes[run].push_back(tree_hash(pose.built->tree));
+      EXPECT_EQ(hashes[run].back(), tree_hash(build({pose.positions, limb().facets}, alone).tree)) << pose.name;
+    }
+  }
+  EXPECT_EQ(told[0], told[1]);
+  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 // The tree at hand is as loose at the pose as at its own: what counts is what one built for the pose would do.
