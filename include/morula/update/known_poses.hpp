@@ -43,9 +43,9 @@ struct KnownPosesReport {
 
 /// Chooses among `poses` those that no tree serves, the worst served first, and adds a tree for each to built.poses.
 /// Cost: a build for each pose that might be one of them, which may be all (their trees are kept until it is done), up
-/// to 16 side by side where there are workers; an update and an estimate of looseness for each pose and tree added. Same bits for any number of workers. Throws as
-/// build and Body do, std::invalid_argument for options out of range and for a pose of another size, before anything is
-/// changed; BuildStopped.
+/// to 16 side by side where there are workers; an update and an estimate of looseness for each pose and tree added.
+/// Same bits for any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and
+/// for a pose of another size, before anything is changed; BuildStopped.
 KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options = {}, Workers& workers = serial_workers());
 
