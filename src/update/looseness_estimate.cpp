@@ -47,7 +47,7 @@ constexpr std::size_t most_spheres = 512;
 constexpr std::size_t most_levels = max_depth + 1;
 
 // Nanoseconds, about, of what an estimate does: only how they compare matters, for that is how steps share it.
-constexpr double facet_cost = 5, sphere_cost = 0.5, facing_cost = 2, block_cost = 150;
+constexpr double facet_cost = 3, sphere_cost = 0.5, facing_cost = 2, block_cost = 150;
 // Of a sample, in each step that moves it.
 constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{13.5, 13.5, 13.5, 4, 4, 21, 21, 4};
 

@@ -170,13 +170,17 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
   return ring;
 }
 
-void SurfaceSamples::move(const PositionView& positions, std::size_t begin, std::size_t end) noexcept {
-  for (std::size_t step = begin; step < end; ++step) {
+void SurfaceSamples::move(const PositionView& positions) noexcept {
+  for (std::size_t step = 0; step < move_steps; ++step) {
     if (positions.is_double())
       move_step(ReaderOf<double>{positions}, step);
     else
       move_step(ReaderOf<float>{positions}, step);
   }
+}
+
+void SurfaceSamples::move(std::span<const Vec3> positions, std::size_t begin, std::size_t end) noexcept {
+  for (std::size_t step = begin; step < end; ++step) move_step(positions.data(), step);
 }
 
 // Samples' places in three steps, directions in two, curvature in two, bounds; then the volume.
@@ -287,14 +291,20 @@ void SurfaceSamples::measure_volume(const Reader& positions, std::size_t part, s
     volume_ = area * std::sqrt(area / pi) / 6;
     return;
   }
-  if (part == 0) six_volumes_ = 0;
-  double sum = six_volumes_;
-  for (std::size_t i = facets_.size() * part / parts; i < facets_.size() * (part + 1) / parts; ++i) {
-    const Facet& f = facets_[i];
-    sum += dot(positions[f[0]] - origin_, cross(positions[f[1]] - origin_, positions[f[2]] - origin_));
-  }
-  six_volumes_ = sum;
-  if (part + 1 == parts) volume_ = std::abs(sum) / 6;
+  // Six times the volume of the prism from each facet down to the origin's height: under a closed surface that is all
+  // of it. Two sums, so that one need not wait for the other.
+  const auto six_volumes = [&](const Facet& f) {
+    const Vec3 a = positions[f[0]], b = positions[f[1]], c = positions[f[2]];
+    const double height = (a.z - origin_.z) + (b.z - origin_.z) + (c.z - origin_.z);
+    return height * ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+  };
+  const std::size_t begin = facets_.size() * part / parts, end = facets_.size() * (part + 1) / parts;
+  double even = 0, odd = 0;
+  std::size_t i = begin;
+  for (; i + 1 < end; i += 2) even += six_volumes(facets_[i]), odd += six_volumes(facets_[i + 1]);
+  if (i < end) even += six_volumes(facets_[i]);
+  six_volumes_ = (part == 0 ? 0 : six_volumes_) + even + odd;
+  if (part + 1 == parts) volume_ = std::abs(six_volumes_) / 6;
 }
 
 }  // namespace morula::detail

@@ -8,6 +8,7 @@
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/positions.hpp>
 #include <morula/geometry/sphere.hpp>
+#include <span>
 #include <vector>
 
 namespace morula::detail {
@@ -38,10 +39,10 @@ class SurfaceSamples {
  public:
   SurfaceSamples(const Mesh& rest, std::size_t count);
 
-  void move(const PositionView& positions) noexcept { move(positions, 0, move_steps); }
+  void move(const PositionView& positions) noexcept;
   /// The same in steps, one after the other, all for the same positions: [begin, end) of 0 … move_steps. The first
   /// half moves samples; the second adds up the volume, which takes longer where facets are many.
-  void move(const PositionView& positions, std::size_t begin, std::size_t end) noexcept;
+  void move(std::span<const Vec3> positions, std::size_t begin, std::size_t end) noexcept;
   static constexpr std::size_t move_steps = 16;
 
   const std::vector<SampleBlock>& blocks() const { return blocks_; }
