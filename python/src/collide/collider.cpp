@@ -15,6 +15,18 @@
 #include "module.hpp"
 
 namespace morula::python {
+namespace {
+
+/// Without the interpreter's lock, which who moves the collider may wait for.
+template <class F>
+auto read(const Side& side, const F& f) {
+  return without_gil([&] {
+    const std::shared_lock lock(side.posed->mutex);
+    return f();
+  });
+}
+
+}  // namespace
 
 void bind_collider(nb::module_& m) {
   nb::class_<Side>(m, "Collider", doc::Collider)
@@ -61,7 +73,7 @@ void bind_collider(nb::module_& m) {
             });
           },
           nb::arg("translation"), "A translation alone, mesh units.")
-      .def_prop_ro("placement", [](const Side& self) { return self.collider->placement(); })
+      .def_prop_ro("placement", [](const Side& self) { return read(self, [&] { return self.collider->placement(); }); })
       .def(
           "set_positions",
           [](Side& self, PositionsGiven given) {
@@ -86,18 +98,19 @@ void bind_collider(nb::module_& m) {
           },
           doc::Collider_follow_ownership)
       .def_prop_ro(
-          "has_current_ownership", [](const Side& self) { return self.current().has_current_ownership(); },
+          "has_current_ownership",
+          [](const Side& self) { return read(self, [&] { return self.current().has_current_ownership(); }); },
           doc::Collider_has_current_ownership)
       .def_prop_ro(
-          "has_current_positions", [](const Side& self) { return self.current().has_current_positions(); },
+          "has_current_positions",
+          [](const Side& self) { return read(self, [&] { return self.current().has_current_positions(); }); },
           doc::Collider_has_current_positions)
       .def_prop_ro(
           "has_surface", [](const Side& self) { return self.collider->has_surface(); }, doc::Collider_has_surface)
       .def(
           "vertices",
           [](const Side& self) {
-            return own_points(without_gil([&] {
-              const std::shared_lock lock(self.posed->mutex);
+            return own_points(read(self, [&] {
               const Collider& collider = self.current();
               if (!collider.has_current_positions())
                 throw std::invalid_argument("the positions of the present frame are not known: set_positions()");

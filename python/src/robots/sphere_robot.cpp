@@ -83,7 +83,8 @@ void bind_sphere_robot(nb::module_& m) {
             return std::vector<std::size_t>(self.robot.links().begin(), self.robot.links().end());
           },
           doc::SphereRobot_links)
-      .def_prop_ro("sphere_count", [](const HeldRobot& self) { return self.robot.sphere_count(); })
+      .def_prop_ro("sphere_count",
+                   [](HeldRobot& self) { return self.locked([&] { return self.robot.sphere_count(); }); })
       .def(
           "spheres", [](HeldRobot& self) { return own_spheres(self.locked([&] { return self.robot.spheres(); })); },
           (std::string("(n, 4) float64. ") + doc::SphereRobot_spheres).c_str())
