@@ -101,6 +101,23 @@ TEST(LoosenessEstimate, is_exact_about_a_ball) {
   }
 }
 
+// Shares of the volume are even and odd numbers of facets: 12 in all, and 300.
+TEST(LoosenessEstimate, has_the_exact_volume_of_a_box_in_every_pose) {
+  const Mesh at_once = test::box_mesh({0, 0, 0}, {1, 2, 3}), fine = test::box_mesh({0, 0, 0}, {1, 2, 3}, 5);
+  for (const Mesh& box : {at_once, fine, test::inverted(fine)}) {
+    LoosenessEstimator estimator(box);
+    EXPECT_NEAR(estimator.volume(), 6, 1e-12);
+    for (const Vec3& stretch : {Vec3{1, 1, 1}, Vec3{20, 1, 0.01}, Vec3{0.01, 20, 1}, Vec3{1, 0.01, 20}}) {
+      std::vector<Vec3> positions;
+      for (const Vec3& p : box.positions)
+        positions.push_back({p.x * stretch.x + 1e6, p.y * stretch.y - 2e6, p.z * stretch.z + 5e5});
+      const double expected = 6 * stretch.x * stretch.y * stretch.z;
+      estimator.pose(positions);
+      EXPECT_NEAR(estimator.volume(), expected, 1e-6 * expected);
+    }
+  }
+}
+
 TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
   const test::Specimen& b = test::specimens()[2];
   const std::vector<double> expected = estimate_looseness(b.mesh, Body(b.mesh, b.built), b.mesh.positions);

@@ -27,7 +27,7 @@ struct KnownPoseOptions {
   double looser_by = 1.2;
   std::size_t most = 24;  ///< trees added at most; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
-  /// Before every tree and at the end: KnownPosesReport::built and worst so far. May be empty.
+  /// At first, and after every tree that was built or added: KnownPosesReport::built and worst so far. May be empty.
   std::function<void(std::size_t built, double worst)> progress{};
 };
 

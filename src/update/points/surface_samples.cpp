@@ -291,8 +291,8 @@ void SurfaceSamples::measure_volume(const Reader& positions, std::size_t part, s
     volume_ = area * std::sqrt(area / pi) / 6;
     return;
   }
-  // Six times the volume of the prism from each facet down to the origin's height: under a closed surface that is all
-  // of it. Two sums, so that one need not wait for the other.
+  // Six times what lies between a facet and the origin's height: over a closed surface that adds up to what it holds.
+  // Two sums, so that one need not wait for the other.
   const auto six_volumes = [&](const Facet& f) {
     const Vec3 a = positions[f[0]], b = positions[f[1]], c = positions[f[2]];
     const double height = (a.z - origin_.z) + (b.z - origin_.z) + (c.z - origin_.z);

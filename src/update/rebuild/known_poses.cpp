@@ -63,8 +63,8 @@ class Service {
     return result;
   }
 
-  /// Poses without a tree that may be served so many times looser than they could be, the worst first; some of them.
-  std::vector<std::size_t> unknown(double looser_by, std::size_t most) const {
+  /// Of the poses without a tree that may be served more than so many times looser than they could be, the worst.
+  std::vector<std::size_t> worst_without_tree(double looser_by, std::size_t most) const {
     std::vector<Worst> found;
     for (std::size_t i = 0; i < poses_.size(); ++i)
       if (const double its = growth(i); !has_tree(i) && its > looser_by) found.push_back({i, its});
@@ -168,10 +168,10 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
       added.push_back({poses[pose].name, poses[pose].positions, service.tree(pose)});
       continue;
     }
-    // Several side by side: a build keeps few threads busy. Some turn out not to be needed, as one that comes to serve
-    // may serve them; so no more than a quarter of what was needed before.
-    const std::vector<std::size_t> next =
-        service.unknown(options.looser_by, std::clamp<std::size_t>(report.built / 4, 1, most_side_by_side));
+    // Several side by side, since a build keeps few threads busy. Some may turn out not to be needed, where one that
+    // comes to serve serves them, too: so no more than a quarter of those built before.
+    const std::size_t count = std::clamp<std::size_t>(report.built / 4, 1, most_side_by_side);
+    const std::vector<std::size_t> next = service.worst_without_tree(options.looser_by, count);
     std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());
     workers.run(next.size(), [&](std::size_t i) {
       trees[i] = std::make_shared<const CoveredTree>(build(posed(next[i]), build_options, workers));

@@ -252,7 +252,8 @@ std::size_t RebuiltBody::State::estimate_steps() const noexcept {
 }
 
 void RebuiltBody::State::finish_estimate(const PositionView& positions) noexcept {
-  is_still = all_within(still, estimated, report.looseness) || has_kept_its_shape(positions);
+  const bool has_kept_shape = has_kept_its_shape(positions);
+  is_still = has_kept_shape || all_within(still, estimated, report.looseness);
   settled = settled && is_still;
   report.looseness = estimated;
   owned.learn(estimated, strain_now);
