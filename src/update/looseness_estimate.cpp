@@ -47,9 +47,9 @@ constexpr std::size_t most_spheres = 512;
 constexpr std::size_t most_levels = max_depth + 1;
 
 // Nanoseconds, about, of what an estimate does: only how they compare matters, for that is how steps share it.
-constexpr double facet_cost = 3, sphere_cost = 0.5, facing_cost = 2, block_cost = 150;
+constexpr double facet_cost = 3, sphere_cost = 1.7, facing_cost = 2.5, block_cost = 80;
 // Of a sample, in each step that moves it.
-constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{13.5, 13.5, 13.5, 4, 4, 21, 21, 4};
+constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{8, 8, 8, 4, 4, 21, 21, 4};
 
 }  // namespace
 
@@ -332,6 +332,10 @@ void LoosenessEstimator::reserve(std::size_t nodes) {
 
 void LoosenessEstimator::give_up() noexcept {
   state_->course.step = state_->course.steps;
+}
+
+bool LoosenessEstimator::is_under_way() const noexcept {
+  return state_->course.step != state_->course.steps;
 }
 
 void LoosenessEstimator::begin(const PositionView& positions, const Body& body, std::size_t steps) noexcept {
