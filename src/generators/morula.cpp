@@ -62,8 +62,8 @@ constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius
                           .sweeps = 2,
                           .inscribed = true,
                           .medial_samples = 4000,
-                          .starts = {5, 3, 1},
-                          .changes = {100, 40, 4},
+                          .starts = {4, 2, 1},
+                          .changes = {200, 60, 4},
                           .balance = {2.5F, 2.0F},
                           .exchanges = 3};
 constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 5, .balance = 0, .exact_rounds = 4},
