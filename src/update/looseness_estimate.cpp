@@ -334,10 +334,6 @@ void LoosenessEstimator::give_up() noexcept {
   state_->course.step = state_->course.steps;
 }
 
-bool LoosenessEstimator::is_under_way() const noexcept {
-  return state_->course.step != state_->course.steps;
-}
-
 void LoosenessEstimator::begin(const PositionView& positions, const Body& body, std::size_t steps) noexcept {
   const StandardFloats standard;
   State& s = *state_;

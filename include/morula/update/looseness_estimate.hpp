@@ -51,8 +51,6 @@ class LoosenessEstimator {
   /// True with the last step, when `looseness` is set; nothing is done, and false, when none is under way.
   bool step(std::span<double> looseness) noexcept;
   void give_up() noexcept;
-  /// Begun, and neither at its last step nor given up.
-  bool is_under_way() const noexcept;
   void reserve(std::size_t nodes);
 
   std::size_t sample_count() const;

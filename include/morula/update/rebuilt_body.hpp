@@ -32,7 +32,7 @@ struct RebuildOptions {
   /// A rebuild is wanted when the estimated looseness of some level is this many times what it was when the present
   /// ownership was built; above 1.
   double looser_by = 1.25;
-  /// Frames between estimates, or up to twice as many where frames look at other ownerships; at least 1.
+  /// Frames between estimates; at least 1.
   int check_every = 4;
   /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.
   int rebuild_every = 0;
@@ -66,7 +66,7 @@ struct RebuildOptions {
 
 /// What has happened so far.
 struct RebuildReport {
-  std::size_t checks = 0;          ///< estimates begun
+  std::size_t checks = 0;          ///< estimates made
   std::size_t started = 0;         ///< rebuilds
   std::size_t finished = 0;        ///< of these, to the end
   std::size_t stopped = 0;         ///< given up because the body was at rest again
@@ -109,10 +109,9 @@ class RebuiltBody {
 
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
-  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and others, of
-  /// ownerships that may be tighter. Cost beyond that: a share of an estimate, which is over in `check_every` frames,
-  /// or up to twice as many, since a share waits for the next frame where others are updated; and a copy of the
-  /// positions when a rebuild starts.
+  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and
+  /// others, of ownerships that may be tighter. Cost beyond that: a share of an estimate, which is over in
+  /// `check_every` frames, and a copy of the positions when a rebuild starts.
   RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.

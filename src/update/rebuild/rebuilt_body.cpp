@@ -77,8 +77,7 @@ struct RebuiltBody::State {
 
   bool at_rest(const PositionView& positions) const noexcept;
   void stay_at_rest() noexcept;
-  void check(bool has_looked, const PositionView& positions, Workers& workers);
-  bool go_on_with_estimate(bool has_looked, const PositionView& positions) noexcept;
+  void check(const PositionView& positions, Workers& workers);
   void decide(const PositionView& positions, Workers& workers);
 
   std::size_t estimate_steps() const noexcept;
@@ -107,8 +106,6 @@ struct RebuiltBody::State {
   std::vector<double> estimated;
   RebuildReport report;
   std::uint64_t epoch = 0, frame = 0;
-  bool estimate_due = false;             // and not begun yet
-  bool has_waited = false;               // the estimate did, in the frame before
   bool is_still = false;                 // no other than at the estimate before
   bool settled = false;                  // a rebuild was asked for since the body became still
   std::uint64_t start_frame = 0;         // of the rebuild in hand
@@ -172,10 +169,8 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
 
   const std::uint64_t before = epoch;
   ++frame;
-  bool has_looked = false;
   if (chosen == present && !resting) {
     chosen = &owned.tightest_seen(frame, positions, workers);
-    has_looked = owned.compared() != report.compared;
     report.compared = owned.compared();
   }
   // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
@@ -189,7 +184,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     if (resting)
       stay_at_rest();
     else
-      check(has_looked, positions, workers);
+      check(positions, workers);
   } catch (...) {
     ++report.failed;
   }
@@ -231,37 +226,25 @@ void RebuiltBody::State::stay_at_rest() noexcept {
   next_pose.reset();
   job->request_stop();
   estimator.give_up();
-  estimate_due = has_waited = false;
   report.looseness = owned.home().looseness_at_build;
 }
 
-// has_looked: at others than the present ownership, in this frame.
-void RebuiltBody::State::check(bool has_looked, const PositionView& positions, Workers& workers) {
+void RebuiltBody::State::check(const PositionView& positions, Workers& workers) {
   if (next_pose && next_pose_frame == frame) take_pose(positions, workers);
   const bool fixed = options.rebuild_every > 0;
   const bool due = frame % static_cast<std::uint64_t>(fixed ? options.rebuild_every : options.check_every) == 0;
-  estimate_due = estimate_due || due;
-  const bool is_known = go_on_with_estimate(has_looked, positions);
+  if (due) {
+    ++report.checks;
+    estimator.begin(positions, owned.present().body, estimate_steps());
+    strain_now = owned.strain();
+  }
+  const bool is_known = estimator.step(estimated);
   if (is_known) finish_estimate(positions);
   if (!fixed && is_known) decide(positions, workers);
   if (fixed && due && may_start()) request_rebuild(positions, workers);
 }
 
-// A step waits where a frame has looked at others, so that frames take about as long as each other; but not twice in a
-// row, so that it comes. On the caller's thread, frames take as long as a build anyway. True with the last step.
-bool RebuiltBody::State::go_on_with_estimate(bool has_looked, const PositionView& positions) noexcept {
-  has_waited = has_looked && !has_waited && options.thread != RebuildThread::caller;
-  if (has_waited) return false;
-  if (estimate_due && !estimator.is_under_way()) {
-    estimate_due = false;
-    ++report.checks;
-    estimator.begin(positions, owned.present().body, estimate_steps());
-    strain_now = owned.strain();
-  }
-  return estimator.step(estimated);
-}
-
-// On the caller's thread all at once, for the same reason.
+// On the caller's thread, frames take as long as a build anyway.
 std::size_t RebuiltBody::State::estimate_steps() const noexcept {
   if (options.thread == RebuildThread::caller) return 1;
   const int period = options.rebuild_every > 0 ? options.rebuild_every : options.check_every;

@@ -316,30 +316,6 @@ TEST(KnownPoses, of_large_bodies_one_is_looked_at_in_a_frame) {
   EXPECT_GT(heap.body->report().compared, 20u);
 }
 
-// docs/rebuild.md#when-a-rebuild-happens
-TEST(KnownPoses, are_not_looked_at_where_an_estimate_takes_its_step) {
-  Heap heap(5, 40);  // four of five frames look, and estimates have four steps
-  const RebuildReport& report = heap.body->report();
-  const std::size_t compared_at_start = report.compared, checks_at_start = report.checks;
-  std::vector<double> looseness = report.looseness;
-  int ended = 0;
-  bool has_looked_before = false;
-  for (int frame = 1; frame <= 160; ++frame) {
-    const std::size_t compared = report.compared;
-    const RebuildStatus status = heap.body->update(between(heap.poses[0], heap.poses[1], 1.5 + 0.01 * frame));
-    ASSERT_TRUE(status);
-    const bool has_looked = report.compared != compared;
-    if (!status.swapped && report.looseness != looseness) {
-      ++ended;
-      EXPECT_TRUE(!has_looked || has_looked_before) << "frame " << frame << ": it could have waited";
-    }
-    looseness = report.looseness, has_looked_before = has_looked;
-  }
-  EXPECT_GT(report.compared, compared_at_start + 80);
-  EXPECT_GE(ended, 160 / 8 - 1) << "an estimate waits for one frame at each step at most";
-  EXPECT_GE(report.checks, checks_at_start + 160 / 8);
-}
-
 // Bodies in a row that change places without a turn: leaves hold parts of one alone, so lengths feel nothing, and
 // levels above would hold what has come apart.
 TEST(KnownPoses, are_found_where_no_length_changes) {
