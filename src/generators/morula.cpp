@@ -40,6 +40,8 @@ struct Effort {
   std::array<int, 3> changes;
   std::array<float, 2> balance;  // on levels 1 and 2
   int exchanges;                 // rounds per level
+  // Widest cells where balls are wider than their parts, on levels 1 and 2 and below, in parts.
+  std::array<double, 2> slab_cell;
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
                       .first_cell = 0.45,
@@ -49,7 +51,8 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .starts = {1, 1, 1},
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
-                      .exchanges = 0};
+                      .exchanges = 0,
+                      .slab_cell = {100, 100}};
 // A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
 constexpr Effort draft = [] {
   Effort effort = fast;
@@ -65,7 +68,8 @@ constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius
                           .starts = {4, 2, 1},
                           .changes = {200, 60, 4},
                           .balance = {2.5F, 2.0F},
-                          .exchanges = 3};
+                          .exchanges = 3,
+                          .slab_cell = {0.25, 0.4}};
 constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 5, .balance = 0, .exact_rounds = 4},
                       .first_cell = 0.35,
                       .sweeps = 3,
@@ -74,7 +78,8 @@ constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 
                       .starts = {8, 3, 2},
                       .changes = {120, 80, 50},
                       .balance = {2.5F, 2.0F},
-                      .exchanges = 5};
+                      .exchanges = 5,
+                      .slab_cell = {0.25, 0.4}};
 
 const Effort& effort_of(Quality quality) {
   if (quality == Quality::draft) return draft;
@@ -82,6 +87,7 @@ const Effort& effort_of(Quality quality) {
   return quality == Quality::best ? best : standard;
 }
 
+constexpr std::size_t few_children = 8;
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
@@ -123,9 +129,8 @@ class OwnDivider {
  private:
   // What is tried for a node is tried for all its children: many of them share what few would have.
   std::size_t shared_among_children(int tries) const {
-    constexpr std::size_t few = 8;
-    const auto children = std::max(few, static_cast<std::size_t>(run_.branching));
-    return (few * static_cast<std::size_t>(tries) + children - 1) / children;
+    const auto children = std::max(few_children, static_cast<std::size_t>(run_.branching));
+    return (few_children * static_cast<std::size_t>(tries) + children - 1) / children;
   }
 
   // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
@@ -151,6 +156,8 @@ class OwnDivider {
     for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
     NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
+    // Many children at a time are slabs that exchange evens out: narrower cells take half the time again and bring 9 %.
+    if (most <= few_children) settings.slab_cell = effort_.slab_cell[level < 2 ? 0 : 1];
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     Group& group = fit.group();
     group.take(spheres);

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <numbers>
 #include <numeric>
 #include <support/meshes.hpp>
 
@@ -52,6 +54,41 @@ TEST(LongOwn, is_tighter_with_more_work) {
   for (const std::size_t i : {0u, 1u}) {
     RecordProperty(i == 0 ? "level_2" : "level_3", std::to_string(fast[i]) + " " + std::to_string(best[i]));
     EXPECT_LE(best[i], fast[i]) << "level " << i + 2;
+  }
+}
+
+// What spheres near the x axis take in outside a straight tube along it, over its volume, at most: discs about the
+// axis, each as wide as the widest sphere there reaches. cross_section: its area, everywhere between -half and half.
+double taken_in_by_discs(std::span<const Sphere> spheres, double half, double cross_section) {
+  constexpr int steps = 8000;
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double x = half * (2 * (i + 0.5) / steps - 1);
+    double widest = 0;
+    for (const Sphere& s : spheres) {
+      const double square = s.radius * s.radius - (x - s.center.x) * (x - s.center.x);
+      if (square > 0) widest = std::max(widest, std::hypot(s.center.y, s.center.z) + std::sqrt(square));
+    }
+    sum += std::numbers::pi * widest * widest / steps;
+  }
+  return sum / cross_section - 1;
+}
+
+// Slabs of a tube are a fifth as wide as its spheres: what weighs them has to be as fine. Spheres in a row whose
+// centres are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
+TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
+  constexpr int around = 40;
+  constexpr double radius = 0.5, chain_of_75 = 0.16 * 0.16 / 6;  // along 12 radii
+  Mesh mesh = sample_body("capsule", around);
+  for (Vec3& p : mesh.positions) p.x = std::abs(p.x) < 1 ? 3 * p.x : p.x + std::copysign(2.0, p.x);
+  const double step = 2 * std::numbers::pi / around;
+  const double circle = std::numbers::pi * radius * radius, polygon = circle * std::sin(step) / step;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 3, .seed = seed}).tree;
+    const double leaves = taken_in_by_discs(level_set_spheres(tree, 3), 2.8, polygon);
+    RecordProperty("seed_" + std::to_string(seed), std::to_string(leaves));
+    EXPECT_GE(leaves, circle / polygon - 1);
+    EXPECT_LE(leaves, circle / polygon - 1 + chain_of_75);
   }
 }
 

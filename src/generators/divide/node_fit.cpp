@@ -134,9 +134,11 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   const double margin = room * node.sphere.radius;
   box.lower = box.lower - Vec3{margin, margin, margin};
   box.upper = box.upper + Vec3{margin, margin, margin};
-  // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts.
-  constexpr double most_cells = 160;
-  const double cell = std::max(settings.cell * samples.width, mean_radius / settings.cells_per_radius);
+  // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts, on tubes
+  // they are wider.
+  constexpr double most_cells = 160, slab_cells_per_radius = 6;
+  const double of_balls = std::min(mean_radius / settings.cells_per_radius, settings.slab_cell * samples.width);
+  const double cell = std::max({settings.cell * samples.width, of_balls, mean_radius / slab_cells_per_radius});
 
   grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, max_norm(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());

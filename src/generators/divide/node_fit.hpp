@@ -41,7 +41,10 @@ class NodeFit {
     double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
     double cell = 0.2;            ///< narrowest grid cell, in the same
     double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    float balance = 0;            ///< weight of demand that is shared out unevenly
+    /// Widest cell, in widths of a part, but no narrower for it than a sixth of the mean ball's radius. Balls on a tube
+    /// are much wider than their slabs: lines of wider cells pass a slab by on both sides.
+    double slab_cell = 100;
+    float balance = 0;  ///< weight of demand that is shared out unevenly
     int exact_rounds = 3;
   };
   /// mean_radius: of the balls to come, mesh units; sets the width of the grid's cells.

@@ -143,13 +143,14 @@ class Levels {
     constexpr std::size_t enough = 24;
     return lines_->line_count(first_above_ + node) >= enough;
   }
-  // Of lines: a third of a usual new sphere's radius.
+  // Of lines: a sixth of a usual new sphere's radius. On a tube a sphere's own slab is a fifth of its radius wide:
+  // lines twice as far apart leave out every second slab, and divisions were taken back that pay.
   static double spacing(const std::vector<BuildNode>& next) {
     std::vector<double> radii;
     for (const BuildNode& child : next) radii.push_back(child.sphere.radius);
     const auto some = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
     std::nth_element(radii.begin(), some, radii.end());
-    return *some / 3;
+    return *some / 6;
   }
   // The error of both unions is that of what only one of them has.
   bool not_looser() const {
