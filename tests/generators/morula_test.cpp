@@ -78,7 +78,7 @@ double taken_in_by_discs(std::span<const Sphere> spheres, double half, double cr
 // centres are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
 TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
   constexpr int around = 40;
-  constexpr double radius = 0.5, chain_of_75 = 0.16 * 0.16 / 6;  // along 12 radii
+  constexpr double radius = 0.5, chain_of_80 = 0.15 * 0.15 / 6;  // along 12 radii
   Mesh mesh = sample_body("capsule", around);
   for (Vec3& p : mesh.positions) p.x = std::abs(p.x) < 1 ? 3 * p.x : p.x + std::copysign(2.0, p.x);
   const double step = 2 * std::numbers::pi / around;
@@ -88,7 +88,7 @@ TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
     const double leaves = taken_in_by_discs(level_set_spheres(tree, 3), 2.8, polygon);
     RecordProperty("seed_" + std::to_string(seed), std::to_string(leaves));
     EXPECT_GE(leaves, circle / polygon - 1);
-    EXPECT_LE(leaves, circle / polygon - 1 + chain_of_75);
+    EXPECT_LE(leaves, circle / polygon - 1 + chain_of_80);
   }
 }
 
