@@ -38,10 +38,9 @@ struct Effort {
   std::size_t medial_samples;  // 0: no seeds
   std::array<int, 3> starts;   // tries from the beginning, the best is kept
   std::array<int, 3> changes;
-  std::array<float, 2> balance;  // on levels 1 and 2
-  int exchanges;                 // rounds per level
-  // Widest cells where balls are wider than their parts, on levels 1 and 2 and below, in parts.
-  std::array<double, 2> slab_cell;
+  std::array<float, 2> balance;     // on levels 1 and 2
+  int exchanges;                    // rounds per level
+  std::array<double, 2> slab_cell;  // of the grid, see NodeFit: of levels 1 and 2, of all below
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
                       .first_cell = 0.45,
@@ -52,7 +51,7 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
                       .exchanges = 0,
-                      .slab_cell = {100, 100}};
+                      .slab_cell = {0, 0}};
 // A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
 constexpr Effort draft = [] {
   Effort effort = fast;
@@ -87,7 +86,6 @@ const Effort& effort_of(Quality quality) {
   return quality == Quality::best ? best : standard;
 }
 
-constexpr std::size_t few_children = 8;
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
@@ -129,8 +127,19 @@ class OwnDivider {
  private:
   // What is tried for a node is tried for all its children: many of them share what few would have.
   std::size_t shared_among_children(int tries) const {
-    const auto children = std::max(few_children, static_cast<std::size_t>(run_.branching));
-    return (few_children * static_cast<std::size_t>(tries) + children - 1) / children;
+    constexpr std::size_t few = 8;
+    const auto children = std::max(few, static_cast<std::size_t>(run_.branching));
+    return (few * static_cast<std::size_t>(tries) + children - 1) / children;
+  }
+
+  // Side by side on a tube: centres are much nearer to their middle than to the surface.
+  static bool are_slabs(std::span<const Sphere> spheres, double mean_radius) {
+    constexpr double much_nearer = 0.3;
+    Vec3 middle{};
+    for (const Sphere& s : spheres) middle += s.center / static_cast<double>(spheres.size());
+    double squares = 0;
+    for (const Sphere& s : spheres) squares += squared_distance(s.center, middle);
+    return squares < much_nearer * much_nearer * mean_radius * mean_radius * static_cast<double>(spheres.size());
   }
 
   // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
@@ -156,8 +165,7 @@ class OwnDivider {
     for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
     NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
-    // Many children at a time are slabs that exchange evens out: narrower cells take half the time again and bring 9 %.
-    if (most <= few_children) settings.slab_cell = effort_.slab_cell[level < 2 ? 0 : 1];
+    if (are_slabs(spheres, mean_radius)) settings.slab_cell = effort_.slab_cell[level < 2 ? 0 : 1];
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     Group& group = fit.group();
     group.take(spheres);

@@ -109,10 +109,9 @@ class RebuiltBody {
 
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
-  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and
-  /// one of another ownership where that may be tighter, of up to eight others where the body is small. Cost beyond
-  /// that: a share of an estimate, which is over in `check_every` frames, and a copy of the positions when a rebuild
-  /// starts.
+  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and one of
+  /// another ownership where that may be tighter, of up to eight others where the body is small. Cost beyond that: a
+  /// share of an estimate, which is over in `check_every` frames, and a copy of the positions when a rebuild starts.
   RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.

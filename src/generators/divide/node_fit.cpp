@@ -137,8 +137,10 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts, on tubes
   // they are wider.
   constexpr double most_cells = 160, slab_cells_per_radius = 6;
-  const double of_balls = std::min(mean_radius / settings.cells_per_radius, settings.slab_cell * samples.width);
-  const double cell = std::max({settings.cell * samples.width, of_balls, mean_radius / slab_cells_per_radius});
+  double of_balls = mean_radius / settings.cells_per_radius;
+  if (settings.slab_cell > 0)
+    of_balls = std::min(of_balls, std::max(settings.slab_cell * samples.width, mean_radius / slab_cells_per_radius));
+  const double cell = std::max(settings.cell * samples.width, of_balls);
 
   grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, max_norm(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());

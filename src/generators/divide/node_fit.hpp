@@ -41,9 +41,9 @@ class NodeFit {
     double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
     double cell = 0.2;            ///< narrowest grid cell, in the same
     double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    /// Widest cell, in widths of a part, but no narrower for it than a sixth of the mean ball's radius. Balls on a tube
-    /// are much wider than their slabs: lines of wider cells pass a slab by on both sides.
-    double slab_cell = 100;
+    /// Widest cell, in widths of a part, down to a sixth of the mean ball's radius; 0: any. Balls on a tube are much
+    /// wider than their slabs, which lines of wider cells pass by on both sides.
+    double slab_cell = 0;
     float balance = 0;  ///< weight of demand that is shared out unevenly
     int exact_rounds = 3;
   };
