@@ -34,9 +34,10 @@ struct Effort {
   NodeFit::Settings fit;
   double first_cell;  // of the grid for splitting, in parts of the region
   int sweeps;
-  bool inscribed;              // seeds and sweeps by inscribed balls
-  std::size_t medial_samples;  // 0: no seeds
-  std::array<int, 3> starts;   // tries from the beginning, the best is kept
+  bool inscribed;                // seeds and sweeps by inscribed balls
+  std::size_t medial_samples;    // 0: no seeds
+  std::array<int, 3> starts;     // tries from the beginning, the best is kept
+  std::array<int, 3> proposals;  // of the paper's reducers, swept and kept where that is better
   std::array<int, 3> changes;
   std::array<float, 2> balance;     // on levels 1 and 2
   int exchanges;                    // rounds per level
@@ -48,6 +49,7 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .inscribed = false,
                       .medial_samples = 0,
                       .starts = {1, 1, 1},
+                      .proposals = {0, 0, 0},
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
                       .exchanges = 0,
@@ -64,7 +66,8 @@ constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius
                           .sweeps = 2,
                           .inscribed = true,
                           .medial_samples = 4000,
-                          .starts = {4, 2, 1},
+                          .starts = {4, 1, 1},
+                          .proposals = {0, 2, 0},
                           .changes = {200, 60, 4},
                           .balance = {2.5F, 2.0F},
                           .exchanges = 3,
@@ -75,6 +78,7 @@ constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 
                       .inscribed = true,
                       .medial_samples = 12000,
                       .starts = {8, 3, 2},
+                      .proposals = {0, 0, 0},
                       .changes = {120, 80, 50},
                       .balance = {2.5F, 2.0F},
                       .exchanges = 5,
@@ -170,8 +174,10 @@ class OwnDivider {
     Group& group = fit.group();
     group.take(spheres);
     for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
+    constexpr int inscribed_sweeps = 2, sweeps = 2;
+    for (std::size_t k = 0; k < shared_among_children(effort_.proposals[level]); ++k)
+      group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), sweeps);
     if (effort_.inscribed) {
-      constexpr int inscribed_sweeps = 2, sweeps = 2;
       if (!balls_.empty()) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);

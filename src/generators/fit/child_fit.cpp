@@ -187,12 +187,16 @@ void Group::take_in_grid(std::span<const GroupBall> balls) {
   assign_by_power(squares);
 }
 
+std::vector<GroupBall> Group::in_grid(std::span<const Sphere> balls) const {
+  std::vector<GroupBall> result;
+  for (const Sphere& s : balls)
+    result.push_back({grid_.to_grid(s.center), std::max(1e-4F, static_cast<float>(s.radius / grid_.cell())), 0});
+  return result;
+}
+
 void Group::take(std::span<const Sphere> balls, bool fill_places) {
   fill_places_ = fill_places;
-  std::vector<GroupBall> in_grid;
-  for (const Sphere& s : balls)
-    in_grid.push_back({grid_.to_grid(s.center), std::max(1e-4F, static_cast<float>(s.radius / grid_.cell())), 0});
-  take_in_grid(in_grid);
+  take_in_grid(in_grid(balls));
 }
 
 // squared_radii: negative for balls that get nothing. Of balls with equal power the first owns the point.
@@ -544,6 +548,10 @@ void Group::try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, in
   for (int i = 0; i < inscribed_sweeps; ++i) sweep_inscribed(settings_.taken);
   for (int i = 0; i < sweeps; ++i) sweep(settings_.taken, true);
   if (!(objective() < least)) restore(before);
+}
+
+void Group::try_spheres(std::span<const Sphere> balls, int sweeps) {
+  if (!balls.empty()) try_seeds(in_grid(balls), 0, sweeps);
 }
 
 GroupBall Group::refit_to(GroupPoints points, std::span<const Vec3f> starts) {

@@ -40,6 +40,7 @@ class Group {
   /// Settles on whichever is better: as it is, or after sweeps by inscribed power.
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
+  void try_spheres(std::span<const Sphere> balls, int sweeps);
 
   /// Empty space that the balls take in together, and what balance adds.
   double objective();
@@ -60,6 +61,7 @@ class Group {
     std::vector<std::uint8_t> owner;
     std::vector<Fit> fits;
   };
+  std::vector<GroupBall> in_grid(std::span<const Sphere> balls) const;
   State snapshot() const { return {balls_, owner_, fits_}; }
   bool fits_already(std::size_t ball, float taken) const;
   void place(std::size_t ball, const GroupBall& fitted, float taken);
