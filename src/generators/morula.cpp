@@ -129,11 +129,19 @@ class OwnDivider {
   }
 
  private:
+  static constexpr std::size_t few_children = 8;
+
   // What is tried for a node is tried for all its children: many of them share what few would have.
   std::size_t shared_among_children(int tries) const {
-    constexpr std::size_t few = 8;
-    const auto children = std::max(few, static_cast<std::size_t>(run_.branching));
-    return (few * static_cast<std::size_t>(tries) + children - 1) / children;
+    const auto children = std::max(few_children, static_cast<std::size_t>(run_.branching));
+    return (few_children * static_cast<std::size_t>(tries) + children - 1) / children;
+  }
+  std::size_t changes_on(std::size_t level) const {
+    const std::size_t changes = shared_among_children(effort_.changes[level]);
+    const auto children = static_cast<std::size_t>(run_.branching);
+    if (level > 0 || children >= few_children) return changes;
+    constexpr std::size_t least = 8;
+    return std::max(std::min(changes, least), changes * children / few_children);
   }
 
   // Side by side on a tube: centres are much nearer to their middle than to the surface.
@@ -188,7 +196,7 @@ class OwnDivider {
     }
     run_.throw_if_stopped();
     constexpr int move_every = 5;
-    group.try_changes(static_cast<int>(shared_among_children(effort_.changes[level])), move_every);
+    group.try_changes(static_cast<int>(changes_on(level)), move_every);
     NodeFit::Exact exact = fit.exact(wants_cost);
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
@@ -288,20 +296,15 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (is_flat_set(run)) {
     const ObjectLines fine(mesh, shape, flat_set_cells, workers);
     const FitInput fine_input = fit_input(mesh, shape, fine);
-    const auto divider = [&](const FitInput& by, const BuildRun& level_run, Demand demand) -> Divider {
+    const auto divider = [&](const FitInput& by, const BuildRun& level_run) -> Divider {
       const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OwnDivider(by, *level, effort, balls, std::move(demand), workers)](
-                 const BuildNode& node) { return divide(node); };
+      return [level, divide = OwnDivider(by, *level, effort, balls, {}, workers)](const BuildNode& node) {
+        return divide(node);
+      };
     };
     const FlatSetBy by{
-        .one_level = [&](std::size_t most) { return divider(input, run.one_level(most), {}); },
-        .levels =
-            [&](int depth) {
-              const BuildRun levels = of_levels(run, depth);
-              if (effort.balance[0] == 0) return divider(fine_input, levels, {});
-              const CoveredTree first = fast_tree(fine_input, levels, workers);
-              return divider(fine_input, levels, demand_from(fine_input, first, workers));
-            },
+        .one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
+        .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
         .improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
         .quick = effort.balance[0] == 0};
     return flat_set(input, fine, run, by, workers);
