@@ -136,6 +136,7 @@ class OwnDivider {
     const auto children = std::max(few_children, static_cast<std::size_t>(run_.branching));
     return (few_children * static_cast<std::size_t>(tries) + children - 1) / children;
   }
+  // At the root, where changes are many, fewer children than a few need fewer; not less than 8, what `fast` has.
   std::size_t changes_on(std::size_t level) const {
     const std::size_t changes = shared_among_children(effort_.changes[level]);
     const auto children = static_cast<std::size_t>(run_.branching);
@@ -182,17 +183,18 @@ class OwnDivider {
     Group& group = fit.group();
     group.take(spheres);
     for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
-    constexpr int inscribed_sweeps = 2, sweeps = 2;
+    constexpr int settling_sweeps = 2;
     for (std::size_t k = 0; k < shared_among_children(effort_.proposals[level]); ++k)
-      group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), sweeps);
+      group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
+      constexpr int inscribed_sweeps = 2;
       if (!balls_.empty()) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
         for (const Dilation d : {Dilation::length, Dilation::square})
-          group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, sweeps);
+          group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, settling_sweeps);
       }
-      group.try_inscribed(2 * inscribed_sweeps, sweeps);
+      group.try_inscribed(2 * inscribed_sweeps, settling_sweeps);
     }
     run_.throw_if_stopped();
     constexpr int move_every = 5;
