@@ -15,7 +15,6 @@
 #include <cmath>
 #include <memory>
 #include <morula/geometry/sampling.hpp>
-#include <morula/medial/medial_balls.hpp>
 #include <mutex>
 #include <optional>
 
@@ -25,6 +24,7 @@
 #include "generators/divide/node_fit.hpp"
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
+#include "medial/shrunken_balls.hpp"
 
 namespace morula::detail {
 namespace {
@@ -90,6 +90,7 @@ const Effort& effort_of(Quality quality) {
   return quality == Quality::best ? best : standard;
 }
 
+constexpr std::size_t enough_seeds = 200;  // balls to choose seeds from, for one node
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
@@ -224,7 +225,6 @@ class OwnDivider {
   // Inscribed balls that touch the region, in grid coordinates; an even choice when they are many.
   std::vector<GroupBall> touching(const BuildNode& node, const NodeFit& fit, const GroupPoints& points) const {
     constexpr float near = 0.25F;  // parts of the region
-    constexpr std::size_t enough = 200;
     const OutsideGrid& grid = const_cast<NodeFit&>(fit).grid();
     std::vector<GroupBall> found;
     for (const Sphere& ball : balls_) {
@@ -239,9 +239,9 @@ class OwnDivider {
       }
       if (touches) found.push_back({c, r, 0});
     }
-    if (found.size() <= enough) return found;
+    if (found.size() <= enough_seeds) return found;
     std::vector<GroupBall> some;
-    for (std::size_t k = 0; k < enough; ++k) some.push_back(found[k * found.size() / enough]);
+    for (std::size_t k = 0; k < enough_seeds; ++k) some.push_back(found[k * found.size() / enough_seeds]);
     return some;
   }
 
@@ -262,7 +262,19 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::
     points.push_back(s.point);
     normals.push_back(normalized(cross(t[1] - t[0], t[2] - t[0])) * shape.orientation());
   }
-  return shrinking_balls(shape.distance(), points, normals, workers).balls;
+  return shrunken_balls(shape.distance(), points, normals, Round::shared, workers);
+}
+
+// No more than the nodes that are divided last can look at. The same for flat sets and trees of one level, however many
+// their children: a set goes through smaller ones as they would be on their own, and is never looser than such a tree.
+std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
+  constexpr std::size_t least = 8 * enough_seeds;
+  if (is_flat_set(run)) return std::min(effort.medial_samples, least);
+  if (run.spheres > 0 || run.max_protrusion > 0) return effort.medial_samples;  // it grows as deep as it must
+  std::size_t nodes = 1;
+  for (int level = 1; level < run.depth && nodes < effort.medial_samples; ++level)
+    nodes *= static_cast<std::size_t>(run.branching);
+  return std::min(effort.medial_samples, std::max(least, nodes * enough_seeds));
 }
 
 }  // namespace
@@ -285,7 +297,7 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
-  const std::vector<Sphere> balls = medial_set(mesh, shape, effort.medial_samples, run.seed, workers);
+  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
       // Siblings have shared demand out evenly: level 1 keeps what it owns.
@@ -307,7 +319,9 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
     const FlatSetBy by{
         .one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
         .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
-        .improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
+        .improve = effort.exchanges == 0
+                       ? LevelHook{}
+                       : [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
         .quick = effort.balance[0] == 0};
     return flat_set(input, fine, run, by, workers);
   }

@@ -7,7 +7,8 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/medial/inner_balls.hpp>
-#include <morula/medial/medial_balls.hpp>
+
+#include "medial/shrunken_balls.hpp"
 
 namespace morula {
 
@@ -26,8 +27,8 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
     normals.push_back(object.orientation() * normalized(area_vector(mesh.corners(sample.facet))));
   }
   std::vector<Sphere> balls;
-  for (Sphere ball : shrinking_balls(object, points, normals, workers).balls) {
-    ball.radius = -object(ball.center) - options.margin;
+  for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::Round::each, workers)) {
+    ball.radius -= options.margin;
     if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
     if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;
     // The distance to the surface is exact. Its sign may err where a surface passes through itself; the number of times

@@ -79,7 +79,8 @@ struct VoronoiBalls::Data {
     const double reach = box.diagonal();
     return !(squared_distance(box, balls[slot].ball.center) <= reach * reach);
   }
-  const Closest& ask(std::uint32_t slot);
+  // within: surface is known to be no farther from the centre.
+  const Closest& ask(std::uint32_t slot, double within = std::numeric_limits<double>::infinity());
   int side(std::uint32_t slot);
 
   Box box;
@@ -154,15 +155,15 @@ void VoronoiBalls::Data::fill(std::uint32_t slot) {
   known[slot] = {};
 }
 
-const VoronoiBalls::Closest& VoronoiBalls::Data::ask(std::uint32_t slot) {
+const VoronoiBalls::Closest& VoronoiBalls::Data::ask(std::uint32_t slot, double within) {
   assert(balls[slot].alive);
   Known& of = known[slot];
   if (std::exchange(of.asked, true)) return of.closest;
   if (is_far(slot)) {
     of.closest = {std::numeric_limits<double>::infinity(), {}};
   } else {
-    const Vec3& center = balls[slot].ball.center;
-    const SignedDistance::Result at = shape.at(center);
+    const auto& [center, radius] = balls[slot].ball;
+    const SignedDistance::Result at = shape.at(center, std::min(radius + cell, within));
     of.closest = {at.distance, at.closest.point};
     if (shape.has_volume()) empty.add(center, at.distance);
   }
@@ -190,10 +191,14 @@ int VoronoiBalls::side(std::uint32_t slot) const {
   return data_->side(slot);
 }
 std::optional<VoronoiBalls::Closest> VoronoiBalls::closest_within(std::uint32_t slot, double most) const {
-  const Data::Known& of = data_->known[slot];
-  if (!of.asked && (data_->is_far(slot) || !data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most)))
-    return {};
-  const Closest& closest = data_->ask(slot);
+  double within = most;
+  if (!data_->known[slot].asked) {
+    if (data_->is_far(slot)) return {};
+    const auto found = data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most);
+    if (!found) return {};
+    within = std::sqrt(found->squared_distance);
+  }
+  const Closest& closest = data_->ask(slot, within);
   return std::abs(closest.distance) <= most ? std::optional(closest) : std::nullopt;
 }
 

@@ -130,8 +130,15 @@ SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& conne
 }
 
 SignedDistance::Result SignedDistance::at(const Vec3& p) const {
+  return at(p, std::numeric_limits<double>::infinity());
+}
+
+SignedDistance::Result SignedDistance::at(const Vec3& p, double known) const {
   const StandardFloats standard;
-  const std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p);
+  constexpr double rounding = 1 + 1e-9;
+  // What is nearest within a reach is nearest of all, and the lowest of equally near facets is found either way.
+  std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p, known * rounding);
+  if (!closest) closest = bvh_.closest_point(p);
   if (!closest) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, {{0, {nan, nan, nan}, {nan, nan, nan}}, nan}};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -10,9 +11,11 @@
 #include <morula/geometry/triangle.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/brute_force.hpp>
+#include <set>
 #include <string>
 
 #include "../support/meshes.hpp"
+#include "medial/shrunken_balls.hpp"
 
 namespace morula::test {
 namespace {
@@ -35,9 +38,9 @@ MedialBalls balls_of(const Mesh& mesh, std::size_t count, Workers& workers = ser
   return shrinking_balls(SignedDistance(mesh), samples.points, samples.normals, workers);
 }
 
-void expect_inscribed(const MedialBalls& medial, const Mesh& mesh) {
+void expect_inscribed(std::span<const Sphere> balls, const Mesh& mesh) {
   const SignedDistance shape(mesh, SignMethod::winding_number);
-  for (const Sphere& ball : medial.balls) {
+  for (const Sphere& ball : balls) {
     ASSERT_GT(ball.radius, 0);
     ASSERT_TRUE(shape.is_inside(ball.center));
     const double clear = std::sqrt(brute_force::closest_point(mesh, ball.center).squared_distance);
@@ -91,7 +94,7 @@ TEST(ShrinkingBalls, are_inscribed_in_every_closed_mesh) {
   for (const NamedMesh& named : closed_meshes()) {
     SCOPED_TRACE(named.name);
     const MedialBalls medial = balls_of(named.mesh, 200);
-    expect_inscribed(medial, named.mesh);
+    expect_inscribed(medial.balls, named.mesh);
     expect_sound_neighbors(medial);
   }
 }
@@ -175,7 +178,7 @@ TEST(ShrinkingBalls, of_a_thin_plate_are_as_thick_as_it) {
     std::size_t full = 0;
     for (const Sphere& ball : medial.balls) full += std::abs(ball.radius - thickness / 2) <= 1e-5 * thickness;
     EXPECT_GT(full, 380u) << thickness;
-    expect_inscribed(medial, mesh);
+    expect_inscribed(medial.balls, mesh);
   }
 }
 
@@ -184,7 +187,7 @@ TEST(ShrinkingBalls, stay_in_their_component) {
   const MedialBalls medial = balls_of(mesh, 400);
   EXPECT_EQ(medial.balls.size(), 400u);
   for (const Sphere& ball : medial.balls) EXPECT_NEAR(ball.radius, 1, 0.05);
-  expect_inscribed(medial, mesh);
+  expect_inscribed(medial.balls, mesh);
   EXPECT_EQ(part_count(medial), 2u);
 }
 
@@ -196,7 +199,7 @@ TEST(ShrinkingBalls, work_on_a_scan_with_holes) {
   ASSERT_LT(mesh.facet_count(), before);
   const MedialBalls medial = balls_of(mesh, 500);
   EXPECT_GT(medial.balls.size(), 450u);
-  expect_inscribed(medial, mesh);
+  expect_inscribed(medial.balls, mesh);
   expect_sound_neighbors(medial);
 }
 
@@ -219,6 +222,71 @@ TEST(ShrinkingBalls, same_bits_for_any_number_of_workers) {
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     Workers workers(threads);
     EXPECT_TRUE(same(balls_of(mesh, 1500, workers), serial)) << threads;
+  }
+}
+
+std::vector<Sphere> shared_balls_of(const Mesh& mesh, std::size_t count, Workers& workers = serial_workers()) {
+  const Samples samples = samples_of(mesh, count);
+  return detail::shrunken_balls(SignedDistance(mesh), samples.points, samples.normals, detail::Round::shared, workers);
+}
+
+std::size_t different(std::vector<Sphere> balls) {
+  std::set<std::array<double, 4>> all;
+  for (const Sphere& b : balls) all.insert({b.center.x, b.center.y, b.center.z, b.radius});
+  return all.size();
+}
+
+TEST(SharedBalls, of_a_sphere_are_few_and_it) {
+  const Vec3 center{5, -3, 2};
+  const std::vector<Sphere> balls = shared_balls_of(icosphere(4, 2.0, center), 1000);
+  EXPECT_EQ(balls.size(), 1000u);
+  EXPECT_LT(different(balls), 400u);
+  for (const Sphere& ball : balls) {
+    EXPECT_NEAR(ball.radius, 2.0, 0.06);
+    EXPECT_LE(distance(ball.center, center), 0.06);
+  }
+}
+
+TEST(SharedBalls, are_inscribed_and_touch_their_points_in_every_closed_mesh) {
+  for (const NamedMesh& named : closed_meshes()) {
+    SCOPED_TRACE(named.name);
+    const Samples samples = samples_of(named.mesh, 300);
+    const SignedDistance shape(named.mesh);
+    expect_inscribed(shared_balls_of(named.mesh, 300), named.mesh);
+    // By itself no point has whom to share with; a whole number of them is one chunk of work.
+    for (std::size_t i = 0; i < 32; ++i) {
+      const auto of = [&](std::size_t from, std::size_t count) {
+        return detail::shrunken_balls(shape, std::span(samples.points).subspan(from, count),
+                                      std::span(samples.normals).subspan(from, count), detail::Round::shared);
+      };
+      const std::vector<Sphere> before = of(0, i), with = of(0, i + 1), alone = of(i, 1);
+      if (with.size() == before.size() || (!alone.empty() && with.back() == alone[0])) continue;
+      // Shared: two balls before it are the point's as well.
+      int touched = 0;
+      for (const Sphere& ball : before)
+        touched += std::abs(distance(ball.center, samples.points[i]) - ball.radius) <= 0.004 * ball.radius;
+      EXPECT_GE(touched, 2);
+      EXPECT_NE(std::find(before.begin(), before.end(), with.back()), before.end());
+    }
+  }
+}
+
+TEST(SharedBalls, of_a_box_are_those_of_each_point) {
+  // Wide balls between two walls: points near the one that a ball was found at touch it, nearly, but no other.
+  const Mesh mesh = box_mesh({0, 0, 0}, {4, 3, 1}, 3);
+  const Samples samples = samples_of(mesh, 500);
+  const SignedDistance shape(mesh);
+  const std::vector<Sphere> each = detail::shrunken_balls(shape, samples.points, samples.normals, detail::Round::each);
+  EXPECT_EQ(shared_balls_of(mesh, 500), each);
+  EXPECT_EQ(balls_of(mesh, 500).balls, each);
+}
+
+TEST(SharedBalls, same_bits_for_any_number_of_workers) {
+  const Mesh mesh = icosphere(3);
+  const std::vector<Sphere> serial = shared_balls_of(mesh, 1000);
+  for (const unsigned threads : {2u, 3u, 8u}) {
+    Workers workers(threads);
+    EXPECT_EQ(shared_balls_of(mesh, 1000, workers), serial) << threads;
   }
 }
 

@@ -264,10 +264,29 @@ TEST(SignedDistance, protrusion_bound_is_exact_for_boxes) {
   }
 }
 
+TEST(SignedDistance, is_the_same_whatever_is_said_to_be_known) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const char* name : {"icosphere", "needle", "folded_facet", "moebius_strip"}) {
+    const Mesh& mesh = mesh_named(name).mesh;
+    const SignedDistance object(mesh);
+    for (const Vec3& p : hard_points(mesh, 200, 11)) {
+      const SignedDistance::Result expected = object.at(p);
+      const double d = std::abs(expected.distance);
+      for (const double known : {d, 0.999 * d, 1.5 * d, 0.0, -1.0, infinity, std::nan("")}) {
+        const SignedDistance::Result found = object.at(p, known);
+        EXPECT_EQ(found.distance, expected.distance);
+        EXPECT_EQ(found.closest.facet, expected.closest.facet);
+        EXPECT_EQ(found.closest.point, expected.closest.point);
+      }
+    }
+  }
+}
+
 TEST(SignedDistance, what_is_not_a_number_is_nowhere) {
   const SignedDistance object(icosphere(1));
   EXPECT_TRUE(std::isnan(object({std::nan(""), 0, 0})));
   EXPECT_FALSE(object.is_inside({0, std::nan(""), 0}));
+  EXPECT_TRUE(std::isnan(object.at({0, 0, std::nan("")}, 1).distance));
 }
 
 TEST(SignedDistance, has_the_same_bits_for_any_number_of_workers) {

@@ -32,6 +32,9 @@ class SignedDistance {
     ClosestFacetPoint closest;
   };
   Result at(const Vec3& p) const;
+  /// The same, sooner, for who knows of surface no farther than `known` from p: a sample, say. Where there is none (as
+  /// where p is NaN, or by rounding) it takes longer, no more.
+  Result at(const Vec3& p, double known) const;
   bool is_inside(const Vec3& p) const { return at(p).distance < 0; }
 
   /// Upper bound of how far the ball sticks out of the object, (r + φ(c))⁺: exact for convex objects.

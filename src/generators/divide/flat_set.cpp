@@ -61,6 +61,7 @@ class FlatSet {
     for (std::size_t k = 0; k < sizes.size() && in_time; ++k) {
       run_.throw_if_stopped();
       Set now = one_level(sizes[k]);
+      if (by_.improve && sizes[k] == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
       if (by_.quick || is_slender(now))
         if (Set other = last_level(sizes[k]); other.outside < now.outside) now = std::move(other);
       if (now.outside < best.outside) best = std::move(now);
@@ -94,6 +95,7 @@ class FlatSet {
     Set set{std::move(division.children), 0, division.leftover_patches, division.reducer};
     for (BuildNode& leaf : set.leaves) leaf.parent = 0;
     set.outside = outside(set.leaves);
+    if (!by_.improve) return set;
     std::vector<BuildNode> improved = set.leaves;
     by_.improve(improved);
     if (const double now = outside(improved); now < set.outside) {
@@ -132,11 +134,14 @@ class FlatSet {
     return tree_.leaves.size() > most ? only_root() : tree_;
   }
 
+  // Its first level is the set of so many that is at hand, with parts that have changed hands.
   Set leaves_of_tree(int depth) {
     Set set = only_root();
     const Divider divide = by_.levels(depth);
     std::vector<BuildNode> finished;  // cannot be divided further
-    for (int level = 0; level < depth; ++level) {
+    const bool is_begun = first_level_.size() > 1;
+    if (is_begun) set.leaves = first_level_;
+    for (int level = is_begun ? 1 : 0; level < depth; ++level) {
       std::vector<Division> divisions(set.leaves.size());
       const auto divide_one = [&](std::size_t i) {
         if (!run_.stop.stop_requested()) divisions[i] = children_of(set.leaves[i], divide, too_small_);
@@ -155,7 +160,7 @@ class FlatSet {
           next.push_back(std::move(child));
         }
       }
-      if (level > 0 && !next.empty()) by_.improve(next);
+      if (by_.improve && level > 0 && !next.empty()) by_.improve(next);
       set.leaves = std::move(next);
     }
     std::move(finished.begin(), finished.end(), std::back_inserter(set.leaves));
@@ -305,7 +310,8 @@ class FlatSet {
   Divider halve_;
   double too_small_;
   BuildNode root_;
-  Set tree_;  // leaves of a tree of tree_depth_ levels
+  std::vector<BuildNode> first_level_;  // of trees; none where parts do not change hands
+  Set tree_;                            // leaves of a tree of tree_depth_ levels
   int tree_depth_ = 0;
   BuildReport report_;
 };

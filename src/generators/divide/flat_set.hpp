@@ -14,13 +14,13 @@ inline constexpr std::size_t most_at_once = 256;
 /// Lattice cells along the longest side by which sets are compared and improved.
 inline constexpr int flat_set_cells = 192;
 
-/// How a flat set is made: dividers into at most so many children; the divider of a tree of so many levels; and what is
-/// done to a new level.
+/// How a flat set is made: dividers into at most so many children; the divider of a tree of so many levels; and how
+/// parts of a new level change hands.
 struct FlatSetBy {
   std::function<Divider(std::size_t most)> one_level;
   std::function<Divider(int depth)> levels;
-  LevelHook improve;
-  bool quick;  ///< trees are tried on all bodies
+  LevelHook improve;  ///< none: they do not
+  bool quick;         ///< trees are tried on all bodies
 };
 
 /// The tree whose leaves are at most run.spheres spheres. lines: what sets are compared by.

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <morula/medial/medial_balls.hpp>
 
+#include "medial/shrunken_balls.hpp"
 #include "medial/voronoi_balls.hpp"
 
 namespace morula::detail {
@@ -169,9 +169,9 @@ class AdaptiveMedial {
       points.push_back(node_.samples[k]);
       normals.push_back(node_.normals[k]);
     }
-    for (const Sphere& ball : shrinking_balls(node_.shape.distance(), points, normals).balls) {
+    for (const Sphere& ball : shrunken_balls(node_.shape.distance(), points, normals, Round::shared)) {
       balls.push_back(ball);
-      distances.push_back(node_.shape.distance()(ball.center));
+      distances.push_back(-ball.radius);
     }
   }
 

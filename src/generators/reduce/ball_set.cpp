@@ -94,6 +94,12 @@ double grown_radius(GrowBy grow_by, double distance, double s) {
                                        : std::sqrt(std::max(0.0, s - distance * std::abs(distance)));
 }
 
+double signed_distance(const SignedDistance& shape, const Vec3& p, std::span<const Vec3> samples) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& sample : samples) least = std::min(least, squared_distance(p, sample));
+  return shape.at(p, std::sqrt(least)).distance;
+}
+
 std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples) {
   if (spheres.empty()) return {};

@@ -71,6 +71,9 @@ double grown_radius(GrowBy grow_by, double distance, double s);
 std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples);
 
+/// Of p to the object, whose surface the samples lie on; asked for no farther than they are away.
+double signed_distance(const SignedDistance& shape, const Vec3& p, std::span<const Vec3> samples);
+
 /// What a reduction leaves: balls that together contain all samples, at most `branching`, and their signed distances.
 struct Reduced {
   std::vector<Sphere> balls;

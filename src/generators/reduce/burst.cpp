@@ -131,7 +131,7 @@ class Bursting {
     // Distance changes no faster than place: often that is enough to know that the smallest ball is no better.
     const double least_distance = before.distance - morula::distance(before.ball.center, smallest.center);
     if (!(smallest.radius + least_distance < change.protrusion)) return;
-    const double distance = shape_(smallest.center);
+    const double distance = signed_distance(shape_, smallest.center, points_);
     if (const double p = std::max(0.0, smallest.radius + distance); p < change.protrusion)
       change.ball = smallest, change.distance = distance, change.protrusion = p;
   }

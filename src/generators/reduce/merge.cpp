@@ -98,7 +98,7 @@ class Merging {
     const double least_distance = std::max(one.distance - morula::distance(one.ball.center, smallest.center),
                                            other.distance - morula::distance(other.ball.center, smallest.center));
     if (smallest.radius + least_distance < joint.protrusion)
-      take_if_less(smallest.center, smallest.radius, shape_(smallest.center));
+      take_if_less(smallest.center, smallest.radius, signed_distance(shape_, smallest.center, points_));
     const auto index = static_cast<std::uint32_t>(joints_.size());
     joints_.push_back(joint);
     clusters_[a].pairs.push_back(index);

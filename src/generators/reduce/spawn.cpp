@@ -13,10 +13,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <morula/medial/medial_balls.hpp>
 
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reducers.hpp"
+#include "medial/shrunken_balls.hpp"
 
 namespace morula::detail {
 namespace {
@@ -36,8 +36,8 @@ std::vector<Seed> medial_seeds(const ReducerInput& node) {
     normals.push_back(node.normals[k]);
   }
   std::vector<Seed> seeds;
-  for (const Sphere& ball : shrinking_balls(node.shape.distance(), points, normals).balls)
-    seeds.push_back({ball.center, node.shape.distance()(ball.center)});
+  for (const Sphere& ball : shrunken_balls(node.shape.distance(), points, normals, Round::shared))
+    seeds.push_back({ball.center, -ball.radius});
   return seeds;
 }
 
@@ -139,7 +139,8 @@ class Spawn {
       stand_at(center);
       const double nearest = *std::min_element(squares_.begin(), squares_.end());
       const double largest = (s_ + std::sqrt(nearest)) * (1 + 1e-9);
-      return gain_of(largest) > most_ && consider_radius(s_ - node_.shape.distance()(center));
+      return gain_of(largest) > most_ &&
+             consider_radius(s_ - node_.shape.distance().at(center, std::sqrt(nearest)).distance);
     }
 
    private:

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "medial/shrunken_balls.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <optional>
+
+#include "parallel/float_environment.hpp"
+
+namespace morula::detail {
+namespace {
+
+// Round bodies are made of facets, and no ball that is tangent to one of them off its middle has room: where facets
+// meet at 15°, strict balls have half the radius of the body that is meant. So a ball is done when surface is less than
+// this share of its radius inside; then it makes room for that surface, and touches near its point instead of at it.
+constexpr double almost = 0.1;
+constexpr int most_rooms = 3;           // steps that make room
+constexpr double enough_room = 1e-3;    // share of the radius: less is not worth a step
+constexpr double nothing = 1e-9;        // share of the radius that is taken for rounding
+constexpr double smallest_ball = 1e-9;  // of the diagonal: smaller ones are on their way to nothing, on an edge
+constexpr int most_steps = 50;
+
+/// Away from the nearest surface, as long as the ball grows: half of what p is farther than that.
+Sphere made_room(const SignedDistance& shape, const Vec3& p, Vec3 center, SignedDistance::Result at) {
+  for (int step = 0; step < most_rooms; ++step) {
+    const double gap = distance(center, p) + at.distance;
+    if (gap <= -enough_room * at.distance) break;
+    const Vec3 moved = center + (0.5 * gap / -at.distance) * (center - at.closest.point);
+    const SignedDistance::Result there =
+        shape.at(moved, std::min(distance(moved, p), distance(moved, at.closest.point)));
+    if (!(there.distance < at.distance)) break;
+    center = moved;
+    at = there;
+  }
+  return {center, -at.distance};
+}
+
+/// The ball that touches the surface at p from inside, made smaller until no surface is in it: each step leads to the
+/// ball that touches at p and goes through the surface point nearest to the last centre.
+std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const Vec3& n, double diagonal) {
+  if (!is_finite(p) || !(squared_length(n) > 0.5)) return {};
+  double radius = 0.5 * diagonal;
+  for (int step = 0; step < most_steps; ++step) {
+    const Vec3 center = p - radius * n;
+    std::optional<ClosestFacetPoint> q = shape.bvh().closest_point(center, radius * (1.0 - almost));
+    if (!q) {
+      const SignedDistance::Result at = shape.at(center, radius);
+      if (at.distance < 0) return made_room(shape, p, center, at);
+      // Outside, through something thin; or the normal points inwards, and there is nothing to touch.
+      if (!(at.distance < radius * (1.0 - nothing))) return {};
+      q = at.closest;
+    }
+    const Vec3 from_q_to_p = p - q->point;
+    const double rise = dot(n, from_q_to_p);
+    const double next = squared_length(from_q_to_p) / (2.0 * rise);
+    // Smaller, in real numbers; not where p itself is off the surface by rounding and nearest.
+    if (!(rise > 0) || !(next < radius) || next < smallest_ball * diagonal) return {};
+    radius = next;
+  }
+  return {};
+}
+
+bool touches(const Sphere& ball, const Vec3& p, const Vec3& n) {
+  constexpr double far = 0.003;       // of the radius
+  constexpr double same_way = 0.998;  // cosine
+  const Vec3 from_center = p - ball.center;
+  const double away = length(from_center);
+  return std::abs(away - ball.radius) <= far * ball.radius && dot(from_center, n) >= same_way * away;
+}
+
+/// A ball that p touches as it touches another one: this part of the body is round. One alone is no sign: wide balls
+/// are touched, nearly, by all points near the one that they were found at.
+const Sphere* known_at(std::span<const std::optional<Sphere>> balls, const Vec3& p, const Vec3& n) {
+  const Sphere* first = nullptr;
+  for (const std::optional<Sphere>& ball : balls) {
+    if (!ball || !touches(*ball, p, n)) continue;
+    if (first != nullptr) return first;
+    first = &*ball;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const Vec3> points,
+                                   std::span<const Vec3> normals, Round round, Workers& workers) {
+  const StandardFloats standard;
+  assert(points.size() == normals.size());
+  const double diagonal = shape.bvh().bounding_box().diagonal();
+  std::vector<std::optional<Sphere>> found(points.size());
+  parallel_for(workers, points.size(), 32, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Sphere* known = nullptr;
+      if (round == Round::shared) known = known_at(std::span(found).subspan(begin, i - begin), points[i], normals[i]);
+      found[i] = known != nullptr ? *known : shrink(shape, points[i], normals[i], diagonal);
+    }
+  });
+  std::vector<Sphere> balls;
+  for (const std::optional<Sphere>& ball : found)
+    if (ball) balls.push_back(*ball);
+  return balls;
+}
+
+}  // namespace morula::detail
