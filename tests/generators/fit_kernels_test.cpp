@@ -210,6 +210,24 @@ TEST(FitKernels, numbers_at_most_a_limit_are_bits) {
     }
 }
 
+TEST(FitKernels, squared_distances_are_those_of_vectors) {
+  Random random(7);
+  for (const std::size_t count : {1, 2, 3, 7, 8, 9, 31, 100})
+    for (const FitKernels& kernels : all_fit_kernels()) {
+      const Vec3 center{uniform(random, -4, 4), uniform(random, -4, 4), uniform(random, -4, 4)};
+      std::vector<double> x, y, z, squares(count + 1, -1);
+      for (std::size_t i = 0; i < count; ++i) {
+        x.push_back(random.uniform(-4, 4));
+        y.push_back(random.uniform(-4, 4));
+        z.push_back(random.uniform(-4, 4));
+      }
+      kernels.squared_distances_in_double({x.data(), y.data(), z.data(), count}, center, squares.data());
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_EQ(squares[i], squared_distance(Vec3{x[i], y[i], z[i]}, center)) << i << " of " << count;
+      EXPECT_EQ(squares[count], -1);
+    }
+}
+
 TEST(FitKernels, bytes_equal_to_one_are_bits) {
   Random random(8);
   for (const std::size_t count : {1, 7, 63, 64, 65, 128, 200, 333})

@@ -98,6 +98,11 @@ void at_most_in_double(const double* numbers, std::size_t count, double limit, s
   numbers_at_most(numbers, count, limit, bits);
 }
 
+void squared_distances_in_double(const DoublePointColumns& points, const Vec3& center, double* squares) {
+  for (std::size_t i = 0; i < points.count; ++i)
+    squares[i] = squared_distance(Vec3{points.x[i], points.y[i], points.z[i]}, center);
+}
+
 void equal(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits) {
   for (std::size_t word = 0; 64 * word < count; ++word) bits[word] = 0;
   for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(bytes[i] == wanted) << (i % 64);
@@ -113,7 +118,8 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
     }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, at_most_in_double, equal, with_less_power};
+constexpr FitKernels kernels{outside, make_steps,     offer, at_most, at_most_in_double, squared_distances_in_double,
+                             equal,   with_less_power};
 
 }  // namespace plain
 

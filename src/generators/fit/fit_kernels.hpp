@@ -73,6 +73,8 @@ struct FitKernels {
   void (*at_most)(const float* numbers, std::size_t count, float limit, std::uint64_t* bits);
   /// The same for doubles that are numbers.
   void (*at_most_in_double)(const double* numbers, std::size_t count, double limit, std::uint64_t* bits);
+  /// Of points from a centre. Sums are in the order x, y, z.
+  void (*squared_distances_in_double)(const DoublePointColumns& points, const Vec3& center, double* squares);
   /// Bit i of words of 64: bytes[i] is `wanted`. Bits from `count` on are none.
   void (*equal)(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits);
   /// Bit i of words of 64: somewhere ball i has less power than one that is given. corners: x, y, z and that power.

@@ -235,6 +235,18 @@ void at_most_in_double(const double* numbers, std::size_t count, double limit, s
   if (count % 64 != 0) bits[count / 64] = word;
 }
 
+void squared_distances_in_double(const DoublePointColumns& points, const Vec3& center, double* squares) {
+  const Doubles x = center.x - Doubles{}, y = center.y - Doubles{}, z = center.z - Doubles{};
+  std::size_t i = 0;
+  for (; i + doubles <= points.count; i += doubles) {
+    const Doubles dx = *reinterpret_cast<const LooseDoubles*>(points.x + i) - x;
+    const Doubles dy = *reinterpret_cast<const LooseDoubles*>(points.y + i) - y;
+    const Doubles dz = *reinterpret_cast<const LooseDoubles*>(points.z + i) - z;
+    *reinterpret_cast<LooseDoubles*>(squares + i) = dx * dx + dy * dy + dz * dz;
+  }
+  for (; i < points.count; ++i) squares[i] = squared_distance(Vec3{points.x[i], points.y[i], points.z[i]}, center);
+}
+
 // Bit i: byte i of 64 is `wanted`.
 inline std::uint64_t equal_of_64(const std::uint8_t* bytes, std::uint8_t wanted) {
 #if MORULA_LANES == 16
@@ -282,4 +294,5 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
   }
 }
 
-constexpr FitKernels kernels{outside, make_steps, offer, at_most, at_most_in_double, equal, with_less_power};
+constexpr FitKernels kernels{outside, make_steps,     offer, at_most, at_most_in_double, squared_distances_in_double,
+                             equal,   with_less_power};

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "generators/reduce/sample_columns.hpp"
 #include "medial/shrunken_balls.hpp"
 #include "medial/voronoi_balls.hpp"
 
@@ -33,7 +34,11 @@ struct Budget {
 class AdaptiveMedial {
  public:
   explicit AdaptiveMedial(const ReducerInput& node)
-      : node_(node), budget_(node.branching), box_(around(node.sphere)), diagram_(box_, node.shape.distance()) {
+      : node_(node),
+        columns_(node.samples),
+        budget_(node.branching),
+        box_(around(node.sphere)),
+        diagram_(box_, node.shape.distance()) {
     nearest_point_.assign(node.samples.size(), 0);
     nearest_squared_.assign(node.samples.size(), infinity);
   }
@@ -69,10 +74,13 @@ class AdaptiveMedial {
   void add(std::span<const Vec3> points) {
     const std::size_t known = diagram_.samples().size();
     if (diagram_.insert(points) == 0) return;
-    for (std::size_t p = known; p < diagram_.samples().size(); ++p)
-      for (std::size_t k = 0; k < node_.samples.size(); ++k)
-        if (const double d = squared_distance(diagram_.samples()[p], node_.samples[k]); d < nearest_squared_[k])
-          nearest_squared_[k] = d, nearest_point_[k] = static_cast<std::uint32_t>(p);
+    std::vector<double> squares(columns_.size());
+    for (std::size_t p = known; p < diagram_.samples().size(); ++p) {
+      columns_.squared_distances(diagram_.samples()[p], squares.data());
+      for (std::size_t k = 0; k < squares.size(); ++k)
+        if (squares[k] < nearest_squared_[k])
+          nearest_squared_[k] = squares[k], nearest_point_[k] = static_cast<std::uint32_t>(p);
+    }
     slots_.resize(diagram_.balls().size());
     for (const std::uint32_t s : diagram_.removed()) slots_[s] = {};
     for (const std::uint32_t s : diagram_.created()) slots_[s] = described(s);
@@ -85,11 +93,8 @@ class AdaptiveMedial {
     if (!b.alive || diagram_.is_far(s) || !std::isfinite(b.ball.radius)) return slot;
     const double reach = b.ball.radius + node_.sphere.radius;
     if (squared_distance(b.ball.center, node_.sphere.center) >= reach * reach) return slot;
-    slot.contains = SampleSet(node_.samples.size());
     // Forming samples are on the ball but for the lattice's rounding.
-    const double radius = b.ball.radius * (1 + 1e-5);
-    for (std::size_t k = 0; k < node_.samples.size(); ++k)
-      if (squared_distance(b.ball.center, node_.samples[k]) <= radius * radius) slot.contains.add(k);
+    slot.contains = columns_.inside({b.ball.center, b.ball.radius * (1 + 1e-5)});
     slot.usable = !slot.contains.empty();
     slot.inner = diagram_.side(s) <= 0;
     if (slot.inner) slot.protrusion = protrusion(s);
@@ -199,6 +204,7 @@ class AdaptiveMedial {
   }
 
   const ReducerInput& node_;
+  SampleColumns columns_;
   Budget budget_;
   Box box_;
   VoronoiBalls diagram_;

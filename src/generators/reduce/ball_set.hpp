@@ -3,6 +3,7 @@
 // Ball set over a node's samples, and the three ways of making it small [bradshaw2004]: merge, burst, expand.
 #pragma once
 
+#include <cmath>
 #include <morula/query/signed_distance.hpp>
 #include <span>
 #include <vector>
@@ -42,9 +43,8 @@ class BallSet {
   std::vector<double> to_samples_;  // one row per ball
 };
 
-/// Of each ball, the samples inside it; samples in none are strays and belong to the ball with the nearest surface.
-std::vector<SampleSet> samples_inside(const BallSet& set);
-/// Of each ball, the samples that are its own: those inside that are deepest in it by power; strays as above.
+/// Of each ball, the samples that are its own: those inside that are deepest in it by power; samples in none are strays
+/// and belong to the ball with the nearest surface.
 std::vector<SampleSet> samples_owned(const BallSet& set);
 
 /// Pairs of balls that are side by side somewhere on the samples: at some sample, one is the nearest by power and the
@@ -62,7 +62,9 @@ enum class GrowBy {
   power,       ///< by equal power: r² = s − φ(c)·|φ(c)|, so balls of all sizes come to touch equally large spots
 };
 /// The s from which on a ball with its centre `distance` from the object contains a point `away` from the centre.
-double growth_to_contain(GrowBy grow_by, double distance, double away);
+inline double growth_to_contain(GrowBy grow_by, double distance, double away) {
+  return grow_by == GrowBy::protrusion ? away + distance : away * away + distance * std::abs(distance);
+}
 double grown_radius(GrowBy grow_by, double distance, double s);
 
 /// The spheres' centres with the radii of the least growth at which they contain all samples together: by power, such

@@ -17,6 +17,9 @@ class SampleSet {
   SampleSet() = default;
   explicit SampleSet(std::size_t count) : words_((count + 63) / 64) {}
 
+  /// Sample i is bit i % 64 of word i / 64; there are none from the count on.
+  std::uint64_t* words() { return words_.data(); }
+
   void add(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
   void remove(std::size_t i) { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
   bool has(std::size_t i) const { return ((words_[i / 64] >> (i % 64)) & 1u) != 0; }

@@ -16,6 +16,7 @@
 
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reducers.hpp"
+#include "generators/reduce/sample_columns.hpp"
 #include "medial/shrunken_balls.hpp"
 
 namespace morula::detail {
@@ -120,7 +121,7 @@ class Spawn {
    public:
     Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left)
         : node_(node), s_(s), must_(must) {
-      left.for_each([&](std::size_t k) { points_.push_back(node.samples[k]); });
+      left.for_each([&](std::size_t k) { points_.add(node.samples[k]); });
       squares_.resize(points_.size());
       sphere_.center = must;
       stand_at(must);
@@ -146,7 +147,7 @@ class Spawn {
    private:
     void stand_at(const Vec3& center) {
       center_ = center;
-      for (std::size_t k = 0; k < points_.size(); ++k) squares_[k] = squared_distance(points_[k], center);
+      points_.squared_distances(center, squares_.data());
     }
     // Negative when it misses `must`.
     double gain_of(double radius) const {
@@ -164,7 +165,7 @@ class Spawn {
     const ReducerInput& node_;
     double s_;
     Vec3 must_, center_;
-    std::vector<Vec3> points_;
+    SampleColumns points_;
     std::vector<double> squares_;
     Sphere sphere_;
     double most_ = -2;
