@@ -40,20 +40,26 @@ std::optional<std::array<double, 2>> in_plane(const Cover& cover, const Facet& f
   return {{weight[1], weight[2]}};
 }
 
-// By brute force: some three of the points surround p.
+double to_segment(const std::array<double, 2>& p, const std::array<double, 2>& a, const std::array<double, 2>& b) {
+  const double x = b[0] - a[0], y = b[1] - a[1], squared = x * x + y * y;
+  const double along = squared > 0 ? ((p[0] - a[0]) * x + (p[1] - a[1]) * y) / squared : 0;
+  const double t = std::clamp(along, 0.0, 1.0);
+  return std::hypot(p[0] - a[0] - t * x, p[1] - a[1] - t * y);
+}
+
+// By brute force: p lies between some three of the points, however near these are to each other, or beside the segment
+// of two, no farther off than corners may be left out.
 bool surrounded(const std::array<double, 2>& p, const std::vector<std::array<double, 2>>& points) {
+  constexpr double allowed = hull_tolerance + 1e-11;
   const auto cross = [](const auto& a, const auto& b, const auto& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   };
   for (const auto& a : points)
-    for (const auto& b : points)
-      for (const auto& c : points) {
-        const double area = cross(a, b, c), u = cross(p, b, c), v = cross(a, p, c), w = cross(a, b, p);
-        const bool flat = area <= 1e-12;
-        const bool between = std::hypot(a[0] - p[0], a[1] - p[1]) + std::hypot(b[0] - p[0], b[1] - p[1]) <=
-                             std::hypot(a[0] - b[0], a[1] - b[1]) + 1e-9;
-        if (between || (!flat && std::min({u, v, w}) >= -1e-9)) return true;
-      }
+    for (const auto& b : points) {
+      if (to_segment(p, a, b) <= allowed) return true;
+      for (const auto& c : points)
+        if (cross(a, b, c) > 0 && cross(p, b, c) >= 0 && cross(a, p, c) >= 0 && cross(a, b, p) >= 0) return true;
+    }
   return false;
 }
 
