@@ -69,14 +69,24 @@ bool touches(const Sphere& ball, const Vec3& p, const Vec3& n) {
   return std::abs(away - ball.radius) <= far * ball.radius && dot(from_center, n) >= same_way * away;
 }
 
-/// A ball that p touches as it touches another one: this part of the body is round. One alone is no sign: wide balls
-/// are touched, nearly, by all points near the one that they were found at.
-const Sphere* known_at(std::span<const std::optional<Sphere>> balls, const Vec3& p, const Vec3& n) {
-  const Sphere* first = nullptr;
-  for (const std::optional<Sphere>& ball : balls) {
-    if (!ball || !touches(*ball, p, n)) continue;
-    if (first != nullptr) return first;
-    first = &*ball;
+/// The volume of the box that unit vectors span: near 0 where they lie in one plane.
+double spread(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::abs(dot(a, cross(b, c)));
+}
+
+/// A ball that the last point touches as it touches another one, all three from different sides: this part of the body
+/// is round. Points around a tube see its axis from one plane, and wide balls are touched, nearly, by all points near
+/// the one that they were found at. balls: of the points before the last.
+const Sphere* known_at(std::span<const std::optional<Sphere>> balls, std::span<const Vec3> points,
+                       std::span<const Vec3> normals) {
+  constexpr double enough = 0.1;
+  const std::size_t last = balls.size();
+  for (std::size_t a = 0; a < last; ++a) {
+    if (!balls[a] || !touches(*balls[a], points[last], normals[last])) continue;
+    for (std::size_t b = a + 1; b < last; ++b)
+      if (balls[b] && spread(normals[last], normals[a], normals[b]) >= enough &&
+          touches(*balls[b], points[last], normals[last]))
+        return &*balls[a];
   }
   return nullptr;
 }
@@ -92,7 +102,8 @@ std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const 
   parallel_for(workers, points.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Sphere* known = nullptr;
-      if (round == Round::shared) known = known_at(std::span(found).subspan(begin, i - begin), points[i], normals[i]);
+      if (round == Round::shared)
+        known = known_at(std::span(found).subspan(begin, i - begin), points.subspan(begin), normals.subspan(begin));
       found[i] = known != nullptr ? *known : shrink(shape, points[i], normals[i], diagonal);
     }
   });

@@ -281,6 +281,12 @@ TEST(SharedBalls, of_a_box_are_those_of_each_point) {
   EXPECT_EQ(balls_of(mesh, 500).balls, each);
 }
 
+TEST(SharedBalls, of_tubes_are_those_of_each_point) {
+  // Normals around an axis lie in one plane.
+  const Mesh mesh = sample_body("torus", 48);
+  EXPECT_EQ(shared_balls_of(mesh, 2000), balls_of(mesh, 2000).balls);
+}
+
 TEST(SharedBalls, same_bits_for_any_number_of_workers) {
   const Mesh mesh = icosphere(3);
   const std::vector<Sphere> serial = shared_balls_of(mesh, 1000);
