@@ -14,8 +14,8 @@ namespace morula::detail {
 enum class Round { each, shared };
 
 /// The balls of shrinking_balls, in the order of their points. Shared: a point that touches two balls before it, to
-/// within 0.003 of their radius and 4°, has the first of them, unless the three normals lie in about one plane, as those
-/// around a tube do. Same bits for any number of workers.
+/// within 0.003 of their radius and 4°, has the first of them, unless the three normals lie in about one plane, as
+/// those around a tube do. Same bits for any number of workers.
 std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const Vec3> points,
                                    std::span<const Vec3> normals, Round round, Workers& workers = serial_workers());
 
