@@ -262,7 +262,7 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::
     points.push_back(s.point);
     normals.push_back(normalized(cross(t[1] - t[0], t[2] - t[0])) * shape.orientation());
   }
-  return shrunken_balls(shape.distance(), points, normals, Round::shared, workers);
+  return shrunken_balls(shape.distance(), points, normals, BallSharing::on_round_parts, workers);
 }
 
 // No more than the nodes that are divided last can look at. The same for flat sets and trees of one level, however many

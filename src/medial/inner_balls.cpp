@@ -27,7 +27,7 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
     normals.push_back(object.orientation() * normalized(area_vector(mesh.corners(sample.facet))));
   }
   std::vector<Sphere> balls;
-  for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::Round::each, workers)) {
+  for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::BallSharing::none, workers)) {
     ball.radius -= options.margin;
     if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
     if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;

@@ -20,7 +20,7 @@ constexpr std::size_t neighbor_count = 8;
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             Workers& workers) {
   MedialBalls medial;
-  medial.balls = shrunken_balls(shape, points, normals, Round::each, workers);
+  medial.balls = shrunken_balls(shape, points, normals, BallSharing::none, workers);
   connect_overlapping(medial, neighbor_count, workers);
   return medial;
 }

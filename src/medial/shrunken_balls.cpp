@@ -94,7 +94,7 @@ const Sphere* known_at(std::span<const std::optional<Sphere>> balls, std::span<c
 }  // namespace
 
 std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const Vec3> points,
-                                   std::span<const Vec3> normals, Round round, Workers& workers) {
+                                   std::span<const Vec3> normals, BallSharing sharing, Workers& workers) {
   const StandardFloats standard;
   assert(points.size() == normals.size());
   const double diagonal = shape.bvh().bounding_box().diagonal();
@@ -102,7 +102,7 @@ std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const 
   parallel_for(workers, points.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Sphere* known = nullptr;
-      if (round == Round::shared)
+      if (sharing == BallSharing::on_round_parts)
         known = known_at(std::span(found).subspan(begin, i - begin), points.subspan(begin), normals.subspan(begin));
       found[i] = known != nullptr ? *known : shrink(shape, points[i], normals[i], diagonal);
     }

@@ -9,14 +9,15 @@
 
 namespace morula::detail {
 
-/// Whether points of a round part share a ball. From the middle of a round body all of its surface is about equally
-/// far, so nothing takes longer than to find its nearest point.
-enum class Round { each, shared };
+/// Whether points share a ball where the body is round. From the middle of a round body all of its surface is about
+/// equally far, so nothing takes longer than to find its nearest point.
+enum class BallSharing { none, on_round_parts };
 
-/// The balls of shrinking_balls, in the order of their points. Shared: a point that touches two balls before it, to
-/// within 0.003 of their radius and 4°, has the first of them, unless the three normals lie in about one plane, as
-/// those around a tube do. Same bits for any number of workers.
+/// The balls of shrinking_balls, in the order of their points. On round parts: a point that touches two balls before
+/// it, to within 0.003 of their radius and 4°, has the first of them, unless the three normals lie in about one plane,
+/// as those around a tube do. Same bits for any number of workers.
 std::vector<Sphere> shrunken_balls(const SignedDistance& shape, std::span<const Vec3> points,
-                                   std::span<const Vec3> normals, Round round, Workers& workers = serial_workers());
+                                   std::span<const Vec3> normals, BallSharing sharing,
+                                   Workers& workers = serial_workers());
 
 }  // namespace morula::detail

@@ -191,14 +191,10 @@ int VoronoiBalls::side(std::uint32_t slot) const {
   return data_->side(slot);
 }
 std::optional<VoronoiBalls::Closest> VoronoiBalls::closest_within(std::uint32_t slot, double most) const {
-  double within = most;
-  if (!data_->known[slot].asked) {
-    if (data_->is_far(slot)) return {};
-    const auto found = data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most);
-    if (!found) return {};
-    within = std::sqrt(found->squared_distance);
-  }
-  const Closest& closest = data_->ask(slot, within);
+  const Data::Known& of = data_->known[slot];
+  if (!of.asked && (data_->is_far(slot) || !data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most)))
+    return {};
+  const Closest& closest = data_->ask(slot, most);
   return std::abs(closest.distance) <= most ? std::optional(closest) : std::nullopt;
 }
 

@@ -129,10 +129,6 @@ SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& conne
   });
 }
 
-SignedDistance::Result SignedDistance::at(const Vec3& p) const {
-  return at(p, std::numeric_limits<double>::infinity());
-}
-
 SignedDistance::Result SignedDistance::at(const Vec3& p, double known) const {
   const StandardFloats standard;
   constexpr double rounding = 1 + 1e-9;

@@ -227,7 +227,8 @@ TEST(ShrinkingBalls, same_bits_for_any_number_of_workers) {
 
 std::vector<Sphere> shared_balls_of(const Mesh& mesh, std::size_t count, Workers& workers = serial_workers()) {
   const Samples samples = samples_of(mesh, count);
-  return detail::shrunken_balls(SignedDistance(mesh), samples.points, samples.normals, detail::Round::shared, workers);
+  return detail::shrunken_balls(SignedDistance(mesh), samples.points, samples.normals,
+                                detail::BallSharing::on_round_parts, workers);
 }
 
 std::size_t different(std::vector<Sphere> balls) {
@@ -248,20 +249,22 @@ TEST(SharedBalls, of_a_sphere_are_few_and_it) {
 }
 
 TEST(SharedBalls, are_inscribed_and_touch_their_points_in_every_closed_mesh) {
+  std::size_t shared = 0;
   for (const NamedMesh& named : closed_meshes()) {
     SCOPED_TRACE(named.name);
     const Samples samples = samples_of(named.mesh, 300);
     const SignedDistance shape(named.mesh);
     expect_inscribed(shared_balls_of(named.mesh, 300), named.mesh);
-    // By itself no point has whom to share with; a whole number of them is one chunk of work.
+    // A point alone has none to share with; 32 share among themselves.
     for (std::size_t i = 0; i < 32; ++i) {
       const auto of = [&](std::size_t from, std::size_t count) {
         return detail::shrunken_balls(shape, std::span(samples.points).subspan(from, count),
-                                      std::span(samples.normals).subspan(from, count), detail::Round::shared);
+                                      std::span(samples.normals).subspan(from, count),
+                                      detail::BallSharing::on_round_parts);
       };
       const std::vector<Sphere> before = of(0, i), with = of(0, i + 1), alone = of(i, 1);
       if (with.size() == before.size() || (!alone.empty() && with.back() == alone[0])) continue;
-      // Shared: two balls before it are the point's as well.
+      ++shared;
       int touched = 0;
       for (const Sphere& ball : before)
         touched += std::abs(distance(ball.center, samples.points[i]) - ball.radius) <= 0.004 * ball.radius;
@@ -269,6 +272,7 @@ TEST(SharedBalls, are_inscribed_and_touch_their_points_in_every_closed_mesh) {
       EXPECT_NE(std::find(before.begin(), before.end(), with.back()), before.end());
     }
   }
+  EXPECT_GT(shared, 20u);
 }
 
 TEST(SharedBalls, of_a_box_are_those_of_each_point) {
@@ -276,7 +280,8 @@ TEST(SharedBalls, of_a_box_are_those_of_each_point) {
   const Mesh mesh = box_mesh({0, 0, 0}, {4, 3, 1}, 3);
   const Samples samples = samples_of(mesh, 500);
   const SignedDistance shape(mesh);
-  const std::vector<Sphere> each = detail::shrunken_balls(shape, samples.points, samples.normals, detail::Round::each);
+  const std::vector<Sphere> each =
+      detail::shrunken_balls(shape, samples.points, samples.normals, detail::BallSharing::none);
   EXPECT_EQ(shared_balls_of(mesh, 500), each);
   EXPECT_EQ(balls_of(mesh, 500).balls, each);
 }

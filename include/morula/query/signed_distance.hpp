@@ -3,6 +3,7 @@
 // Signed distance to a mesh: negative inside.
 #pragma once
 
+#include <limits>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/query/triangle_bvh.hpp>
 
@@ -31,10 +32,9 @@ class SignedDistance {
     double distance;  ///< negative inside; 0 on the surface
     ClosestFacetPoint closest;
   };
-  Result at(const Vec3& p) const;
-  /// The same, sooner, for who knows of surface no farther than `known` from p: a sample, say. Where there is none (as
-  /// where p is NaN, or by rounding) it takes longer, no more.
-  Result at(const Vec3& p, double known) const;
+  /// known: surface is no farther than that from p, as the caller knows (from a sample, say). The result is the same,
+  /// found sooner; where no surface is that near it takes longer, no more.
+  Result at(const Vec3& p, double known = std::numeric_limits<double>::infinity()) const;
   bool is_inside(const Vec3& p) const { return at(p).distance < 0; }
 
   /// Upper bound of how far the ball sticks out of the object, (r + φ(c))⁺: exact for convex objects.

@@ -174,7 +174,7 @@ class AdaptiveMedial {
       points.push_back(node_.samples[k]);
       normals.push_back(node_.normals[k]);
     }
-    for (const Sphere& ball : shrunken_balls(node_.shape.distance(), points, normals, Round::shared)) {
+    for (const Sphere& ball : shrunken_balls(node_.shape.distance(), points, normals, BallSharing::on_round_parts)) {
       balls.push_back(ball);
       distances.push_back(-ball.radius);
     }

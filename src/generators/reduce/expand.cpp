@@ -8,7 +8,6 @@
 // between the chosen and all others follow, which the published search does not have.
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "generators/fit/fit_kernels.hpp"
@@ -48,15 +47,9 @@ class Expansion {
     least_.assign(sample_count_, infinity);
     for (const std::size_t i : balls)
       for (std::size_t k = 0; k < sample_count_; ++k) least_[k] = std::min(least_[k], row(i)[k]);
-    // Four at once: one after the other each waits for the one before.
-    constexpr std::size_t together = 4;
-    std::array<double, together> most;
-    most.fill(-infinity);
-    std::size_t k = 0;
-    for (; k + together <= sample_count_; k += together)
-      for (std::size_t i = 0; i < together; ++i) most[i] = std::max(most[i], least_[k + i]);
-    for (; k < sample_count_; ++k) most[0] = std::max(most[0], least_[k]);
-    return *std::max_element(most.begin(), most.end());
+    double most = -infinity;
+    for (const double least : least_) most = std::max(most, least);
+    return most;
   }
 
   // Greedy cover at stand-off s; empty when it takes more than `branching` balls.

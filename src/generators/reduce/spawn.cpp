@@ -37,7 +37,7 @@ std::vector<Seed> medial_seeds(const ReducerInput& node) {
     normals.push_back(node.normals[k]);
   }
   std::vector<Seed> seeds;
-  for (const Sphere& ball : shrunken_balls(node.shape.distance(), points, normals, Round::shared))
+  for (const Sphere& ball : shrunken_balls(node.shape.distance(), points, normals, BallSharing::on_round_parts))
     seeds.push_back({ball.center, -ball.radius});
   return seeds;
 }
