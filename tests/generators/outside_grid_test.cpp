@@ -238,6 +238,41 @@ TEST(OutsideGrid, a_ball_put_in_and_taken_out_again_leaves_no_trace) {
   }
 }
 
+TEST(OutsideGrid, keeps_no_steps_that_a_ball_has_changed) {
+  // Balls that share most of their space, as around a tube, come and go; between, balls nearby are asked about. A grid
+  // that had none of this answers the same.
+  for (const auto& body : bodies()) {
+    Random random(21);
+    const Box box = with_room(bounding_box(body->mesh), 1.5);
+    OutsideGrid grid(body->lines, box, 0.08);
+    const Vec3 somewhere = surface_point(*body, random);
+    const auto near = [&] {
+      return GridBall(grid, {somewhere + way(random, 0.05, 0.35), body->deep * random.uniform(0.5, 1.2)}).cells;
+    };
+    std::vector<Spheref> there;
+    for (int change = 0; change < 60; ++change) {
+      if (there.size() < 3 || (there.size() < 8 && random.uniform() < 0.5)) {
+        there.push_back(near());
+        grid.add(there.back());
+      } else {
+        const auto gone = there.begin() + static_cast<std::ptrdiff_t>(random.next() % there.size());
+        grid.remove(*gone);
+        there.erase(gone);
+      }
+      const Spheref asked = near();
+      for (const float larger : {1.0F, 1.3F}) {
+        grid.prepare(asked.center, larger * asked.radius, 0.15F);
+        OutsideGrid fresh(body->lines, box, 0.08);
+        for (const Spheref& ball : there) fresh.add(ball);
+        fresh.prepare(asked.center, asked.radius, 0.15F);
+        const float wanted = fresh.cost(asked.center, asked.radius);
+        ASSERT_NEAR(grid.cost(asked.center, asked.radius), wanted, 1e-5F * (1 + cubed(asked.radius)))
+            << body->name << ", after " << change;
+      }
+    }
+  }
+}
+
 GroupPoints in_grid(const OutsideGrid& grid, std::span<const Vec3> points) {
   GroupPoints result;
   for (const Vec3& p : points) result.push_back(grid.to_grid(p));

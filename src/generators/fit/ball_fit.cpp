@@ -47,14 +47,23 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   constexpr float least_radius = 1e-4F;  // a point's ball
   const Vec3f middle = near_smallest_center(points);
   const float smallest = std::max(least_radius, farthest_from(points, middle));
-  grid.prepare(middle, 1.3F * smallest, taken);
+  // A ball whose centre is a step away reaches as far as that from here, and is larger by as much at most.
+  const float longest_step = first_step * smallest, of_steps = 2.02F;
+  grid.prepare(middle, smallest + of_steps * longest_step, taken);
 
+  GroupBall about{middle, smallest, infinity};  // the best so far: what is asked next is a step from it
   const auto evaluate = [&](const Vec3f& center, float enough) {
     const float radius = std::max(least_radius, farthest_from(points, center));
     if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinity};
-    if (!grid.is_prepared(center, radius)) grid.prepare(center, 1.2F * radius, taken);
+    const Vec3f step = center - about.center;
+    const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
+    if (!grid.is_prepared(center, radius) && length < 1.01F * longest_step)
+      grid.prepare(about.center, about.radius + of_steps * length, taken);
+    if (!grid.is_prepared(center, radius)) grid.prepare(center, radius + of_steps * longest_step, taken);
     const float extra = whole_volume_share * unit_ball_volume * cube(radius);
-    return GroupBall{center, radius, grid.cost(center, radius, enough - extra) + extra};
+    const GroupBall ball{center, radius, grid.cost(center, radius, enough - extra) + extra};
+    if (ball.cost < about.cost) about = ball;
+    return ball;
   };
   GroupBall best = evaluate(middle, infinity);
   for (const Vec3f& start : starts)

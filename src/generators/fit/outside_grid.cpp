@@ -3,6 +3,7 @@
 #include "generators/fit/outside_grid.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -51,7 +52,11 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
   }
   step_ = {1, at(count_[0]), at(count_[0]) * at(count_[1])};
   const std::size_t cells = step_[2] * at(count_[2]);
-  balls_over_.assign(cells + sizeof(std::uint64_t), 0);  // eight at a time are changed
+  // Eight at a time are changed.
+  balls_over_.assign(cells + sizeof(std::uint64_t), 0);
+  full_along_.assign(cells + sizeof(std::uint64_t), 0);
+  turned_in_plane_.assign(step_[1] + sizeof(std::uint64_t), 0);
+  turned_in_rows_.assign(step_[2] + sizeof(std::uint64_t), 0);
   for (std::size_t a = 0; a < 3; ++a) {
     // Lines past the last one are read, and count for nothing, where they are taken by fours.
     const std::size_t n = at(count_[a]), line_count = cells / n;
@@ -95,14 +100,38 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
   });
 }
 
-// Cells whose middles a ball contains, row by row: [begin, end) of balls_over_.
-template <class Visit>
-void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
+// Eight cells of a row at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the
+// next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells turns
+// from no ball to some or back, and has space there to count. Of balls that share most of theirs, few lines turn.
+void OutsideGrid::change(const Spheref& ball, int by) {
+  constexpr std::size_t eight = sizeof(std::uint64_t);
+  constexpr std::uint64_t seven_bits = 0x7f7f7f7f7f7f7f7fU, ones = 0x0101010101010101U;
+  static constexpr std::array<std::uint8_t, 2 * eight> first_ones{1, 1, 1, 1, 1, 1, 1, 1};
+  const auto not_zero = [](std::uint64_t bytes) {
+    return (bytes | ((bytes & seven_bits) + seven_bits)) >> 7 & ones;
+  };
+  const auto load = [](const std::uint8_t* from) {
+    std::uint64_t bytes;
+    std::memcpy(&bytes, from, eight);
+    return bytes;
+  };
+  const auto store = [](std::uint64_t bytes, std::uint8_t* to) { std::memcpy(to, &bytes, eight); };
+  const std::size_t nx = at(count_[0]), ny = at(count_[1]), nz = at(count_[2]);
+  const auto each_x = [&](std::uint8_t* turned, const auto& visit) {
+    for (std::size_t x = 0; x < nx; x += eight) {
+      std::uint64_t bits = load(turned + x);
+      if (bits == 0) continue;
+      store(0, turned + x);
+      for (; bits != 0; bits &= bits - 1) visit(x + at(std::countr_zero(bits)) / 8);
+    }
+  };
+  Range turned_rows{count_[1], 0};
   const Range zs = middles_within(ball.center.z, ball.radius, count_[2]);
   for (int z = zs.begin; z < zs.end; ++z) {
     const float dz = static_cast<float>(z) + 0.5F - ball.center.z;
     const float in_plane = ball.radius * ball.radius - dz * dz;
     if (!(in_plane > 0)) continue;
+    bool any_in_plane = false;
     const Range ys = middles_within(ball.center.y, std::sqrt(in_plane), count_[1]);
     for (int y = ys.begin; y < ys.end; ++y) {
       const float dy = static_cast<float>(y) + 0.5F - ball.center.y;
@@ -110,32 +139,29 @@ void OutsideGrid::each_run(const Spheref& ball, const Visit& visit) const {
       if (!(in_line > 0)) continue;
       const Range xs = middles_within(ball.center.x, std::sqrt(in_line), count_[0]);
       const std::size_t row = at(z) * step_[2] + at(y) * step_[1];
-      if (xs.begin < xs.end) visit(row + at(xs.begin), row + at(xs.end));
+      std::uint64_t along_x = 0, along_others = 0;
+      for (std::size_t x = at(xs.begin); x < at(xs.end); x += eight) {
+        const std::uint64_t before = load(&balls_over_[row + x]), room = by > 0 ? ~before : before;
+        const std::uint64_t in_row = load(&first_ones[eight - std::min(eight, at(xs.end) - x)]);
+        const std::uint64_t changes = in_row & not_zero(room), after = by > 0 ? before + changes : before - changes;
+        store(after, &balls_over_[row + x]);
+        const std::uint64_t turned = not_zero(before) ^ not_zero(after), full = load(&full_along_[row + x]);
+        const std::uint64_t along_y = turned & ~(full >> 1), along_z = turned & ~(full >> 2);
+        along_x |= turned & ~full;
+        along_others |= along_y | along_z;
+        store(load(&turned_in_plane_[x]) | along_y, &turned_in_plane_[x]);
+        store(load(&turned_in_rows_[at(y) * nx + x]) | along_z, &turned_in_rows_[at(y) * nx + x]);
+      }
+      if (along_x != 0) axes_[0].current[at(z) * ny + at(y)] = {};
+      if (along_others == 0) continue;
+      any_in_plane = true;
+      turned_rows = {std::min(turned_rows.begin, y), std::max(turned_rows.end, y + 1)};
     }
+    if (any_in_plane)
+      each_x(turned_in_plane_.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
   }
-}
-
-void OutsideGrid::change(const Spheref& ball, int by) {
-  // Eight cells at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the next.
-  constexpr std::size_t eight = sizeof(std::uint64_t);
-  static constexpr std::array<std::uint8_t, 2 * eight> ones{1, 1, 1, 1, 1, 1, 1, 1};
-  each_run(ball, [&](std::size_t begin, std::size_t end) {
-    for (; begin < end; begin += eight) {
-      std::uint64_t cells, changes;
-      std::memcpy(&cells, &balls_over_[begin], eight);
-      std::memcpy(&changes, &ones[eight - std::min(eight, end - begin)], eight);
-      const std::uint64_t room = by > 0 ? ~cells : cells;
-      changes &= (room | ((room & 0x7f7f7f7f7f7f7f7fu) + 0x7f7f7f7f7f7f7f7fu)) >> 7;  // where a byte has any bit
-      cells = by > 0 ? cells + changes : cells - changes;
-      std::memcpy(&balls_over_[begin], &cells, eight);
-    }
-  });
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t row_length = at(count_[(a + 1) % 3]);
-    each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float) {
-      if (begin < end) std::fill_n(&axes_[a].current[at(v) * row_length + at(begin)], at(end - begin), Extent{});
-    });
-  }
+  for (int y = turned_rows.begin; y < turned_rows.end; ++y)
+    each_x(&turned_in_rows_[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
 }
 
 // Where the object leaves space on the middle line of each cell.
@@ -177,6 +203,7 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
     OutsideCell& cell = cells[w];
     if (!(cell.total > 0)) {
       cell = {0, 0, 0};
+      full_along_[at(u) * step_[ua] + at(v) * step_[va] + at(w) * step_[axis]] |= static_cast<std::uint8_t>(1u << axis);
       continue;
     }
     const float weight = weights[lattice >= 0 ? lattice / weights.block : -1];
@@ -198,11 +225,12 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
   prepared_center_ = center;
   prepared_reach_ = reach;
   for (std::size_t a = 0; a < 3; ++a) {
-    // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more.
-    const float middle = center[static_cast<int>(a)];
+    // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more. A bit
+    // more of it than asked for: what is asked for next is seldom far, and a part that begins earlier is made anew.
+    const float middle = center[static_cast<int>(a)], along = 1.2F * reach;
     const Extent needed{
-        static_cast<std::uint16_t>(std::clamp(middle - reach, 0.0F, static_cast<float>(count_[a] - 1))),
-        static_cast<std::uint16_t>(std::clamp(middle + reach + 1, 1.0F, static_cast<float>(count_[a])))};
+        static_cast<std::uint16_t>(std::clamp(middle - along, 0.0F, static_cast<float>(count_[a] - 1))),
+        static_cast<std::uint16_t>(std::clamp(middle + along + 1, 1.0F, static_cast<float>(count_[a])))};
     const std::size_t row_length = at(count_[(a + 1) % 3]);
     Axis& own = axes_[a];
     const std::size_t n = at(count_[a]), ua = (a + 1) % 3, va = (a + 2) % 3;

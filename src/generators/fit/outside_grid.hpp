@@ -85,8 +85,6 @@ class OutsideGrid {
     std::vector<Extent> current;       // per line: where steps are up to date
   };
   void change(const Spheref& ball, int by);
-  template <class Visit>
-  void each_run(const Spheref& ball, const Visit& visit) const;
   void trace(std::size_t axis, int u, int v, std::size_t line);
   template <class Visit>
   void each_row(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
@@ -101,7 +99,9 @@ class OutsideGrid {
   std::array<int, 3> count_{};
   std::array<std::size_t, 3> step_{};     // of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
+  std::vector<std::uint8_t> full_along_;  // per cell: bit k where the line of axis k is known to leave no space
   std::array<Axis, 3> axes_;
+  std::vector<std::uint8_t> turned_in_plane_, turned_in_rows_;  // scratch of change: per x, per (y, x); 0 elsewhere
   std::vector<Chord> chords_;              // scratch of outside_together
   std::vector<std::int32_t> first_chord_;  // per line; −1 but while it looks
   std::vector<std::array<int, 2>> lines_met_;
