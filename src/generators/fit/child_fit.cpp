@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -337,8 +338,14 @@ void Group::fill(float taken) {
       for (std::size_t b = 0; b < most_; ++b)
         if (count_[b] > 1 && refused_[b] == 0 && (from == most_ || key(b) > key(from))) from = b;
       if (from == most_) return;
+      // Around a tube most balls are better whole, and are asked about again after every change.
       constexpr float most_cost_factor = 1.5F;
-      if (split(from, into, taken, most_cost_factor)) break;
+      const GroupBall& b = balls_[from];
+      std::uint64_t as_it_is = points_hash_[from];
+      for (const float number : {b.center.x, b.center.y, b.center.z, b.radius, b.cost, taken})
+        as_it_is = mixed(as_it_is ^ std::bit_cast<std::uint32_t>(number));
+      if (!better_whole_.contains(as_it_is) && split(from, into, taken, most_cost_factor)) break;
+      better_whole_.insert(as_it_is);
       refused_[from] = 1;
     }
   }
@@ -382,20 +389,22 @@ bool Group::split(std::size_t ball, std::size_t into, float taken, float most_co
       for (std::size_t s = 0; s < 2; ++s) means[s] = sums[s] / static_cast<double>(counts[s]);
     }
     if (counts[0] == 0 || counts[1] == 0) continue;
-    std::array<GroupBall, 2> halves;
-    for (std::size_t s = 0; s < 2; ++s) {
+    const auto half = [&](std::size_t s) {
       own_.clear();
       for (std::size_t i = 0; i < members.size(); ++i)
         if (side[i] == s) own_.push_back(points_[members[i]]);
       // The old centre is deep where the new points are a shallow patch: without it no split finds deep balls.
-      halves[s] = fit_ball(grid_, own_, {&before.center, 1}, taken, 0.25F, 0.03F);
-      if (s == 0) grid_.add(sphere_of(halves[0]));
-    }
-    grid_.remove(sphere_of(halves[0]));
-    if (halves[0].cost + halves[1].cost < least) {
-      least = halves[0].cost + halves[1].cost;
-      best_one = halves[0];
-      best_other = halves[1];
+      return fit_ball(grid_, own_, {&before.center, 1}, taken, 0.25F, 0.03F);
+    };
+    const GroupBall one = half(0);
+    if (!(one.cost < std::min(least, most_cost_factor * before.cost))) continue;  // no pair with it is better
+    grid_.add(sphere_of(one));
+    const GroupBall other = half(1);
+    grid_.remove(sphere_of(one));
+    if (one.cost + other.cost < least) {
+      least = one.cost + other.cost;
+      best_one = one;
+      best_other = other;
       best_side = side;
     }
   }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <morula/geometry/random.hpp>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "generators/fit/ball_fit.hpp"
@@ -103,6 +104,8 @@ class Group {
   std::uint64_t clock_ = 0;
   bool fill_places_ = true;
   std::vector<std::uint8_t> refused_;  // splitting it did not pay
+  // Balls of which that is so: what they are fitted to, and how well. Where siblings move, the latter changes.
+  std::unordered_set<std::uint64_t> better_whole_;
   // What the last assignment by power went by, and what came of it.
   struct Powered {
     Vec3f center;
