@@ -22,6 +22,7 @@
 #include "generators/divide/exchange.hpp"
 #include "generators/divide/flat_set.hpp"
 #include "generators/divide/node_fit.hpp"
+#include "generators/fit/lattice.hpp"
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
 #include "medial/shrunken_balls.hpp"
@@ -41,7 +42,7 @@ struct Effort {
   std::array<int, 3> changes;
   std::array<float, 2> balance;     // on levels 1 and 2
   int exchanges;                    // rounds per level
-  std::array<double, 2> slab_cell;  // of the grid, see NodeFit: of levels 1 and 2, of all below
+  enum class Slabs { unseen, seen, seen_finely } slabs;  // of tubes
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
                       .first_cell = 0.45,
@@ -53,7 +54,7 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .changes = {8, 0, 0},
                       .balance = {0, 0},
                       .exchanges = 0,
-                      .slab_cell = {0, 0}};
+                      .slabs = Effort::Slabs::unseen};
 // A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
 constexpr Effort draft = [] {
   Effort effort = fast;
@@ -71,7 +72,7 @@ constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius
                           .changes = {200, 60, 4},
                           .balance = {2.5F, 2.0F},
                           .exchanges = 3,
-                          .slab_cell = {0.25, 0.4}};
+                          .slabs = Effort::Slabs::seen_finely};
 constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 5, .balance = 0, .exact_rounds = 4},
                       .first_cell = 0.35,
                       .sweeps = 3,
@@ -82,7 +83,7 @@ constexpr Effort best{.fit = {.spacing = 0.06, .cell = 0.2, .cells_per_radius = 
                       .changes = {120, 80, 50},
                       .balance = {2.5F, 2.0F},
                       .exchanges = 5,
-                      .slab_cell = {0.25, 0.4}};
+                      .slabs = Effort::Slabs::seen_finely};
 
 const Effort& effort_of(Quality quality) {
   if (quality == Quality::draft) return draft;
@@ -149,12 +150,32 @@ class OwnDivider {
   // Side by side on a tube: centres are much nearer to their middle than to the surface.
   static bool are_slabs(std::span<const Sphere> spheres, double mean_radius) {
     constexpr double much_nearer = 0.3;
-    Vec3 middle{};
-    for (const Sphere& s : spheres) middle += s.center / static_cast<double>(spheres.size());
+    const Vec3 middle = middle_of(spheres);
     double squares = 0;
     for (const Sphere& s : spheres) squares += squared_distance(s.center, middle);
     return squares < much_nearer * much_nearer * mean_radius * mean_radius * static_cast<double>(spheres.size());
   }
+  // Those of a ball or a shell are so, too, but centres on a tube's axis are in one line.
+  static bool are_in_line(std::span<const Sphere> spheres) {
+    constexpr double much_nearer = 0.2;
+    const Vec3 middle = middle_of(spheres);
+    std::vector<Vec3> centers;
+    for (const Sphere& s : spheres) centers.push_back(s.center);
+    const Vec3 axis = principal_axes(centers)[0];
+    double along = 0, squares = 0;
+    for (const Vec3& c : centers) {
+      along += dot(c - middle, axis) * dot(c - middle, axis);
+      squares += squared_distance(c, middle);
+    }
+    return squares - along < much_nearer * much_nearer * along;
+  }
+  static Vec3 middle_of(std::span<const Sphere> spheres) {
+    Vec3 middle{};
+    for (const Sphere& s : spheres) middle += s.center / static_cast<double>(spheres.size());
+    return middle;
+  }
+
+  static constexpr NodeFit::Settings::SlabCell narrow{0.15, 16}, upper{0.25, 6}, lower{0.4, 6};
 
   // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
   std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
@@ -179,7 +200,9 @@ class OwnDivider {
     for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
     NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
-    if (are_slabs(spheres, mean_radius)) settings.slab_cell = effort_.slab_cell[level < 2 ? 0 : 1];
+    const bool slabs = effort_.slabs != Effort::Slabs::unseen && are_slabs(spheres, mean_radius);
+    const bool fine_slabs = slabs && effort_.slabs == Effort::Slabs::seen_finely && level < 2 && are_in_line(spheres);
+    if (slabs) settings.slab_cell = fine_slabs ? narrow : level < 2 ? upper : lower;
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     Group& group = fit.group();
     group.take(spheres);
@@ -189,7 +212,8 @@ class OwnDivider {
       group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
-      if (!balls_.empty()) {
+      // Centres on a tube's axis are where they are to be already: what counts is how far they are apart.
+      if (!balls_.empty() && !fine_slabs) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
         for (const Dilation d : {Dilation::length, Dilation::square})
@@ -289,7 +313,9 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  const Effort& effort = effort_of(run.quality);
+  Effort effort = effort_of(run.quality);
+  // Narrow cells would take sets of 64 beyond a second.
+  if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   const bool asks_for_distances = effort.inscribed || flat;
   std::optional<ObjectShape> object;

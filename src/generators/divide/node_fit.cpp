@@ -136,11 +136,14 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   box.upper = box.upper + Vec3{margin, margin, margin};
   // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts, on tubes
   // they are wider.
-  constexpr double most_cells = 160, slab_cells_per_radius = 6;
-  double of_balls = mean_radius / settings.cells_per_radius;
-  if (settings.slab_cell > 0)
-    of_balls = std::min(of_balls, std::max(settings.slab_cell * samples.width, mean_radius / slab_cells_per_radius));
-  const double cell = std::max(settings.cell * samples.width, of_balls);
+  constexpr double most_cells = 160;
+  double of_balls = mean_radius / settings.cells_per_radius, of_parts = settings.cell;
+  if (settings.slab_cell.widest > 0) {
+    const double widest = settings.slab_cell.widest * samples.width;
+    of_balls = std::min(of_balls, std::max(widest, mean_radius / settings.slab_cell.most_per_radius));
+    of_parts = std::min(of_parts, settings.slab_cell.widest);
+  }
+  const double cell = std::max(of_parts * samples.width, of_balls);
 
   grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, max_norm(box.extent()) / most_cells));
   part_width_ = static_cast<float>(samples.width / grid_->cell());

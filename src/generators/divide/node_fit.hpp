@@ -41,9 +41,13 @@ class NodeFit {
     double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
     double cell = 0.2;            ///< narrowest grid cell, in the same
     double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    /// Widest cell, in widths of a part, down to a sixth of the mean ball's radius; 0: any. Balls on a tube are much
-    /// wider than their slabs, which lines of wider cells pass by on both sides.
-    double slab_cell = 0;
+    /// Where it is given, for balls on a tube: they are much wider than their slabs, which lines of wider cells pass by
+    /// on both sides.
+    struct SlabCell {
+      double widest = 0;            ///< in widths of a part; 0: as for other balls
+      double most_per_radius = 16;  ///< of the mean ball
+    };
+    SlabCell slab_cell{};
     float balance = 0;  ///< weight of demand that is shared out unevenly
     int exact_rounds = 3;
   };
