@@ -92,6 +92,24 @@ TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
   }
 }
 
+// The same of level 2 of a short one, whose slabs are a tenth of a radius wide; the mean of some seeds.
+TEST(LongOwn, has_a_level_2_nearly_as_tight_as_a_chain_on_a_short_capsule) {
+  constexpr int around = 48;
+  constexpr double radius = 0.5, step = 2 * std::numbers::pi / around;
+  constexpr double chain_of_52 = (6.0 / 52) * (6.0 / 52) / 6;  // along 6 radii
+  const double circle = std::numbers::pi * radius * radius, polygon = circle * std::sin(step) / step;
+  const Mesh mesh = sample_body("capsule", around);
+  double mean = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 3, .seed = seed}).tree;
+    const double level_2 = taken_in_by_discs(level_set_spheres(tree, 2), 0.8, polygon);
+    RecordProperty("seed_" + std::to_string(seed), std::to_string(level_2));
+    EXPECT_GE(level_2, circle / polygon - 1);
+    mean += level_2 / 3;
+  }
+  EXPECT_LE(mean, circle / polygon - 1 + chain_of_52);
+}
+
 TEST(Own, is_tighter_with_more_work_at_one_level) {
   const Mesh mesh = sample_body("limb", 8);
   const auto loose = [&](Quality quality) {
