@@ -157,7 +157,7 @@ class OwnDivider {
   }
   // Those of a ball or a shell are so, too, but centres on a tube's axis are in one line.
   static bool are_in_line(std::span<const Sphere> spheres) {
-    constexpr double much_nearer = 0.2;
+    constexpr double much_nearer = 0.1;
     const Vec3 middle = middle_of(spheres);
     std::vector<Vec3> centers;
     for (const Sphere& s : spheres) centers.push_back(s.center);
