@@ -40,9 +40,10 @@ struct Effort {
   std::array<int, 3> starts;     // tries from the beginning, the best is kept
   std::array<int, 3> proposals;  // of the paper's reducers, swept and kept where that is better
   std::array<int, 3> changes;
-  std::array<float, 2> balance;     // on levels 1 and 2
-  int exchanges;                    // rounds per level
-  enum class Slabs { unseen, seen, seen_finely } slabs;  // of tubes
+  std::array<float, 2> balance;  // on levels 1 and 2
+  int exchanges;                 // rounds per level
+  enum class Slabs { unseen, seen, seen_finely };
+  Slabs slabs;  // of tubes
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
                       .first_cell = 0.45,

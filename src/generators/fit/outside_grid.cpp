@@ -3,7 +3,6 @@
 #include "generators/fit/outside_grid.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -101,15 +100,13 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
 }
 
 // Eight cells of a row at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the
-// next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells turns
-// from no ball to some or back, and has space there to count. Of balls that share most of theirs, few lines turn.
+// next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells
+// turns from no ball to some or back, and has space there to count. Of balls that share most of theirs, few lines turn.
 void OutsideGrid::change(const Spheref& ball, int by) {
   constexpr std::size_t eight = sizeof(std::uint64_t);
   constexpr std::uint64_t seven_bits = 0x7f7f7f7f7f7f7f7fU, ones = 0x0101010101010101U;
   static constexpr std::array<std::uint8_t, 2 * eight> first_ones{1, 1, 1, 1, 1, 1, 1, 1};
-  const auto not_zero = [](std::uint64_t bytes) {
-    return (bytes | ((bytes & seven_bits) + seven_bits)) >> 7 & ones;
-  };
+  const auto not_zero = [](std::uint64_t bytes) { return (bytes | ((bytes & seven_bits) + seven_bits)) >> 7 & ones; };
   const auto load = [](const std::uint8_t* from) {
     std::uint64_t bytes;
     std::memcpy(&bytes, from, eight);
@@ -119,10 +116,10 @@ void OutsideGrid::change(const Spheref& ball, int by) {
   const std::size_t nx = at(count_[0]), ny = at(count_[1]), nz = at(count_[2]);
   const auto each_x = [&](std::uint8_t* turned, const auto& visit) {
     for (std::size_t x = 0; x < nx; x += eight) {
-      std::uint64_t bits = load(turned + x);
-      if (bits == 0) continue;
+      if (load(turned + x) == 0) continue;
+      for (std::size_t k = x; k < x + eight; ++k)
+        if (turned[k] != 0) visit(k);
       store(0, turned + x);
-      for (; bits != 0; bits &= bits - 1) visit(x + at(std::countr_zero(bits)) / 8);
     }
   };
   Range turned_rows{count_[1], 0};
@@ -157,9 +154,9 @@ void OutsideGrid::change(const Spheref& ball, int by) {
       any_in_plane = true;
       turned_rows = {std::min(turned_rows.begin, y), std::max(turned_rows.end, y + 1)};
     }
-    if (any_in_plane)
-      each_x(turned_in_plane_.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
+    if (any_in_plane) each_x(turned_in_plane_.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
   }
+  // The last eight of a row may have some of the next: lines go on numbering there, too.
   for (int y = turned_rows.begin; y < turned_rows.end; ++y)
     each_x(&turned_in_rows_[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
 }

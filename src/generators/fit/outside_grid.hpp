@@ -102,8 +102,8 @@ class OutsideGrid {
   std::vector<std::uint8_t> full_along_;  // per cell: bit k where the line of axis k is known to leave no space
   std::array<Axis, 3> axes_;
   std::vector<std::uint8_t> turned_in_plane_, turned_in_rows_;  // scratch of change: per x, per (y, x); 0 elsewhere
-  std::vector<Chord> chords_;              // scratch of outside_together
-  std::vector<std::int32_t> first_chord_;  // per line; −1 but while it looks
+  std::vector<Chord> chords_;                                   // scratch of outside_together
+  std::vector<std::int32_t> first_chord_;                       // per line; −1 but while it looks
   std::vector<std::array<int, 2>> lines_met_;
   float taken_ = -1;
   Vec3f prepared_center_{};
