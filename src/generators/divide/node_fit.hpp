@@ -41,8 +41,8 @@ class NodeFit {
     double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
     double cell = 0.2;            ///< narrowest grid cell, in the same
     double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    /// Of grid cells about balls on a tube, which are much wider than their slabs: lines of wider cells pass a slab by
-    /// on both sides.
+    /// Width of grid cells about balls on a tube, which are much wider than their slabs: lines of wider cells pass a
+    /// slab by on both sides.
     struct SlabCell {
       double widest = 0;            ///< in widths of a part; 0: as for other balls
       double most_per_radius = 16;  ///< of the mean ball

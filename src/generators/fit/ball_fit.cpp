@@ -55,11 +55,12 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   const auto evaluate = [&](const Vec3f& center, float enough) {
     const float radius = std::max(least_radius, farthest_from(points, center));
     if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinity};
-    const Vec3f step = center - about.center;
-    const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
-    if (!grid.is_prepared(center, radius) && length < 1.01F * longest_step)
-      grid.prepare(about.center, about.radius + of_steps * length, taken);
-    if (!grid.is_prepared(center, radius)) grid.prepare(center, radius + of_steps * longest_step, taken);
+    if (!grid.is_prepared(center, radius)) {
+      const Vec3f step = center - about.center;
+      const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
+      if (length < 1.01F * longest_step) grid.prepare(about.center, about.radius + of_steps * length, taken);
+      if (!grid.is_prepared(center, radius)) grid.prepare(center, radius + of_steps * longest_step, taken);
+    }
     const float extra = whole_volume_share * unit_ball_volume * cube(radius);
     const GroupBall ball{center, radius, grid.cost(center, radius, enough - extra) + extra};
     if (ball.cost < about.cost) about = ball;

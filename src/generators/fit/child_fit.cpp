@@ -139,6 +139,14 @@ void Group::refit(std::size_t ball, float taken, float first_step) {
   place(ball, fit_ball(grid_, own_, {&balls_[ball].center, 1}, taken, first_step), taken);
 }
 
+std::uint64_t Group::hash_of(std::size_t ball, float taken) const {
+  const GroupBall& b = balls_[ball];
+  std::uint64_t hash = points_hash_[ball];
+  for (const float number : {b.center.x, b.center.y, b.center.z, b.radius, b.cost, taken})
+    hash = mixed(hash ^ std::bit_cast<std::uint32_t>(number));
+  return hash;
+}
+
 float Group::key(std::size_t ball) const {
   // Demand that is uneven makes uneven children: what balance adds is shared out by square.
   if (points_.demand.empty()) return balls_[ball].cost;
@@ -340,10 +348,7 @@ void Group::fill(float taken) {
       if (from == most_) return;
       // Around a tube most balls are better whole, and are asked about again after every change.
       constexpr float most_cost_factor = 1.5F;
-      const GroupBall& b = balls_[from];
-      std::uint64_t as_it_is = points_hash_[from];
-      for (const float number : {b.center.x, b.center.y, b.center.z, b.radius, b.cost, taken})
-        as_it_is = mixed(as_it_is ^ std::bit_cast<std::uint32_t>(number));
+      const std::uint64_t as_it_is = hash_of(from, taken);
       if (!better_whole_.contains(as_it_is) && split(from, into, taken, most_cost_factor)) break;
       better_whole_.insert(as_it_is);
       refused_[from] = 1;

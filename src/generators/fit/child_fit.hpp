@@ -79,6 +79,7 @@ class Group {
   void fill(float taken);
   bool split(std::size_t ball, std::size_t into, float taken, float most_cost_factor);
   float key(std::size_t ball) const;
+  std::uint64_t hash_of(std::size_t ball, float taken) const;
   template <class Give>
   std::vector<float> reach_without(std::size_t ball, const Give& give) const;
   float growth_without(std::size_t ball) const;
@@ -104,7 +105,7 @@ class Group {
   std::uint64_t clock_ = 0;
   bool fill_places_ = true;
   std::vector<std::uint8_t> refused_;  // splitting it did not pay
-  // Balls of which that is so: what they are fitted to, and how well. Where siblings move, the latter changes.
+  // Hashes of balls of which that is so, with their points and cost. Where siblings move, the cost changes.
   std::unordered_set<std::uint64_t> better_whole_;
   // What the last assignment by power went by, and what came of it.
   struct Powered {

@@ -156,7 +156,7 @@ void OutsideGrid::change(const Spheref& ball, int by) {
     }
     if (any_in_plane) each_x(turned_in_plane_.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
   }
-  // The last eight of a row may have some of the next: lines go on numbering there, too.
+  // The last eight bytes of a row may reach into the next one, whose lines are numbered on from there.
   for (int y = turned_rows.begin; y < turned_rows.end; ++y)
     each_x(&turned_in_rows_[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
 }
