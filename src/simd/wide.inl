@@ -95,6 +95,21 @@ inline unsigned greater(Doubles a, Doubles b) {
   return bits;
 #endif
 }
+inline Doubles root(Doubles a) {
+#if MORULA_LANES == 16
+  return _mm512_maskz_sqrt_pd(0xff, a);  // as of floats
+#elif MORULA_LANES == 8
+  return _mm256_sqrt_pd(a);
+#elif defined(__x86_64__)
+  return _mm_sqrt_pd(a);
+#elif defined(__aarch64__)
+  return vsqrtq_f64(a);
+#else
+  Doubles roots;
+  for (int k = 0; k < doubles; ++k) roots[k] = __builtin_sqrt(a[k]);
+  return roots;
+#endif
+}
 
 inline Wide load(const float* first) {
   return *reinterpret_cast<const LooseWide*>(first);

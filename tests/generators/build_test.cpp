@@ -108,7 +108,7 @@ TEST(Build, makes_the_golden_trees) {
   };
   EXPECT_EQ(hash(Method::octree), 0x40e7147504044a26u);
   EXPECT_EQ(hash(Method::grid), 0xbbcdc7e8130638d8u);
-  EXPECT_EQ(hash(Method::hubbard), 0x97e6b36ca3d726b3u);
+  EXPECT_EQ(hash(Method::hubbard), 0x94214f813dd1731eu);
   EXPECT_EQ(hash(Method::spawn), 0x79fe65e1a31a4685u);
   EXPECT_EQ(hash(Method::medial), 0x5e3f8c1a816fd05eu);
   EXPECT_EQ(hash(Method::morula, Quality::fast), 0x2be1ba1db68aef95u);

@@ -228,6 +228,61 @@ TEST(FitKernels, squared_distances_are_those_of_vectors) {
     }
 }
 
+// Where a point that goes along its normal leaves a ball: halving the way there and back, by distances alone.
+TEST(FitKernels, farthest_exits_are_where_distances_say) {
+  Random random(9);
+  for (int repeat = 0; repeat < 20; ++repeat)
+    for (const std::size_t count : {1, 2, 3, 7, 8, 9, 31, 100}) {
+      const Sphere ball{{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, 2};
+      std::vector<double> x, y, z, nx, ny, nz;
+      double expected = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto direction = [&] {
+          return normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+        };
+        // Every third on the ball, a bit outside of which rounding may put it.
+        const Vec3 point = ball.center + direction() * (i % 3 == 0 ? ball.radius : random.uniform(0, ball.radius));
+        const Vec3 normal = direction();
+        x.push_back(point.x), y.push_back(point.y), z.push_back(point.z);
+        nx.push_back(normal.x), ny.push_back(normal.y), nz.push_back(normal.z);
+        double inside = 0, outside = 10;
+        for (int step = 0; step < 60; ++step) {
+          const double middle = 0.5 * (inside + outside);
+          (distance(point + normal * middle, ball.center) < ball.radius ? inside : outside) = middle;
+        }
+        expected = std::max(expected, inside);
+      }
+      const DoublePointColumns points{x.data(), y.data(), z.data(), count},
+          normals{nx.data(), ny.data(), nz.data(), count};
+      const double first = all_fit_kernels()[0].farthest_exit(points, normals, ball);
+      EXPECT_NEAR(first, expected, 1e-12) << count;
+      for (const FitKernels& kernels : all_fit_kernels())
+        EXPECT_EQ(kernels.farthest_exit(points, normals, ball), first) << count;
+    }
+}
+
+TEST(FitKernels, cells_have_the_points_between_their_faces) {
+  Random random(10);
+  const LatticeCells cells{{-4.5, -5, -4}, {1 / 0.75, 0, 1 / 1.25}, {12, 1, 7}};
+  for (const std::size_t count : {1, 2, 3, 7, 8, 9, 31, 64})
+    for (const FitKernels& kernels : all_fit_kernels()) {
+      std::vector<double> x, y, z;
+      for (std::size_t i = 0; i < count; ++i) {
+        x.push_back(-4.5 + 0.125 * static_cast<double>(below(random, 72)));  // on faces as well
+        y.push_back(random.uniform(-4, 4));
+        z.push_back(random.uniform(-4, 4));
+      }
+      std::vector<std::int32_t> numbers(count + 1, -1);
+      kernels.cell_numbers({x.data(), y.data(), z.data(), count}, cells, numbers.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const int along_x = numbers[i] / 7, along_z = numbers[i] % 7;
+        ASSERT_TRUE(-4.5 + 0.75 * along_x <= x[i] && x[i] < -4.5 + 0.75 * (along_x + 1)) << i << " of " << count;
+        ASSERT_TRUE(-4 + 1.25 * along_z <= z[i] && z[i] < -4 + 1.25 * (along_z + 1)) << i << " of " << count;
+      }
+      EXPECT_EQ(numbers[count], -1);
+    }
+}
+
 TEST(FitKernels, bytes_equal_to_one_are_bits) {
   Random random(8);
   for (const std::size_t count : {1, 7, 63, 64, 65, 128, 200, 333})

@@ -70,8 +70,9 @@ TEST(Lattice, occupied_cells_are_those_that_hold_points) {
     expected.insert({static_cast<int>((p.x + 0.1) / 0.3), static_cast<int>((p.y + 0.2) / 0.5),
                      static_cast<int>((p.z + 0.3) / 0.7)});
   std::vector<Vec3> centers;
-  EXPECT_FALSE(occupied_cells(lattice, points, expected.size() - 1, centers));
-  ASSERT_TRUE(occupied_cells(lattice, points, expected.size(), centers));
+  const LatticePoints held(points);
+  EXPECT_FALSE(held.occupied_cells(lattice, expected.size() - 1, centers));
+  ASSERT_TRUE(held.occupied_cells(lattice, expected.size(), centers));
   EXPECT_EQ(centers.size(), expected.size());
 }
 
@@ -80,9 +81,10 @@ TEST(Lattice, axes_without_extent_have_one_cell) {
   const std::vector<Vec3> points{{0.25, 1, 2}, {0.75, 1, 2}, {0.8, 1, 2}};
   std::vector<Vec3> centers;
   for (const double none : {0.0, 1e-310}) {
-    ASSERT_TRUE(occupied_cells({{0, 1, 2}, {0.5, none, none}}, points, 100, centers));
+    ASSERT_TRUE(LatticePoints(points).occupied_cells({{0, 1, 2}, {0.5, none, none}}, 100, centers));
     EXPECT_EQ(centers.size(), 2u) << none;
-    ASSERT_TRUE(occupied_cells({points[0], {none, none, none}}, std::span(points).first(1), 100, centers));
+    const LatticePoints one(std::span<const Vec3>(points).first(1));
+    ASSERT_TRUE(one.occupied_cells({points[0], {none, none, none}}, 100, centers));
     EXPECT_EQ(centers.size(), 1u) << none;
   }
 }
@@ -93,8 +95,9 @@ TEST(Lattice, greedy_cover_contains_every_point_and_needs_no_more_than_all_cells
   for (int i = 0; i < 300; ++i) points.push_back({random.uniform(), random.uniform(), random.uniform()});
   const Lattice lattice{{0, 0, 0}, {0.34, 0.34, 0.34}};
   std::vector<Vec3> centers;
-  ASSERT_TRUE(occupied_cells(lattice, points, 100, centers));
-  const auto chosen = greedy_cover(centers, lattice.cell_radius(), points, centers.size());
+  const LatticePoints held(points);
+  ASSERT_TRUE(held.occupied_cells(lattice, 100, centers));
+  const auto chosen = held.greedy_cover(centers, lattice.cell_radius(), centers.size());
   EXPECT_LT(chosen.size(), centers.size());
   for (const Vec3& p : points) {
     bool inside = false;
@@ -103,7 +106,7 @@ TEST(Lattice, greedy_cover_contains_every_point_and_needs_no_more_than_all_cells
     EXPECT_TRUE(inside);
   }
   // Where fewer are wanted, as many of the same as tell that they do not do.
-  const auto begin = greedy_cover(centers, lattice.cell_radius(), points, chosen.size() - 2);
+  const auto begin = held.greedy_cover(centers, lattice.cell_radius(), chosen.size() - 2);
   ASSERT_EQ(begin.size(), chosen.size() - 1);
   EXPECT_TRUE(std::equal(begin.begin(), begin.end(), chosen.begin()));
 }

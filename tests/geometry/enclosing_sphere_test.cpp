@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <geometry/enclosing/sphere_support.hpp>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
@@ -128,6 +129,42 @@ TEST(EnclosingSphere, is_the_smallest_of_few_points_on_a_coarse_lattice) {
     }
     const double smallest = radius_by_all_subsets(points);
     EXPECT_NEAR(enclosing_sphere(points).radius, smallest, 1e-9 * (1 + smallest)) << i;
+  }
+}
+
+struct PointLists {
+  std::vector<double> x, y, z;
+  explicit PointLists(std::span<const Vec3> points) {
+    for (const Vec3& p : points) x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
+  }
+  detail::DoublePointColumns columns() const { return {x.data(), y.data(), z.data(), x.size()}; }
+};
+
+TEST(EnclosingSphere, of_a_set_that_grows_is_as_small_as_that_found_at_once) {
+  // Sets that are doubled again and again, on a lattice so coarse that points repeat and lie on lines and spheres
+  // together; every fourth point of some sets is so far away that squares overflow, or vanish beside the others.
+  Random random(8);
+  for (int i = 0; i < 2000; ++i) {
+    const int side = 1 + static_cast<int>(random.next() % 9);
+    const double unit = i % 4 == 0 ? 1e-170 : 1, far = i % 4 == 1 ? 1e200 : 1;
+    detail::SupportedSphere grown;
+    std::vector<Vec3> points;
+    for (const std::size_t count : {2, 4, 8, 16, 32}) {
+      while (points.size() < count) {
+        Vec3 p;
+        for (int axis = 0; axis < 3; ++axis)
+          p[axis] = unit * static_cast<double>(random.next() % (static_cast<std::uint64_t>(side) + 1));
+        points.push_back(points.size() % 4 == 3 ? p * far : p);
+      }
+      grown = detail::enclosing_sphere_from(grown, PointLists(points).columns());
+      const Sphere at_once = enclosing_sphere(points);
+      ASSERT_NEAR(grown.sphere.radius / unit, at_once.radius / unit, 1e-9 * at_once.radius / unit) << i << ' ' << count;
+      ASSERT_NEAR(grown.sphere.radius, farthest_distance(grown.sphere.center, points), 1e-15 * at_once.radius);
+      ASSERT_LE(grown.count, 4);
+      for (int k = 0; k < grown.count; ++k)
+        ASSERT_NEAR(distance(grown.points[static_cast<std::size_t>(k)], grown.sphere.center), grown.sphere.radius,
+                    1e-9 * at_once.radius);
+    }
   }
 }
 

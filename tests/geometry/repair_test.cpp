@@ -7,6 +7,7 @@
 #include <map>
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <support/meshes.hpp>
 
 namespace morula::test {
 namespace {

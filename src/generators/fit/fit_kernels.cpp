@@ -103,6 +103,29 @@ void squared_distances_in_double(const DoublePointColumns& points, const Vec3& c
     squares[i] = squared_distance(Vec3{points.x[i], points.y[i], points.z[i]}, center);
 }
 
+double exit_of(const DoublePointColumns& points, const DoublePointColumns& directions, std::size_t i,
+               const Sphere& ball) {
+  const Vec3 offset = Vec3{points.x[i], points.y[i], points.z[i]} - ball.center;
+  const double along = dot(offset, Vec3{directions.x[i], directions.y[i], directions.z[i]});
+  const double inside = ball.radius * ball.radius - (squared_length(offset) - along * along);
+  return inside >= 0 ? std::sqrt(inside) - along : 0;
+}
+
+double farthest_exit(const DoublePointColumns& points, const DoublePointColumns& directions, const Sphere& ball) {
+  double most = 0;
+  for (std::size_t i = 0; i < points.count; ++i) most = std::max(most, exit_of(points, directions, i, ball));
+  return most;
+}
+
+void cell_numbers(const DoublePointColumns& points, const LatticeCells& cells, std::int32_t* numbers) {
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const auto x = static_cast<std::int32_t>((points.x[i] - cells.origin.x) * cells.per_edge.x);
+    const auto y = static_cast<std::int32_t>((points.y[i] - cells.origin.y) * cells.per_edge.y);
+    const auto z = static_cast<std::int32_t>((points.z[i] - cells.origin.z) * cells.per_edge.z);
+    numbers[i] = (x * cells.count[1] + y) * cells.count[2] + z;
+  }
+}
+
 void equal(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits) {
   for (std::size_t word = 0; 64 * word < count; ++word) bits[word] = 0;
   for (std::size_t i = 0; i < count; ++i) bits[i / 64] |= static_cast<std::uint64_t>(bytes[i] == wanted) << (i % 64);
@@ -118,8 +141,9 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
     }
 }
 
-constexpr FitKernels kernels{outside, make_steps,     offer, at_most, at_most_in_double, squared_distances_in_double,
-                             equal,   with_less_power};
+constexpr FitKernels kernels{
+    outside,       make_steps,   offer, at_most,        at_most_in_double, squared_distances_in_double,
+    farthest_exit, cell_numbers, equal, with_less_power};
 
 }  // namespace plain
 

@@ -4,9 +4,10 @@
 // reaches. One source, fit_kernels.inl, compiled for each kind of processor and chosen at run time.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <morula/geometry/vector.hpp>
+#include <morula/geometry/sphere.hpp>
 #include <span>
 
 #include "geometry/enclosing/farthest.hpp"
@@ -59,6 +60,13 @@ struct BallColumns {
 };
 inline constexpr std::size_t ball_columns_step = 8;
 
+/// Cells of a lattice: (i, j, k) spans origin + (i, j, k) / per_edge to origin + (i + 1, …) / per_edge, and has the
+/// number (i · count[1] + j) · count[2] + k.
+struct LatticeCells {
+  Vec3 origin, per_edge;
+  std::array<std::int32_t, 3> count;
+};
+
 struct FitKernels {
   /// Empty space that a ball takes in along all lines: four sums, over every fourth line of each row, row by row.
   float (*outside)(const GridLines& lines, const LineBall& ball);
@@ -75,6 +83,11 @@ struct FitKernels {
   void (*at_most_in_double)(const double* numbers, std::size_t count, double limit, std::uint64_t* bits);
   /// Of points from a centre. Sums are in the order x, y, z.
   void (*squared_distances_in_double)(const DoublePointColumns& points, const Vec3& center, double* squares);
+  /// The most that a point of the ball, going along its direction, travels before it leaves the ball; at least 0.
+  /// points: in the ball, to rounding. directions: as many unit vectors.
+  double (*farthest_exit)(const DoublePointColumns& points, const DoublePointColumns& directions, const Sphere& ball);
+  /// The number of the cell that each point lies in.
+  void (*cell_numbers)(const DoublePointColumns& points, const LatticeCells& cells, std::int32_t* numbers);
   /// Bit i of words of 64: bytes[i] is `wanted`. Bits from `count` on are none.
   void (*equal)(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits);
   /// Bit i of words of 64: somewhere ball i has less power than one that is given. corners: x, y, z and that power.

@@ -247,6 +247,48 @@ void squared_distances_in_double(const DoublePointColumns& points, const Vec3& c
   for (; i < points.count; ++i) squares[i] = squared_distance(Vec3{points.x[i], points.y[i], points.z[i]}, center);
 }
 
+// The last lanes of the points are those that end with them.
+double farthest_exit(const DoublePointColumns& points, const DoublePointColumns& directions, const Sphere& ball) {
+  const std::size_t count = points.count;
+  if (count < doubles) return plain::farthest_exit(points, directions, ball);
+  const Doubles none{}, square = ball.radius * ball.radius - Doubles{};
+  const Doubles x = ball.center.x - Doubles{}, y = ball.center.y - Doubles{}, z = ball.center.z - Doubles{};
+  Doubles most{};
+  for (std::size_t i = 0; i < count; i += doubles) {
+    const std::size_t first = i + doubles <= count ? i : count - doubles;
+    const auto of = [&](const double* column) -> Doubles {
+      return *reinterpret_cast<const LooseDoubles*>(column + first);
+    };
+    const Doubles dx = of(points.x) - x, dy = of(points.y) - y, dz = of(points.z) - z;
+    const Doubles along = dx * of(directions.x) + dy * of(directions.y) + dz * of(directions.z);
+    const Doubles inside = square - (dx * dx + dy * dy + dz * dz - along * along);
+    const Doubles exit = root(inside > none ? inside : none) - along;
+    most = ((inside >= none) & (exit > most)) ? exit : most;
+  }
+  double farthest = 0;
+  for (int k = 0; k < doubles; ++k) farthest = most[k] > farthest ? most[k] : farthest;
+  return farthest;
+}
+
+// The last lanes of the points are those that end with them.
+void cell_numbers(const DoublePointColumns& points, const LatticeCells& cells, std::int32_t* numbers) {
+  typedef std::int32_t HalfInts __attribute__((vector_size(4 * doubles)));
+  typedef std::int32_t LooseHalfInts __attribute__((vector_size(4 * doubles), aligned(4), may_alias));
+  const std::size_t count = points.count;
+  if (count < doubles) return plain::cell_numbers(points, cells, numbers);
+  for (std::size_t i = 0; i < count; i += doubles) {
+    const std::size_t first = i + doubles <= count ? i : count - doubles;
+    const auto along = [&](const double* coordinates, double origin, double per_edge) -> HalfInts {
+      const Doubles from_origin = *reinterpret_cast<const LooseDoubles*>(coordinates + first) - origin;
+      return __builtin_convertvector(from_origin * per_edge, HalfInts);
+    };
+    const HalfInts x = along(points.x, cells.origin.x, cells.per_edge.x);
+    const HalfInts y = along(points.y, cells.origin.y, cells.per_edge.y);
+    const HalfInts z = along(points.z, cells.origin.z, cells.per_edge.z);
+    *reinterpret_cast<LooseHalfInts*>(numbers + first) = (x * cells.count[1] + y) * cells.count[2] + z;
+  }
+}
+
 // Bit i: byte i of 64 is `wanted`.
 inline std::uint64_t equal_of_64(const std::uint8_t* bytes, std::uint8_t wanted) {
 #if MORULA_LANES == 16
@@ -295,4 +337,4 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
 }
 
 constexpr FitKernels kernels{outside, make_steps,     offer, at_most, at_most_in_double, squared_distances_in_double,
-                             equal,   with_less_power};
+                             farthest_exit, cell_numbers, equal,   with_less_power};

@@ -7,11 +7,9 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/greedy_rows.hpp"
-#include "geometry/each_bit.hpp"
 
 namespace morula::detail {
 
@@ -74,91 +72,52 @@ Vec3 out_of_axes(const Axes& axes, const Vec3& local) {
   return axes[0] * local.x + axes[1] * local.y + axes[2] * local.z;
 }
 
-namespace {
+LatticePoints::LatticePoints(std::span<const Vec3> points) {
+  for (const Vec3& p : points) x_.push_back(p.x), y_.push_back(p.y), z_.push_back(p.z), box_.add(p);
+}
 
-constexpr std::size_t most_cells = 256;
-
-/// Numbers of cells that were found, by their keys, in the order in which they were.
-class FoundCells {
- public:
-  /// most: beyond `few` a table finds them, at most half full.
-  explicit FoundCells(std::size_t most) {
-    if (most > few) table_.fill(0);
-    hashes_ = most > few;
-  }
-  std::size_t count() const { return count_; }
-  std::uint64_t key(std::size_t i) const { return keys_[i]; }
-
-  /// The number of a cell, or count() if it is new: then add() makes it this.
-  std::size_t find(std::uint64_t key) {
-    if (!hashes_) {
-      std::size_t i = 0;
-      while (i < count_ && keys_[i] != key) ++i;
-      return i;
-    }
-    place_ = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> (64 - table_bits));
-    for (; table_[place_] != 0; place_ = (place_ + 1) % table_.size())
-      if (keys_[table_[place_] - 1u] == key) return table_[place_] - 1u;
-    return count_;
-  }
-  void add(std::uint64_t key) {
-    keys_[count_++] = key;
-    if (hashes_) table_[place_] = static_cast<std::uint16_t>(count_);
-  }
-
- private:
-  static constexpr std::size_t few = 16;
-  static constexpr int table_bits = 9;
-  static_assert(std::size_t{1} << table_bits >= 2 * most_cells);
-
-  std::array<std::uint64_t, most_cells> keys_;
-  std::array<std::uint16_t, std::size_t{1} << table_bits> table_;  // numbers plus one; 0: free
-  bool hashes_ = false;
-  std::size_t count_ = 0, place_ = 0;
-};
-
-}  // namespace
-
-bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most,
-                    std::vector<Vec3>& centers) {
-  // No point lies before the origin, so truncation is the floor.
-  constexpr double cells_per_axis = 1 << 20;
-  most = std::min(most, most_cells);
-  // Along an axis without extent all points are in one cell; 0 × ∞ would be none.
+bool LatticePoints::occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const {
+  // No point lies before the origin, so truncation is the floor. Along an axis without extent all points are in one
+  // cell; 0 × ∞ would be none.
   const auto per = [](double edge) { return edge > std::numeric_limits<double>::min() ? 1 / edge : 0; };
-  const Vec3 per_edge{per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)};
-  FoundCells found(most);
-  std::uint64_t recent = ~std::uint64_t{0};  // no cell's
-  for (const Vec3& p : points) {
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::clamp((p[axis] - lattice.origin[axis]) * per_edge[axis], 0.0, cells_per_axis - 1);
-      key = key << 20 | static_cast<std::uint32_t>(cell);
-    }
-    if (key == std::exchange(recent, key) || found.find(key) != found.count()) continue;
-    if (found.count() == most) return false;
-    found.add(key);
-  }
+  LatticeCells cells{lattice.origin, {per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)}, {}};
+  // Roundings keep the order of numbers: no point is beyond the cell of the upper corner.
+  for (int axis = 0; axis < 3; ++axis)
+    cells.count[static_cast<std::size_t>(axis)] =
+        1 + static_cast<std::int32_t>((box_.upper[axis] - lattice.origin[axis]) * cells.per_edge[axis]);
+  const auto [nx, ny, nz] = cells.count;
+  std::vector<std::uint64_t> met(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny * nz) / 64 + 1);
+  constexpr std::size_t some = 64;
+  std::array<std::int32_t, some> numbers;
   centers.clear();
-  for (std::size_t i = 0; i < found.count(); ++i) {
-    const std::uint64_t key = found.key(i);
-    const Vec3 cell{static_cast<double>(key >> 40), static_cast<double>(key >> 20 & 0xfffff),
-                    static_cast<double>(key & 0xfffff)};
-    Vec3 center;
-    for (int axis = 0; axis < 3; ++axis) center[axis] = lattice.origin[axis] + (cell[axis] + 0.5) * lattice.edge[axis];
-    centers.push_back(center);
+  for (std::size_t first = 0; first < x_.size(); first += some) {
+    const std::size_t count = std::min(some, x_.size() - first);
+    fit_kernels().cell_numbers(from(first, count), cells, numbers.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t number = numbers[i];
+      std::uint64_t& word = met[static_cast<std::size_t>(number) / 64];
+      const std::uint64_t bit = std::uint64_t{1} << (number % 64);
+      if ((word & bit) != 0) continue;
+      if (centers.size() == most) return false;
+      word |= bit;
+      const std::array<std::int32_t, 3> cell{number / nz / ny, number / nz % ny, number % nz};
+      Vec3 center;
+      for (int axis = 0; axis < 3; ++axis)
+        center[axis] = lattice.origin[axis] + (cell[static_cast<std::size_t>(axis)] + 0.5) * lattice.edge[axis];
+      centers.push_back(center);
+    }
   }
   return true;
 }
 
-std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points,
-                                        std::size_t most) {
-  const std::size_t words = (points.size() + 63) / 64;
+std::vector<std::uint32_t> LatticePoints::greedy_cover(std::span<const Vec3> centers, double radius,
+                                                       std::size_t most) const {
+  const std::size_t words = (x_.size() + 63) / 64;
   std::vector<std::uint64_t> contained(words * centers.size());
   const double squared_radius = radius * radius * (1 + 1e-12);
-  std::vector<double> squares(points.size());
+  std::vector<double> squares(x_.size());
   for (std::size_t c = 0; c < centers.size(); ++c) {
-    for (std::size_t i = 0; i < points.size(); ++i) squares[i] = squared_distance(centers[c], points[i]);
+    fit_kernels().squared_distances_in_double(from(0, x_.size()), centers[c], squares.data());
     fit_kernels().at_most_in_double(squares.data(), squares.size(), squared_radius, &contained[c * words]);
   }
   GreedyRows rows(contained, words);

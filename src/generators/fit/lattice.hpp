@@ -5,9 +5,11 @@
 
 #include <array>
 #include <cstdint>
-#include <morula/geometry/sphere.hpp>
+#include <morula/geometry/box.hpp>
 #include <span>
 #include <vector>
+
+#include "geometry/enclosing/farthest.hpp"
 
 namespace morula::detail {
 
@@ -32,14 +34,28 @@ struct Lattice {
   double cell_radius() const { return 0.5 * length(edge); }
 };
 
-/// Centres of the cells that points lie in, in the order of first use; stops (returns false) at more than `most`.
-/// points: none before the lattice's origin, at most 2²⁰ cells from it on any axis; most: at most 256.
-bool occupied_cells(const Lattice& lattice, std::span<const Vec3> points, std::size_t most, std::vector<Vec3>& centers);
+/// Points that are held against one lattice after the other.
+class LatticePoints {
+ public:
+  /// points: at least one. Copied.
+  explicit LatticePoints(std::span<const Vec3> points);
+  const Box& box() const { return box_; }
 
-/// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index
-/// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more
-/// than `most`, the first most + 1 of them.
-std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::span<const Vec3> points,
-                                        std::size_t most);
+  /// Centres of the cells that points lie in, in the order of first use; stops (returns false) at more than `most`.
+  /// lattice: no point before its origin, and few cells to the points' box: there is a bit for each.
+  bool occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const;
+
+  /// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index
+  /// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more
+  /// than `most`, the first most + 1 of them.
+  std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::size_t most) const;
+
+ private:
+  DoublePointColumns from(std::size_t first, std::size_t count) const {
+    return {x_.data() + first, y_.data() + first, z_.data() + first, count};
+  }
+  std::vector<double> x_, y_, z_;
+  Box box_;
+};
 
 }  // namespace morula::detail

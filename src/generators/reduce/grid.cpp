@@ -22,15 +22,13 @@ struct Candidate {
 
 class LatticeSearch {
  public:
-  LatticeSearch(std::span<const Vec3> points, std::size_t branching) : points_(points), branching_(branching) {
-    for (const Vec3& p : points) box_.add(p);
-    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / some) some_points_.push_back(points[i]);
-  }
+  LatticeSearch(std::span<const Vec3> points, std::size_t branching)
+      : points_(points), some_points_(some_of(points)), branching_(branching) {}
 
   // The box of the points divided evenly, cells of any proportion: the smallest cells of which at most `branching` are
   // occupied.
   Candidate even_division() const {
-    const Vec3 extent = box_.extent();
+    const Vec3 extent = points_.box().extent(), lower = points_.box().lower;
     const double least_edge = 1e-9 * max_norm(extent);
     const int most = static_cast<int>(std::min<std::size_t>(2 * branching_, 32));
     std::vector<Vec3> edges;
@@ -43,12 +41,12 @@ class LatticeSearch {
           edges.push_back({std::max(extent.x, least_edge) * (1 + 1e-9) / nx,
                            std::max(extent.y, least_edge) * (1 + 1e-9) / ny,
                            std::max(extent.z, least_edge) * (1 + 1e-9) / nz});
-          order.emplace_back(Lattice{box_.lower, edges.back()}.cell_radius(), order.size());
+          order.emplace_back(Lattice{lower, edges.back()}.cell_radius(), order.size());
         }
     std::sort(order.begin(), order.end());
     std::vector<Vec3> centers;
     for (const auto& [radius, i] : order)
-      if (occupied({box_.lower, edges[i]}, branching_, centers)) return {std::move(centers), radius};
+      if (occupied({lower, edges[i]}, branching_, centers)) return {std::move(centers), radius};
     return {};
   }
 
@@ -76,11 +74,11 @@ class LatticeSearch {
   };
   // As occupied_cells has it, of all points. A few of them, spread over all, mostly tell that cells are too many.
   bool occupied(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const {
-    return occupied_cells(lattice, some_points_, most, centers) && occupied_cells(lattice, points_, most, centers);
+    return some_points_.occupied_cells(lattice, most, centers) && points_.occupied_cells(lattice, most, centers);
   }
   // most_cells, most_spheres: more are not worth looking at.
   Count count(double edge, const Vec3& shift, std::size_t most_cells, std::size_t most_spheres) const {
-    const Lattice lattice{box_.lower - shift * edge, {edge, edge, edge}};
+    const Lattice lattice{points_.box().lower - shift * edge, {edge, edge, edge}};
     Count result{};
     if (!occupied(lattice, most_cells, result.centers)) {
       result.cells = result.spheres = most_cells + 1;
@@ -89,7 +87,7 @@ class LatticeSearch {
     result.cells = result.spheres = result.centers.size();
     if (result.cells > branching_) {
       const std::vector<std::uint32_t> chosen =
-          greedy_cover(result.centers, lattice.cell_radius(), points_, most_spheres);
+          points_.greedy_cover(result.centers, lattice.cell_radius(), most_spheres);
       std::vector<Vec3> kept;
       for (const std::uint32_t c : chosen) kept.push_back(result.centers[c]);
       result.centers = std::move(kept);
@@ -122,12 +120,15 @@ class LatticeSearch {
     return true;
   }
 
-  static constexpr std::size_t some = 64;
+  static std::vector<Vec3> some_of(std::span<const Vec3> points) {
+    constexpr std::size_t some = 64;
+    std::vector<Vec3> result;
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / some) result.push_back(points[i]);
+    return result;
+  }
 
-  std::span<const Vec3> points_;
-  std::vector<Vec3> some_points_;
+  LatticePoints points_, some_points_;
   std::size_t branching_;
-  Box box_;
 };
 
 }  // namespace

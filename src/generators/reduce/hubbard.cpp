@@ -8,13 +8,14 @@
 // are added to keep it inside; the cheapest merge comes out of a heap instead of a search through all.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <morula/geometry/enclosing_sphere.hpp>
 #include <queue>
 #include <tuple>
 
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/reducers.hpp"
+#include "geometry/enclosing/sphere_support.hpp"
 #include "medial/voronoi_balls.hpp"
 
 namespace morula::detail {
@@ -22,15 +23,38 @@ namespace {
 
 struct Group {
   SampleSet samples;
+  SupportedSphere smallest;  // around the samples
   Sphere ball;
-  bool alive = true;
   std::vector<std::uint32_t> neighbors;
+  bool alive = true;
+};
+
+// Samples gathered, so that they are looked at in whole registers.
+class Gathered {
+ public:
+  static constexpr std::size_t most = 512;
+  void clear() { count_ = 0; }
+  void add(const Vec3& point, const Vec3& normal) {
+    const std::array<double, 6> numbers{point.x, point.y, point.z, normal.x, normal.y, normal.z};
+    for (std::size_t k = 0; k < 6; ++k) columns_[k * most + count_] = numbers[k];
+    ++count_;
+  }
+  DoublePointColumns points() const { return columns(0); }
+  DoublePointColumns normals() const { return columns(3); }
+
+ private:
+  DoublePointColumns columns(std::size_t first) const {
+    const double* const x = columns_.data() + first * most;
+    return {x, x + most, x + 2 * most, count_};
+  }
+  std::size_t count_ = 0;
+  std::array<double, 6 * most> columns_;
 };
 
 class Hubbard {
  public:
   explicit Hubbard(const ReducerInput& node) : node_(node) {
-    const std::size_t most = std::clamp<std::size_t>(20 * node.branching, 48, 256);
+    const std::size_t most = std::clamp<std::size_t>(20 * node.branching, 48, Gathered::most / 2);
     const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);
     for (std::size_t k = 0; k < node.samples.size(); k += step) {
       points_.push_back(node.samples[k]);
@@ -77,10 +101,12 @@ class Hubbard {
     for (std::uint32_t s = 0; s < diagram.balls().size(); ++s) {
       const VoronoiBall& b = diagram.balls()[s];
       if (!b.alive || !(diagram.side(s) < 0)) continue;
-      Group group{SampleSet(points_.size()), b.ball, true, {}};
+      Group group{SampleSet(points_.size()), {}, b.ball, {}};
       for (const std::uint32_t sample : b.samples)
         if (point_of[sample] != no_sample) group.samples.add(point_of[sample]);
       if (group.samples.empty()) continue;
+      gather(group.samples);
+      group.smallest = enclosing_sphere_from({}, gathered_.points());
       group_of[s] = static_cast<std::uint32_t>(groups_.size());
       groups_.push_back(std::move(group));
     }
@@ -132,28 +158,24 @@ class Hubbard {
     return result;
   }
 
-  // How far a sample, going along its normal, travels inside the ball; the most of all.
-  double exit_distance(const SampleSet& samples, const Sphere& ball) const {
-    double most = 0;
-    samples.for_each([&](std::size_t k) {
-      const Vec3 offset = points_[k] - ball.center;
-      const double h = dot(offset, normals_[k]);
-      const double inside = ball.radius * ball.radius - (squared_length(offset) - h * h);
-      if (inside >= 0) most = std::max(most, std::sqrt(inside) - h);
-    });
-    return most;
+  void gather(const SampleSet& samples) {
+    gathered_.clear();
+    samples.for_each([&](std::size_t k) { gathered_.add(points_[k], normals_[k]); });
+  }
+  // The smallest ball around what is gathered, the samples of two groups; the search begins with that of the larger.
+  SupportedSphere around_gathered(std::uint32_t a, std::uint32_t b) const {
+    const SupportedSphere &one = groups_[a].smallest, &other = groups_[b].smallest;
+    return enclosing_sphere_from(one.sphere.radius < other.sphere.radius ? other : one, gathered_.points());
   }
 
-  Sphere around(const SampleSet& samples) {
-    scratch_.clear();
-    samples.for_each([&](std::size_t k) { scratch_.push_back(points_[k]); });
-    return enclosing_sphere(scratch_);
-  }
-
+  // The cost of a pair: how far one of the samples, going along its normal, travels inside the ball around both.
   void consider(std::uint32_t a, std::uint32_t b) {
-    SampleSet both = groups_[a].samples;
-    both |= groups_[b].samples;
-    heap_.push({exit_distance(both, around(both)), std::min(a, b), std::max(a, b)});
+    both_ = groups_[a].samples;
+    both_ |= groups_[b].samples;
+    gather(both_);
+    const Sphere ball = around_gathered(a, b).sphere;
+    heap_.push(
+        {fit_kernels().farthest_exit(gathered_.points(), gathered_.normals(), ball), std::min(a, b), std::max(a, b)});
   }
   void consider_overlapping(std::uint32_t a) {
     for (std::uint32_t b = 0; b < groups_.size(); ++b)
@@ -170,22 +192,24 @@ class Hubbard {
   void join(std::uint32_t a, std::uint32_t b) {
     SampleSet both = std::move(groups_[a].samples);
     both |= groups_[b].samples;
-    std::vector<std::uint32_t> neighbors = groups_[a].neighbors;
+    std::vector<std::uint32_t> neighbors = std::move(groups_[a].neighbors);
     neighbors.insert(neighbors.end(), groups_[b].neighbors.begin(), groups_[b].neighbors.end());
     std::sort(neighbors.begin(), neighbors.end());
     neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
     groups_[a].alive = groups_[b].alive = false;
     std::erase_if(neighbors, [&](std::uint32_t n) { return !groups_[n].alive; });
     const auto made = static_cast<std::uint32_t>(groups_.size());
-    const Sphere ball = around(both);
-    groups_.push_back({std::move(both), ball, true, neighbors});
+    gather(both);
+    const SupportedSphere smallest = around_gathered(a, b);
+    groups_.push_back({std::move(both), smallest, smallest.sphere, std::move(neighbors)});
     --alive_;
     if (alive_ <= node_.branching) return;
-    for (const std::uint32_t n : neighbors) {
+    const std::vector<std::uint32_t>& besides = groups_[made].neighbors;
+    for (const std::uint32_t n : besides) {
       groups_[n].neighbors.push_back(made);
       consider(n, made);
     }
-    if (neighbors.empty()) consider_overlapping(made);
+    if (besides.empty()) consider_overlapping(made);
   }
 
   struct Entry {
@@ -199,7 +223,8 @@ class Hubbard {
   std::vector<Group> groups_;
   std::size_t alive_ = 0;
   std::priority_queue<Entry> heap_;
-  std::vector<Vec3> scratch_;
+  Gathered gathered_;
+  SampleSet both_;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <morula/geometry/scale.hpp>
 #include <vector>
 
-#include "geometry/enclosing/farthest.hpp"
+#include "geometry/enclosing/sphere_support.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
@@ -107,24 +107,35 @@ class SmallestOfFew {
 };
 
 // Smallest enclosing sphere of at most five points, the last of which is outside that of the others; -1 for its radius
-// if rounding leaves none. Returns the support. Computed relative to one of them: far from the origin, coordinates
-// differ exactly although their squares do not.
-Sphere smallest_of_few(std::span<const Vec3> points, Support& support) {
+// if rounding leaves none. Computed relative to one of them: far from the origin, coordinates differ exactly although
+// their squares do not.
+SupportedSphere smallest_of_few(std::span<const Vec3> points) {
   std::array<Vec3, 5> relative;
   for (std::size_t i = 0; i < points.size(); ++i) relative[i] = points[i] - points.back();
   const unsigned subset = SmallestOfFew(std::span<const Vec3>(relative.data(), points.size())).subset();
-  if (subset == 0) return {{}, -1};
+  if (subset == 0) return {{{}, -1}};
   Support apart;
-  support.count = apart.count = 0;
+  SupportedSphere result;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (subset >> i & 1u) {
-      support.points[support.count++] = points[i];
+      result.points[result.count++] = points[i];
       apart.points[apart.count++] = points[i] - points[0];
     }
   // Again from its support alone, so that the order of the search leaves no trace in it.
-  Sphere sphere = circumsphere(apart);
-  sphere.center += points[0];
-  return sphere;
+  result.sphere = circumsphere(apart);
+  result.sphere.center += points[0];
+  return result;
+}
+
+struct Farthest {
+  Vec3 point;
+  double squared_distance;
+};
+// The first of the farthest.
+Farthest farthest_from(const DoublePointColumns& points, const Vec3& center) {
+  const std::size_t i = farthest_kernels().from_in_double(points, center);
+  const Vec3 point{points.x[i], points.y[i], points.z[i]};
+  return {point, squared_distance(center, point)};
 }
 
 class Columns {
@@ -133,10 +144,9 @@ class Columns {
     for (std::size_t i = 0; i < count_; ++i)
       numbers_[i] = points[i].x, numbers_[count_ + i] = points[i].y, numbers_[2 * count_ + i] = points[i].z;
   }
-  /// The first of the farthest.
-  std::size_t farthest_from(const Vec3& center) const {
+  DoublePointColumns get() const {
     const double* const x = numbers_.data();
-    return farthest_kernels().from_in_double({x, x + count_, x + 2 * count_, count_}, center);
+    return {x, x + count_, x + 2 * count_, count_};
   }
 
  private:
@@ -154,27 +164,30 @@ Vec3 times_power_of_two(const Vec3& v, int exponent) {
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
-// start: a point that is far from another.
-Sphere by_pivots(std::span<const Vec3> points, const Columns& columns, const Vec3& start) {
-  Support support;
-  support.points[support.count++] = start;
-  Sphere sphere{support.points[0], 0};
+// The radius of the result reaches the farthest point.
+SupportedSphere by_pivots(const SupportedSphere& start, const DoublePointColumns& points) {
+  SupportedSphere best = start;
   // Take in the farthest point, keep what supports the sphere. The radius grows with every pivot, so it ends; the cap
-  // only guards against rounding, and the final radius is measured anyway.
+  // only guards against rounding.
   constexpr int most_pivots = 100;
-  for (int pivot = 0; pivot < most_pivots; ++pivot) {
-    const std::size_t next = columns.farthest_from(sphere.center);
-    if (squared_distance(sphere.center, points[next]) <= sphere.radius * sphere.radius * (1 + 1e-13)) break;
-    std::array<Vec3, 5> few;
-    for (int i = 0; i < support.count; ++i) few[i] = support.points[i];
-    few[support.count] = points[next];
-    Support next_support;
-    const Sphere grown = smallest_of_few(std::span(few).first(support.count + 1), next_support);
-    if (!(grown.radius > sphere.radius)) break;
-    sphere = grown;
-    support = next_support;
+  for (int pivot = 0;; ++pivot) {
+    const Farthest next = farthest_from(points, best.sphere.center);
+    SupportedSphere grown;
+    if (pivot < most_pivots && next.squared_distance > best.sphere.radius * best.sphere.radius * (1 + 1e-13)) {
+      std::array<Vec3, 5> few;
+      for (int i = 0; i < best.count; ++i) few[i] = best.points[i];
+      few[best.count] = next.point;
+      grown = smallest_of_few(std::span(few).first(best.count + 1));
+    }
+    if (!(grown.sphere.radius > best.sphere.radius)) {
+      best.sphere.radius = std::sqrt(next.squared_distance);
+      return best;
+    }
+    best = grown;
   }
-  return sphere;
+}
+SupportedSphere by_pivots_from(const Vec3& first, const DoublePointColumns& points) {
+  return by_pivots({{first, 0}, {first}, 1}, points);
 }
 
 // The points about the first, so large that squares are ordinary: scaling by a power of two changes no digit.
@@ -188,7 +201,7 @@ Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
   std::vector<Vec3> scaled;
   for (const Vec3& p : points) scaled.push_back(times_power_of_two(p * 0.5 - points[0] * 0.5, exponent));
   const Columns columns(scaled);
-  const Sphere sphere = by_pivots(scaled, columns, scaled[columns.farthest_from({})]);
+  const Sphere sphere = by_pivots_from(farthest_from(columns.get(), {}).point, columns.get()).sphere;
   const Vec3 center = points[0] + times_power_of_two(sphere.center, 1 - exponent);
   return {center, farthest_distance(center, points)};
 }
@@ -206,14 +219,21 @@ double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
 }
 
 Sphere enclosing_sphere(std::span<const Vec3> points) {
+  return points.empty() ? Sphere{} : enclosing_sphere_from({}, Columns(points).get()).sphere;
+}
+
+SupportedSphere detail::enclosing_sphere_from(const SupportedSphere& start, const DoublePointColumns& points) {
   const StandardFloats standard;
-  if (points.empty()) return {};
-  const Columns columns(points);
-  const Vec3& opposite = points[columns.farthest_from(points[0])];
-  if (!is_ordinary(squared_distance(points[0], opposite))) return enclosing_sphere_of_extremes(points);
-  Sphere sphere = by_pivots(points, columns, opposite);
-  sphere.radius = farthest_distance(sphere.center, points);
-  return sphere;
+  // Points of a support are of ordinary size; whether the others are, the radius shows.
+  if (start.count > 0) {
+    const SupportedSphere found = by_pivots(start, points);
+    if (is_ordinary(found.sphere.radius * found.sphere.radius)) return found;
+  }
+  const Farthest opposite = farthest_from(points, {points.x[0], points.y[0], points.z[0]});
+  if (is_ordinary(opposite.squared_distance)) return by_pivots_from(opposite.point, points);
+  std::vector<Vec3> in_rows;
+  for (std::size_t i = 0; i < points.count; ++i) in_rows.push_back({points.x[i], points.y[i], points.z[i]});
+  return {enclosing_sphere_of_extremes(in_rows)};
 }
 
 }  // namespace morula
