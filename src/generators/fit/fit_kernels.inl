@@ -336,5 +336,6 @@ void with_less_power(const BallColumns& balls, const double (*corners)[4], std::
   }
 }
 
-constexpr FitKernels kernels{outside, make_steps,     offer, at_most, at_most_in_double, squared_distances_in_double,
-                             farthest_exit, cell_numbers, equal,   with_less_power};
+constexpr FitKernels kernels{
+    outside,       make_steps,   offer, at_most,        at_most_in_double, squared_distances_in_double,
+    farthest_exit, cell_numbers, equal, with_less_power};
