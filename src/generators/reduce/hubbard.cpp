@@ -55,7 +55,7 @@ class Hubbard {
  public:
   explicit Hubbard(const ReducerInput& node) : node_(node) {
     const std::size_t most = std::clamp<std::size_t>(20 * node.branching, 48, Gathered::most / 2);
-    const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);
+    const std::size_t step = std::max<std::size_t>(1, node.samples.size() / most);  // takes less than 2 · most
     for (std::size_t k = 0; k < node.samples.size(); k += step) {
       points_.push_back(node.samples[k]);
       normals_.push_back(node.normals[k]);

@@ -17,8 +17,8 @@ struct SupportedSphere {
   int count = 0;  ///< 0: not known
 };
 
-/// enclosing_sphere(), whose search begins with that of some of the points.
-/// Cost: O(n) for each point that the sphere has to grow for, one to three where most were inside.
+/// enclosing_sphere(), whose search begins with that of some of the points, or with nothing. points: at least one.
+/// Cost: O(n) for each point that the sphere has to grow for, and once more.
 SupportedSphere enclosing_sphere_from(const SupportedSphere& start, const DoublePointColumns& points);
 
 }  // namespace morula::detail
