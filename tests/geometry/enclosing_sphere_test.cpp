@@ -160,10 +160,9 @@ TEST(EnclosingSphere, of_a_set_that_grows_is_as_small_as_that_found_at_once) {
       const Sphere at_once = enclosing_sphere(points);
       ASSERT_NEAR(grown.sphere.radius / unit, at_once.radius / unit, 1e-9 * at_once.radius / unit) << i << ' ' << count;
       ASSERT_NEAR(grown.sphere.radius, farthest_distance(grown.sphere.center, points), 1e-15 * at_once.radius);
-      ASSERT_LE(grown.count, 4);
-      for (int k = 0; k < grown.count; ++k)
-        ASSERT_NEAR(distance(grown.points[static_cast<std::size_t>(k)], grown.sphere.center), grown.sphere.radius,
-                    1e-9 * at_once.radius);
+      ASSERT_LE(grown.count, 4u);
+      for (std::size_t k = 0; k < grown.count; ++k)
+        ASSERT_NEAR(distance(grown.points[k], grown.sphere.center), grown.sphere.radius, 1e-9 * at_once.radius);
     }
   }
 }

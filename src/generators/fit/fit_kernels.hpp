@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The loops of a fit that wide registers speed up: lines of OutsideGrid, who owns which point by power, what a seed
-// reaches. One source, fit_kernels.inl, compiled for each kind of processor and chosen at run time.
+// The loops of generators that wide registers speed up: lines of OutsideGrid, who owns which point by power, what a
+// seed reaches, and what reducers ask of samples. One source, fit_kernels.inl, compiled for each kind of processor and
+// chosen at run time.
 #pragma once
 
 #include <array>

@@ -41,7 +41,8 @@ class LatticePoints {
   explicit LatticePoints(std::span<const Vec3> points);
   const Box& box() const { return box_; }
 
-  /// Centres of the cells that points lie in, in the order of first use; stops (returns false) at more than `most`.
+  /// Centres of the cells that points lie in, in the order of first use. Returns false where they are more than `most`,
+  /// with the first of them.
   /// lattice: no point before its origin, and few cells to the points' box: there is a bit for each.
   bool occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const;
 

@@ -24,7 +24,7 @@ namespace {
 struct Group {
   SampleSet samples;
   SupportedSphere smallest;  // around the samples
-  Sphere ball;
+  Sphere ball;               // the Voronoi ball that it began with; of joined ones the smallest
   std::vector<std::uint32_t> neighbors;
   bool alive = true;
 };

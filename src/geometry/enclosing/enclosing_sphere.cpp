@@ -15,28 +15,24 @@ namespace morula {
 using namespace detail;
 namespace {
 
-struct Support {
-  std::array<Vec3, 4> points;
-  int count = 0;
-};
-
-// Smallest sphere with all support points on it. Points that are affinely dependent on the earlier ones are left out.
-Sphere circumsphere(const Support& support) {
+// Smallest sphere with all points of a support on it. Those that are affinely dependent on the earlier ones are left
+// out.
+Sphere circumsphere(std::span<const Vec3> support) {
   // Centre = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
   // dependence as a vanishing remainder.
   std::array<Vec3, 3> basis;
-  Vec3 center = support.count > 0 ? support.points[0] : Vec3{};
+  Vec3 center = support[0];
   double squared_radius = 0;
   int dimension = 0;
-  for (int i = 1; i < support.count; ++i) {
-    Vec3 rest = support.points[i] - support.points[0];
+  for (std::size_t i = 1; i < support.size(); ++i) {
+    Vec3 rest = support[i] - support[0];
     const double squared = squared_length(rest);
     for (int k = 0; k < dimension; ++k) rest -= basis[k] * dot(rest, basis[k]);
     const double height = length(rest);
     if (!(height * height > 1e-20 * squared)) continue;
     const Vec3 direction = rest / height;
     // Move the centre along the new direction until the new point is as far as the others.
-    const Vec3 to_point = support.points[i] - center;
+    const Vec3 to_point = support[i] - center;
     const double shift = (squared_length(to_point) - squared_radius) / (2 * dot(to_point, direction));
     center += direction * shift;
     squared_radius += shift * shift;
@@ -114,15 +110,15 @@ SupportedSphere smallest_of_few(std::span<const Vec3> points) {
   for (std::size_t i = 0; i < points.size(); ++i) relative[i] = points[i] - points.back();
   const unsigned subset = SmallestOfFew(std::span<const Vec3>(relative.data(), points.size())).subset();
   if (subset == 0) return {{{}, -1}};
-  Support apart;
+  std::array<Vec3, 4> apart;
   SupportedSphere result;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (subset >> i & 1u) {
+      apart[result.count] = points[i] - points[0];
       result.points[result.count++] = points[i];
-      apart.points[apart.count++] = points[i] - points[0];
     }
   // Again from its support alone, so that the order of the search leaves no trace in it.
-  result.sphere = circumsphere(apart);
+  result.sphere = circumsphere(std::span(apart).first(result.count));
   result.sphere.center += points[0];
   return result;
 }
@@ -175,7 +171,7 @@ SupportedSphere by_pivots(const SupportedSphere& start, const DoublePointColumns
     SupportedSphere grown;
     if (pivot < most_pivots && next.squared_distance > best.sphere.radius * best.sphere.radius * (1 + 1e-13)) {
       std::array<Vec3, 5> few;
-      for (int i = 0; i < best.count; ++i) few[i] = best.points[i];
+      for (std::size_t i = 0; i < best.count; ++i) few[i] = best.points[i];
       few[best.count] = next.point;
       grown = smallest_of_few(std::span(few).first(best.count + 1));
     }

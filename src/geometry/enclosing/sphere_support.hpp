@@ -14,7 +14,7 @@ namespace morula::detail {
 struct SupportedSphere {
   Sphere sphere;
   std::array<Vec3, 4> points{};
-  int count = 0;  ///< 0: not known
+  std::size_t count = 0;  ///< 0: not known
 };
 
 /// enclosing_sphere(), whose search begins with that of some of the points, or with nothing. points: at least one.
