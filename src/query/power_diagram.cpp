@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory_resource>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/query/power_diagram.hpp>
@@ -62,10 +64,10 @@ class Cutter {
     }
     if (rival == first) return emit(polygon, first);
 
-    std::vector<std::uint32_t> remaining = still_possible(polygon, candidates);
-    std::vector<Corner> side_of_first, side_of_rival;
+    Numbers remaining = still_possible(polygon, candidates);
+    Corners side_of_first = room_for_side(polygon), side_of_rival = room_for_side(polygon);
     if (split(polygon, first, rival, side_of_first, side_of_rival)) {
-      std::vector<std::uint32_t> without_rival = remaining;
+      Numbers without_rival(remaining, &scratch_);
       std::erase(without_rival, rival);
       cut(side_of_first, without_rival);
       std::erase(remaining, first);
@@ -78,26 +80,37 @@ class Cutter {
   }
 
  private:
+  // What one facet takes: pieces of few corners, a few times over.
+  using Corners = std::pmr::vector<Corner>;
+  using Numbers = std::pmr::vector<std::uint32_t>;
+
+  Corners room_for_side(std::span<const Corner> polygon) {
+    Corners side(&scratch_);
+    side.reserve(polygon.size() + 2);
+    return side;
+  }
+
   std::uint32_t owner_at(const Vec3& x, std::span<const std::uint32_t> candidates) const {
     return detail::owner_by_power(x, spheres_, candidates);
   }
 
   // Candidates that can own a part of the polygon: their least power over its bounding ball is not above the least
   // power that some sphere guarantees on all of it.
-  std::vector<std::uint32_t> still_possible(std::span<const Corner> polygon,
-                                            std::span<const std::uint32_t> candidates) const {
+  Numbers still_possible(std::span<const Corner> polygon, std::span<const std::uint32_t> candidates) {
     Vec3 middle{};
     for (const Corner& c : polygon) middle += c.point;
     middle = middle / static_cast<double>(polygon.size());
-    double reach = 0;
-    for (const Corner& c : polygon) reach = std::max(reach, distance(c.point, middle));
+    double squared_reach = 0;
+    for (const Corner& c : polygon) squared_reach = std::max(squared_reach, squared_distance(c.point, middle));
+    const double reach = std::sqrt(squared_reach);
     double guaranteed = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : candidates) {
       double worst = -std::numeric_limits<double>::infinity();
       for (const Corner& c : polygon) worst = std::max(worst, power(spheres_[i], c.point));
       guaranteed = std::min(guaranteed, worst);
     }
-    std::vector<std::uint32_t> kept;
+    Numbers kept(&scratch_);
+    kept.reserve(candidates.size());
     for (const std::uint32_t i : candidates) {
       const double nearest = std::max(0.0, distance(spheres_[i].center, middle) - reach);
       if (least_power(nearest, spheres_[i].radius) <= guaranteed) kept.push_back(i);
@@ -106,9 +119,9 @@ class Cutter {
   }
 
   // False when no corner lies strictly on the side of a, or a side is left without area.
-  bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, std::vector<Corner>& side_a,
-             std::vector<Corner>& side_b) const {
-    std::vector<double> difference;
+  bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, Corners& side_a, Corners& side_b) {
+    std::pmr::vector<double> difference(&scratch_);
+    difference.reserve(polygon.size());
     for (const Corner& c : polygon) difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
     make_two_sided(difference);
     if (std::none_of(difference.begin(), difference.end(), [](double d) { return d < 0; })) return false;
@@ -133,7 +146,7 @@ class Cutter {
   // two runs the one next to the negative ones is the corner that both sides share. Two convex polygons then share two
   // points and the segment between them: they tile what was there. What that moves between the sides is as near to the
   // bisector as the smallest differences are. Corners of a cut through equal signs keep their sign.
-  static void make_two_sided(std::vector<double>& difference) {
+  static void make_two_sided(std::span<double> difference) {
     while (sign_changes(difference) > 2) {
       std::size_t least = difference.size();
       for (std::size_t k = 0; k < difference.size(); ++k)
@@ -163,7 +176,7 @@ class Cutter {
     }
   }
 
-  static int sign_changes(const std::vector<double>& difference) {
+  static int sign_changes(std::span<const double> difference) {
     int changes = 0;
     double last = 0;
     for (std::size_t round = 0; round < 2; ++round)
@@ -215,6 +228,8 @@ class Cutter {
   const FacetGeometry& facet_;
   std::span<const Sphere> spheres_;
   CutFacet& result_;
+  std::array<std::byte, 8192> memory_;
+  std::pmr::monotonic_buffer_resource scratch_{memory_.data(), memory_.size()};
 };
 
 }  // namespace
