@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <memory_resource>
 #include <morula/geometry/box.hpp>
@@ -12,6 +11,7 @@
 #include <numeric>
 
 #include "query/owner_by_power.hpp"
+#include "query/stack_memory.hpp"
 
 namespace morula {
 namespace {
@@ -80,7 +80,7 @@ class Cutter {
   }
 
  private:
-  // What one facet takes: pieces of few corners, a few times over.
+  // Most facets that are cut fall into a few pieces of a few corners; their memory is free again when a call returns.
   using Corners = std::pmr::vector<Corner>;
   using Numbers = std::pmr::vector<std::uint32_t>;
 
@@ -228,8 +228,7 @@ class Cutter {
   const FacetGeometry& facet_;
   std::span<const Sphere> spheres_;
   CutFacet& result_;
-  std::array<std::byte, 8192> memory_;
-  std::pmr::monotonic_buffer_resource scratch_{memory_.data(), memory_.size()};
+  detail::StackMemory<8192> scratch_;
 };
 
 }  // namespace

@@ -83,6 +83,35 @@ TEST(PowerDiagram, pieces_tile_the_facet_and_belong_to_the_sphere_of_least_power
   }
 }
 
+TEST(PowerDiagram, one_facet_falls_into_thousands_of_pieces) {
+  Random random(7);
+  constexpr int across = 60;
+  for (const double jitter : {0.0, 0.4}) {  // aligned cells with ties, and cells of any shape
+    std::vector<Sphere> spheres;
+    for (int y = 0; y < across; ++y)
+      for (int x = 0; x < across; ++x)
+        spheres.push_back(
+            {{(x + jitter * random.uniform()) / across, (y + jitter * random.uniform()) / across, 0}, 0.1});
+    const FacetGeometry facet{{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}, {0, 1, 2}};
+    std::vector<std::uint32_t> scratch;
+    CutFacet cut;
+    PowerDiagram(spheres).cut(facet, scratch, cut);
+    double total = 0;
+    std::set<std::uint32_t> owners;
+    for (std::size_t k = 0; k < cut.size(); ++k) {
+      total += share(cut.polygon(k));
+      owners.insert(cut.owner[k]);
+      Barycentric middle{};
+      for (const Barycentric& b : cut.polygon(k))
+        for (int c = 0; c < 3; ++c) middle[c] += b[c] / static_cast<double>(cut.polygon(k).size());
+      const Vec3 x = at_barycentric(facet.corners, middle);
+      EXPECT_NEAR(power(spheres[cut.owner[k]], x), power(spheres[owner_by_force(spheres, x)], x), 1e-13);
+    }
+    EXPECT_NEAR(total, 1, 1e-12);
+    EXPECT_GT(owners.size(), 1700u);  // half of 3,600
+  }
+}
+
 TEST(PowerDiagram, index_agrees_with_brute_force) {
   Random random(2);
   std::vector<std::uint32_t> candidates;

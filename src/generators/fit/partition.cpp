@@ -16,7 +16,6 @@ namespace {
 struct VertexOwner {
   std::uint32_t sphere;
   bool is_inside;
-  bool operator==(const VertexOwner&) const = default;
 };
 
 bool contains(const Sphere& sphere, const Vec3& x) {
@@ -46,9 +45,10 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
     if (region.is_whole(k)) {
       // Differences of powers are affine: whose all three corners are, theirs is the facet.
       const auto& [a, b, c] = mesh.facets[region.facet[k]];
-      const VertexOwner own = owner_of(a);
-      if (own.is_inside && owner_of(b) == own && owner_of(c) == own) {
-        result.regions[own.sphere].add_whole(region.facet[k]);
+      const VertexOwner at_a = owner_of(a), at_b = owner_of(b), at_c = owner_of(c);
+      if (at_a.sphere == at_b.sphere && at_b.sphere == at_c.sphere) {
+        const bool is_inside = at_a.is_inside && at_b.is_inside && at_c.is_inside;
+        (is_inside ? result.regions[at_a.sphere] : leftovers).add_whole(region.facet[k]);
         continue;
       }
     }
