@@ -31,6 +31,7 @@ class StackMemory : public std::pmr::memory_resource {
   }
 
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    // What does not fit as it is might be rounded up beyond the largest number.
     if (alignment > step || bytes > size - used_ || rounded(bytes) > size - used_)
       return std::pmr::new_delete_resource()->allocate(bytes, alignment);
     void* const memory = memory_.data() + used_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <generators/fit/partition.hpp>
 #include <map>
+#include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <support/meshes.hpp>
@@ -102,6 +103,41 @@ TEST(Partition, divides_whole_and_cut_facets_as_one_by_one) {
         expect_divided_as_one_by_one(named.mesh, part, finer);
     }
   }
+}
+
+// Segments and points are in one part, whole, and no sphere grows for one that another reaches already.
+TEST(Partition, keeps_facets_with_a_repeated_vertex_whole) {
+  Random random(6);
+  std::size_t reached = 0, not_reached = 0;
+  for (const test::NamedMesh& named : test::all_meshes()) {
+    SCOPED_TRACE(named.name);
+    Mesh mesh{named.mesh.positions, {}};
+    for (const Facet& f : named.mesh.facets)
+      mesh.facets.insert(mesh.facets.end(), {f, {f[0], f[1], f[1]}, {f[2], f[2], f[2]}});
+    for (int trial = 0; trial < 4; ++trial) {
+      const std::vector<Sphere> spheres = spheres_about(mesh, random);
+      const Partition divided = partition(mesh, whole_surface(mesh), spheres);
+      std::vector<int> times(mesh.facet_count(), 0);
+      for (std::size_t i = 0; i < spheres.size(); ++i)
+        for (std::size_t k = 0; k < divided.regions[i].size(); ++k) {
+          const std::uint32_t f = divided.regions[i].facet[k];
+          if (f % 3 == 0) continue;
+          ++times[f];
+          ASSERT_TRUE(divided.regions[i].is_whole(k));
+          const double almost = 1 - 1e-12, hardly = 1 + 1e-12;
+          const auto reach = [&](const Sphere& s) { return farthest_distance(s.center, mesh.corners(f)) / s.radius; };
+          if (std::ranges::none_of(spheres, [&](const Sphere& s) { return reach(s) <= almost; })) {
+            ++not_reached;
+            continue;
+          }
+          ++reached;
+          ASSERT_LE(reach(spheres[i]), hardly);
+        }
+      for (std::size_t f = 0; f < mesh.facet_count(); ++f) ASSERT_EQ(times[f], f % 3 == 0 ? 0 : 1) << f;
+    }
+  }
+  EXPECT_GT(reached, 10000u);
+  EXPECT_GT(not_reached, 1000u);
 }
 
 TEST(Region, gives_back_what_was_added) {
