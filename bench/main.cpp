@@ -78,8 +78,12 @@ int run(int argc, char** argv) {
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
   app.add_option("--method", methods,
                  "which generators `build` runs; may be repeated (default: all)\n"
-                 "given once, also what makes the tree of `volumes` and `peers` (default: morula)")
+                 "given once, also what makes the tree of other scenarios (default: morula)")
       ->check(CLI::IsMember(method_names));
+  std::string depth = "3";
+  app.add_option("--depth", depth, "levels below the root of the trees, or `auto`: a depth that fits the facets")
+      ->check(CLI::IsMember({"0", "1", "2", "3", "4", "5", "6", "7", "8", "auto"}))
+      ->capture_default_str();
   app.add_option("--seeds", seeds, "trees of so many seeds in `build`, for the spread of looseness (default 1)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));
   app.add_option("--baseline", baseline_file,
@@ -116,6 +120,7 @@ int run(int argc, char** argv) {
   Workers workers(threads);
   Settings settings{.repeats = repeats, .patience = patience, .questions = questions, .workers = &workers};
   settings.seeds = seeds;
+  settings.depth = depth == "auto" ? std::nullopt : std::optional(std::stoi(depth));
   settings.baseline = baseline ? &*baseline : nullptr;
   for (const std::string& method : methods) settings.methods.push_back(*method_from_name(method));
   if (methods.empty()) settings.methods.assign(all_methods().begin(), all_methods().end());

@@ -8,6 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
+#include <optional>
 #include <scenes/median.hpp>
 #include <span>
 #include <string>
@@ -28,7 +29,8 @@ struct Settings {
   double patience;        ///< seconds; an item that takes longer gets fewer repeats, but never fewer than two
   std::size_t questions;  ///< points asked about by `query`
   Workers* workers;
-  std::vector<Method> methods{};  ///< of `build`: which; of `volumes` and `peers`: the tree, where it is just one
+  std::vector<Method> methods{};  ///< of `build`: which; where it is just one: what makes the tree of other scenarios
+  std::optional<int> depth = 3;   ///< of trees that are built for a mesh; nothing: automatic_depth
   // For `build`.
   std::uint64_t seeds = 1;             ///< trees of so many seeds, for the spread of their looseness
   const Baseline* baseline = nullptr;  ///< what looseness is divided by
@@ -104,9 +106,9 @@ std::vector<double> timed(const Settings& settings, const F& f) {
   return seconds;
 }
 
-/// Branching 8, depth 3, by the one method that was asked for or else by the default one.
+/// Branching 8, by the one method that was asked for or else by the default one.
 inline BuildOptions tree_options(const Settings& settings) {
-  BuildOptions options{.branching = 8, .depth = 3};
+  BuildOptions options{.branching = 8, .depth = settings.depth};
   if (settings.methods.size() == 1) options.method = settings.methods.front();
   return options;
 }

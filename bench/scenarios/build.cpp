@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenario build: every generator, branching 8, depth 3: time, looseness, and whether it keeps its promises.
+// Scenario build: every generator: time, looseness, and whether it keeps its promises.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -113,7 +113,7 @@ std::vector<Result> run_build(const Input& input, const Settings& settings) {
   std::vector<Result> results;
   for (const Method method : settings.methods) {
     Result result{.scenario = "build", .item = std::string(name(method)), .mesh = input.name};
-    const BuildOptions options{.method = method, .branching = 8, .depth = 3};
+    const BuildOptions options{.method = method, .branching = 8, .depth = settings.depth};
 
     CoveredTree built;
     double user = std::numeric_limits<double>::infinity();

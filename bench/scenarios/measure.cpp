@@ -89,7 +89,7 @@ Result time_protrusion(const Input& input, const std::vector<Sphere>& spheres, c
 }  // namespace
 
 std::vector<Result> run_measure(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
   const std::size_t leaf_level = built.tree.level_count() - 1;
   const std::vector<Sphere> spheres = level_set_spheres(built.tree, leaf_level);
 

@@ -94,7 +94,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
 }  // namespace
 
 std::vector<Result> run_modal(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, {.branching = 8, .depth = 3}, *settings.workers);
+  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
   std::vector<Result> results;
   for (const std::size_t modes : {std::size_t{1}, std::size_t{5}, most_modes}) {
     UpdateOptions options{.rules = {Rule::modal}, .modes = bending_and_twist(input.mesh, modes)};
