@@ -150,6 +150,49 @@ TEST(Group, repeats_itself_to_the_bit) {
   EXPECT_EQ(results[0], results[1]);
 }
 
+// Of a ball that was better whole, while its siblings go elsewhere and come back: around a tube and in thin walls most
+// splits are refused.
+TEST(Group, has_the_same_balls_when_refused_splits_are_asked_again) {
+  std::size_t sweeps_with_free_places = 0;
+  for (const Mesh& mesh : {sample_body("capsule", 24), sample_body("torus", 16), sample_body("limb", 16)})
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      std::vector<std::vector<Sphere>> results[2];
+      for (const bool asks_again : {false, true}) {
+        constexpr std::size_t most = 8;
+        WholeFit whole(mesh, most, seed);
+        Group::Settings settings;
+        settings.asks_again = asks_again;
+        Group group(whole.fit.grid(), whole.fit.points(), whole.shape, most, whole.node.sphere, settings, seed);
+        const auto keep = [&] {
+          results[asks_again ? 1 : 0].push_back(group.spheres());
+          sweeps_with_free_places += results[0].back().size() < most;
+        };
+        group.split_from_one();
+        keep();
+        // One sphere gone at a time, so that others have other neighbours, and all of them again.
+        for (std::size_t gone = 0; gone < most; ++gone) {
+          std::vector<Sphere> fewer = results[0].front();
+          if (gone < fewer.size()) fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(gone));
+          for (const auto& balls : {fewer, results[0].front()}) {
+            group.take(balls);
+            group.sweep(settings.taken, true);
+            keep();
+            group.sweep(settings.taken, true);
+            keep();
+          }
+        }
+        for (int round = 0; round < 4; ++round) {
+          group.try_changes(10, 2);
+          keep();
+          group.try_inscribed(1, 1);
+          keep();
+        }
+      }
+      EXPECT_TRUE(results[0] == results[1]) << mesh.facets.size() << " facets, seed " << seed;
+    }
+  EXPECT_GT(sweeps_with_free_places, 20u);
+}
+
 TEST(Group, objective_is_the_outside_volume_of_the_union) {
   for (const char* body : {"limb", "torus", "blob"}) {
     WholeFit whole(sample_body(body, 16), 8, 1, 0.12);

@@ -349,7 +349,8 @@ void Group::fill(float taken) {
       // Around a tube most balls are better whole, and are asked about again after every change.
       constexpr float most_cost_factor = 1.5F;
       const std::uint64_t as_it_is = hash_of(from, taken);
-      if (!better_whole_.contains(as_it_is) && split(from, into, taken, most_cost_factor)) break;
+      const bool is_asked = settings_.asks_again || !better_whole_.contains(as_it_is);
+      if (is_asked && split(from, into, taken, most_cost_factor)) break;
       better_whole_.insert(as_it_is);
       refused_[from] = 1;
     }

@@ -20,8 +20,9 @@ class Group {
   struct Settings {
     float taken_while_splitting = 0.6F;  // what space that siblings take in counts, early and late
     float taken = 0.15F;
-    float part = 1;     // width of a child's part of the surface, in cells
-    float balance = 0;  // weight of unequal demand among children
+    float part = 1;           // width of a child's part of the surface, in cells
+    float balance = 0;        // weight of unequal demand among children
+    bool asks_again = false;  // about splits that were refused as all stands: the same balls, later
   };
   /// grid, points, shape: borrowed. most: balls wanted. start: the node's own ball, mesh coordinates.
   Group(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t most, const Sphere& start,
