@@ -59,6 +59,8 @@ TEST(UnionVolume, has_the_same_bits_whatever_came_before) {
           spheres.push_back(some());
         if (step == 11) spheres.back().radius *= 3;
         const double first = UnionVolume(lines).outside(spheres);
+        const Sphere& one = spheres.front();
+        EXPECT_EQ(volume.outside(one), UnionVolume(lines).outside({&one, 1})) << body.name << ", step " << step;
         EXPECT_EQ(volume.outside(spheres), first) << body.name << ", step " << step;
         std::reverse(spheres.begin(), spheres.end());
         EXPECT_EQ(volume.outside(spheres), first) << body.name << ", step " << step;

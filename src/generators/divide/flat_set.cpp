@@ -7,9 +7,10 @@
 #include <iterator>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/query/sphere_volume.hpp>
 #include <numeric>
+#include <optional>
 
+#include "generators/divide/largest_protrusion.hpp"
 #include "generators/driver/driver.hpp"
 #include "generators/driver/join.hpp"
 #include "generators/driver/union_volume.hpp"
@@ -63,7 +64,8 @@ class FlatSet {
       Set now = one_level(sizes[k]);
       if (by_.improve && sizes[k] == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
       if (by_.quick || is_slender(now))
-        if (Set other = last_level(sizes[k]); other.outside < now.outside) now = std::move(other);
+        if (std::optional<Set> other = last_level(sizes[k]); other && other->outside < now.outside)
+          now = *std::move(other);
       if (now.outside < best.outside) best = std::move(now);
       spend_rest(best, sizes[k]);
       gone += static_cast<double>(sizes[k]);
@@ -121,26 +123,26 @@ class FlatSet {
     return *middle < much_nearer;
   }
 
-  // The leaves of a tree of as many levels as the number of spheres allows; the root where that is one, or where they
-  // are too many.
-  Set last_level(std::size_t most) {
+  // The leaves of a tree of as many levels as the number of spheres allows; nothing where that is one level, or where
+  // they are too many.
+  std::optional<Set> last_level(std::size_t most) {
     // Trees seldom use all their places: one that could have a few leaves too many may have few enough.
     const std::size_t about = most + most / 4;
     int depth = 0;
     for (std::size_t leaves = 1; leaves <= about / static_cast<std::size_t>(run_.branching); ++depth)
       leaves *= static_cast<std::size_t>(run_.branching);
-    if (depth < 2) return only_root();
+    if (depth < 2) return std::nullopt;
     if (tree_depth_ != depth) tree_ = leaves_of_tree(depth), tree_depth_ = depth;
-    return tree_.leaves.size() > most ? only_root() : tree_;
+    return tree_.leaves.size() > most ? std::nullopt : std::optional(tree_);
   }
 
   // Its first level is the set of so many that is at hand, with parts that have changed hands.
   Set leaves_of_tree(int depth) {
-    Set set = only_root();
+    Set set;
     const Divider divide = by_.levels(depth);
     std::vector<BuildNode> finished;  // cannot be divided further
     const bool is_begun = first_level_.size() > 1;
-    if (is_begun) set.leaves = first_level_;
+    set.leaves = is_begun ? first_level_ : std::vector{root_};
     for (int level = is_begun ? 1 : 0; level < depth; ++level) {
       std::vector<Division> divisions(set.leaves.size());
       const auto divide_one = [&](std::size_t i) {
@@ -172,11 +174,7 @@ class FlatSet {
   void spend_rest(Set& set, std::size_t most) {
     if (set.leaves.size() >= most) return;
     std::vector<double> worth;
-    const auto judged = [&](const BuildNode& leaf) {
-      return input_.shape.has_volume() ? outside_volume(input_.shape.distance(), leaf.sphere)
-                                       : input_.shape.distance().protrusion_bound(leaf.sphere);
-    };
-    for (const BuildNode& leaf : set.leaves) worth.push_back(judged(leaf));
+    for (const BuildNode& leaf : set.leaves) worth.push_back(union_.outside(leaf.sphere));
     constexpr int most_failures = 3;
     for (int failures = 0; set.leaves.size() < most && failures < most_failures && !run_.out_of_time();) {
       run_.throw_if_stopped();
@@ -195,8 +193,8 @@ class FlatSet {
       set.leaves = std::move(leaves);
       set.outside = now;
       set.leftover_patches += halves.leftover_patches;
-      worth[static_cast<std::size_t>(at)] = judged(set.leaves[static_cast<std::size_t>(at)]);
-      worth.push_back(judged(set.leaves.back()));
+      worth[static_cast<std::size_t>(at)] = union_.outside(set.leaves[static_cast<std::size_t>(at)].sphere);
+      worth.push_back(union_.outside(set.leaves.back().sphere));
       failures = 0;
     }
   }
@@ -246,6 +244,7 @@ class FlatSet {
     std::vector<BuildNode>& leaves = set.leaves;
     std::vector<std::uint32_t> order(leaves.size());
     std::iota(order.begin(), order.end(), 0u);
+    report_.protrusion_bound = largest_protrusion(input_.mesh, input_.shape, leaves);  // before their regions go
     CoveredTree built;
     built.tree.branching = report_.branching;
     built.tree.append_level({}, std::span(leaves.size() > 1 ? &root_.sphere : &leaves[0].sphere, 1));
@@ -279,9 +278,6 @@ class FlatSet {
     report_.leftover_patches = set.leftover_patches;
     for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
       report_.early_leaves += built.tree.is_leaf(i);
-    double worst = 0;
-    for (const BuildNode& leaf : leaves) worst = std::max(worst, input_.shape.distance().protrusion_bound(leaf.sphere));
-    report_.protrusion_bound = worst;
     if (out_of_time) {
       report_.complete = false;
       report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +

@@ -30,7 +30,8 @@ class ThinnedPoints {
     const auto cell = [&](double v) { return static_cast<std::uint64_t>(std::clamp(v * per_cell_, 0.0, 2097151.0)); };
     const Vec3 q = p - origin_;
     // Never 0, which marks a free slot.
-    if (insert((cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1)) points_.push_back(p);
+    const std::uint64_t key = (cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1;
+    if (insert(key)) points_.push_back(p);
   }
 
  private:
@@ -66,12 +67,19 @@ void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoint
   constexpr int most_steps = 200;
   const double short_enough = 0.99 * spacing * spacing;
   SeenVertices seen(region.size());
-  std::vector<Vec3> corners;
+  std::vector<Vec3> of_polygon;
   for (std::size_t k = 0; k < region.size(); ++k) {
-    corners.clear();
-    each_corner(mesh, region, k, [&](const Vec3& p) { corners.push_back(p); });
-    for (std::size_t c = 0; c < corners.size(); ++c)
-      if (!region.is_whole(k) || seen.is_new(mesh.facets[region.facet[k]][c])) points.add(corners[c]);
+    const Triangle whole = mesh.corners(region.facet[k]);
+    std::span<const Vec3> corners = whole;
+    if (region.is_whole(k)) {
+      for (std::size_t c = 0; c < 3; ++c)
+        if (seen.is_new(mesh.facets[region.facet[k]][c])) points.add(whole[c]);
+    } else {
+      of_polygon.clear();
+      each_corner(mesh, region, k, [&](const Vec3& p) { of_polygon.push_back(p); });
+      for (const Vec3& p : of_polygon) points.add(p);
+      corners = of_polygon;
+    }
     const Vec3 a = corners[0];
     for (std::size_t c = 2; c < corners.size(); ++c) {
       const Vec3 p = corners[c - 1], q = corners[c];

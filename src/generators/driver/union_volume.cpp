@@ -70,6 +70,26 @@ double UnionVolume::outside(std::span<const Sphere> spheres) {
   return total / 3 * stride_ * stride_ * cell * cell * cell;
 }
 
+double UnionVolume::outside(const Sphere& sphere) const {
+  const Sphere local{lines_.to_lattice(sphere.center), sphere.radius / lines_.cell()};
+  double total = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cu = local.center[(axis + 1) % 3], cv = local.center[(axis + 2) % 3];
+    for (int v = number(cv - local.radius); v <= number(cv + local.radius); ++v) {
+      const double dv = v * stride_ + middle_ + 0.5 - cv, in_row = local.radius * local.radius - dv * dv;
+      for (int u = number(cu - local.radius); u <= number(cu + local.radius); ++u) {
+        const double du = u * stride_ + middle_ + 0.5 - cu, in_line = in_row - du * du;
+        if (!(in_line > 0)) continue;
+        const double half = std::sqrt(in_line);
+        Chord chord{local.center[axis] - half, local.center[axis] + half};
+        total += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
+      }
+    }
+  }
+  const double cell = lines_.cell();
+  return total / 3 * stride_ * stride_ * cell * cell * cell;
+}
+
 bool UnionVolume::has_room(const std::vector<Sphere>& spheres) const {
   const Box box = box_of(spheres);
   for (int axis = 0; axis < 3; ++axis) {

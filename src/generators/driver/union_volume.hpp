@@ -19,6 +19,8 @@ class UnionVolume {
   explicit UnionVolume(const ObjectLines& lines);  ///< lines: borrowed
   /// Cost: O(lines × spheres over each), for lines that meet a sphere which this set or the last one has alone.
   double outside(std::span<const Sphere> spheres);
+  /// Of one sphere by itself. What outside() remembers stays. Cost: O(lines over it).
+  double outside(const Sphere& sphere) const;
 
  private:
   struct Chord {
