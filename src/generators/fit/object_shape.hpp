@@ -9,8 +9,9 @@
 
 namespace morula::detail {
 
-/// What is inside, and how far away the surface is. Trees and flat sets of draft and fast quality are built without
-/// asking for a distance: on fine meshes the index of facets would be a fifth of their time and most of their memory.
+/// What is inside, and how far away the surface is. Trees of draft and fast quality, and flat sets of closed meshes,
+/// are built without asking for a distance: on fine meshes the index of facets would be a fifth of their time and most
+/// of their memory.
 class ObjectShape {
  public:
   /// Not yet asked for a distance. mesh: borrowed. Cost: linear.
