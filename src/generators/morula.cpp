@@ -318,7 +318,8 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   // Narrow cells would take sets of 64 beyond a second.
   if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
-  const bool grows = flat && !is_flat_set(run), asks_for_distances = effort.inscribed || grows;
+  const bool grows = flat && !is_flat_set(run);
+  const bool asks_for_distances = effort.inscribed || grows;
   std::optional<ObjectShape> object;
   asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
   const ObjectShape& shape = *object;

@@ -16,14 +16,13 @@ namespace morula::detail {
 namespace {
 
 constexpr double rounding = 1e-9;  // far above that of anything here, in parts of a length
-
 constexpr std::size_t facets_per_box = 16;
 
 Box box_of(const Triangle& t) {
   return {min(min(t[0], t[1]), t[2]), max(max(t[0], t[1]), t[2])};
 }
 
-/// Leaves, their spheres and the facets of their parts, with a box around every few of these.
+// Leaves, their spheres and the facets of their parts, with a box around every few of these.
 class Parts {
  public:
   Parts(const Mesh& mesh, std::span<const BuildNode> leaves) : mesh_(mesh), leaves_(leaves), boxes_(leaves.size()) {

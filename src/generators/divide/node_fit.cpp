@@ -30,8 +30,7 @@ class ThinnedPoints {
     const auto cell = [&](double v) { return static_cast<std::uint64_t>(std::clamp(v * per_cell_, 0.0, 2097151.0)); };
     const Vec3 q = p - origin_;
     // Never 0, which marks a free slot.
-    const std::uint64_t key = (cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1;
-    if (insert(key)) points_.push_back(p);
+    if (insert((cell(q.x) << 42 | cell(q.y) << 21 | cell(q.z)) + 1)) points_.push_back(p);
   }
 
  private:

@@ -74,17 +74,13 @@ double UnionVolume::outside(const Sphere& sphere) const {
   const Sphere local{lines_.to_lattice(sphere.center), sphere.radius / lines_.cell()};
   double total = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double cu = local.center[(axis + 1) % 3], cv = local.center[(axis + 2) % 3];
-    for (int v = number(cv - local.radius); v <= number(cv + local.radius); ++v) {
-      const double dv = v * stride_ + middle_ + 0.5 - cv, in_row = local.radius * local.radius - dv * dv;
-      for (int u = number(cu - local.radius); u <= number(cu + local.radius); ++u) {
-        const double du = u * stride_ + middle_ + 0.5 - cu, in_line = in_row - du * du;
-        if (!(in_line > 0)) continue;
-        const double half = std::sqrt(in_line);
-        Chord chord{local.center[axis] - half, local.center[axis] + half};
-        total += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
-      }
-    }
+    const double across = local.center[(axis + 2) % 3];
+    for (int v = number(across - local.radius); v <= number(across + local.radius); ++v)
+      each_chord(
+          axis, v, local, [](int) { return true; },
+          [&](int u, Chord chord) {
+            total += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
+          });
   }
   const double cell = lines_.cell();
   return total / 3 * stride_ * stride_ * cell * cell * cell;
@@ -127,8 +123,22 @@ void UnionVolume::each_in_row(int axis, int v, const Sphere& sphere, const Visit
   const double in_row = sphere.radius * sphere.radius - dv * dv;
   if (!(in_row > 0)) return;
   const double middle = sphere.center[(axis + 1) % 3], half = std::sqrt(in_row);
-  const int u_begin = axes_[static_cast<std::size_t>(axis)].u_begin;
-  visit(number(middle - half) - u_begin, number(middle + half) - u_begin, in_row);
+  visit(number(middle - half), number(middle + half), in_row);
+}
+
+// The sphere's chords on those lines u of a row that are wanted.
+template <class Wanted, class Visit>
+void UnionVolume::each_chord(int axis, int v, const Sphere& sphere, const Wanted& is_wanted, const Visit& visit) const {
+  each_in_row(axis, v, sphere, [&](int first, int last, double in_row) {
+    const double middle = sphere.center[(axis + 1) % 3], along = sphere.center[axis];
+    for (int u = first; u <= last; ++u) {
+      if (!is_wanted(u)) continue;
+      const double du = u * stride_ + middle_ + 0.5 - middle, in_line = in_row - du * du;
+      if (!(in_line > 0)) continue;
+      const double half = std::sqrt(in_line);
+      visit(u, Chord{along - half, along + half});
+    }
+  });
 }
 
 void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed) {
@@ -136,7 +146,8 @@ void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, st
   const auto row = static_cast<std::size_t>(v - a.v_begin), row_length = static_cast<std::size_t>(a.u_end - a.u_begin);
   int begin = a.u_end - a.u_begin, end = 0;  // of the lines that change
   for (const Sphere& s : changed)
-    each_in_row(axis, v, s, [&](int first, int last, double) {
+    each_in_row(axis, v, s, [&](int first_line, int last_line, double) {
+      const int first = first_line - a.u_begin, last = last_line - a.u_begin;
       std::fill(is_changed_.begin() + first, is_changed_.begin() + last + 1, std::uint8_t{1});
       begin = std::min(begin, first), end = std::max(end, last + 1);
     });
@@ -144,18 +155,12 @@ void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, st
   const std::size_t most = spheres.size();
   chords_.resize(std::max(chords_.size(), row_length * most));
   for (const Sphere& s : spheres)
-    each_in_row(axis, v, s, [&](int first, int last, double in_row) {
-      const double middle = s.center[(axis + 1) % 3], along = s.center[axis];
-      for (int u = std::max(first, begin); u <= std::min(last, end - 1); ++u) {
-        const auto line = static_cast<std::size_t>(u);
-        if (is_changed_[line] == 0) continue;
-        const double du = (u + a.u_begin) * stride_ + middle_ + 0.5 - middle;
-        const double in_line = in_row - du * du;
-        if (!(in_line > 0)) continue;
-        const double chord = std::sqrt(in_line);
-        chords_[line * most + chord_count_[line]++] = {along - chord, along + chord};
-      }
-    });
+    each_chord(
+        axis, v, s, [&](int u) { return is_changed_[static_cast<std::size_t>(u - a.u_begin)] != 0; },
+        [&](int u, const Chord& chord) {
+          const auto line = static_cast<std::size_t>(u - a.u_begin);
+          chords_[line * most + chord_count_[line]++] = chord;
+        });
   for (int u = begin; u < end; ++u) {
     const auto line = static_cast<std::size_t>(u);
     if (is_changed_[line] == 0) continue;

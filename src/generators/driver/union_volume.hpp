@@ -41,6 +41,8 @@ class UnionVolume {
   void renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed);
   template <class Visit>
   void each_in_row(int axis, int v, const Sphere& sphere, const Visit& visit) const;
+  template <class Wanted, class Visit>
+  void each_chord(int axis, int v, const Sphere& sphere, const Wanted& is_wanted, const Visit& visit) const;
   static double outside_of(std::span<Chord> chords, std::span<const ObjectLines::Crossing> crossings);
 
   const ObjectLines& lines_;
