@@ -195,7 +195,8 @@ Robot read_urdf(const Xml& xml, const ReadOptions& options) {
     reader.robot.notes.push_back(fmt::format("<robot> has no name and is called {}, as its file", reader.robot.name));
   }
   const auto each = [&](const char* element, const auto& read) {
-    for (const XMLElement* at = xml.root().FirstChildElement(element); at != nullptr; at = at->NextSiblingElement(element))
+    for (const XMLElement* at = xml.root().FirstChildElement(element); at != nullptr;
+         at = at->NextSiblingElement(element))
       read(*at);
   };
   for (const XMLElement* at = xml.root().FirstChildElement(); at != nullptr; at = at->NextSiblingElement()) {
