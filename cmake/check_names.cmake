@@ -150,8 +150,8 @@ foreach(page IN LISTS pages)
       endif()
     endif()
   endforeach()
-  # What links lead to has been looked for, and addresses are not names.
-  string(REGEX REPLACE "\\([^()]*\\)|[a-z]+://[^ ]*" " " lines "${lines}")
+  # The targets of links have been checked, and addresses are not names. Other words in parentheses are checked.
+  string(REGEX REPLACE "@\\([^()]*\\)|[a-z]+://[^ ]*" " " lines "${lines}")
   look_through("${page}" "${lines}")
 endforeach()
 
