@@ -54,7 +54,7 @@ void expect_contacts_hold(const Workbench& bench, const Json& contacts, const st
   }
   EXPECT_TRUE(contacts["budgets"].back()["budget"].is_null());
   EXPECT_LT(contacts["budgets"].front()["finished_share"], 1);
-  EXPECT_NE(text.find(contacts["finding"].get<std::string>()), std::string::npos) << text;
+  EXPECT_NE(in_one_line(text).find(contacts["finding"].get<std::string>()), std::string::npos) << text;
   const std::string csv = bench.read("demo/contacts.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 6);
 }
@@ -122,16 +122,18 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
       }
     }
   }
-  EXPECT_NE(text.out.find("exact leaves no surface bare"), std::string::npos) << text.out;
-  EXPECT_EQ(text.out.find("though nothing guarantees it") != std::string::npos, bare_motions == 0) << text.out;
+  EXPECT_NE(in_one_line(text.out).find("exact leaves no surface bare"), std::string::npos) << text.out;
+  EXPECT_EQ(in_one_line(text.out).find("though nothing guarantees it") != std::string::npos, bare_motions == 0)
+      << text.out;
   if (bare_motions > 0) {
     std::ostringstream percentage;
     percentage.precision(1);
     percentage << std::fixed << 100 * most_bare << '%';
-    EXPECT_NE(text.out.find("up to " + percentage.str()), std::string::npos) << percentage.str() << '\n' << text.out;
+    EXPECT_NE(in_one_line(text.out).find("up to " + percentage.str()), std::string::npos) << percentage.str() << '\n'
+                                                                                          << text.out;
   }
   for (const Json& finding : demo["findings"]) {
-    EXPECT_NE(text.out.find(finding.get<std::string>()), std::string::npos) << finding;
+    EXPECT_NE(in_one_line(text.out).find(finding.get<std::string>()), std::string::npos) << finding;
   }
 
   expect_contacts_hold(bench, demo["contacts"], text.out);

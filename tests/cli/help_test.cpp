@@ -41,6 +41,20 @@ TEST(Help, every_command_explains_itself_with_an_example) {
   }
 }
 
+TEST(Help, commands_that_take_a_motion_name_every_form_of_one) {
+  const Workbench bench;
+  for (const std::string command : {"update", "view", "measure", "collide", "paraview"}) {
+    std::string help = bench.require(command + " --help").out;
+    help.erase(std::unique(help.begin(), help.end(), [](char a, char b) { return a == ' ' && b == ' '; }), help.end());
+    for (const std::string form : {"folder of meshes", "glob", ".npy", ".npz", ".pc2", ".mdd"})
+      EXPECT_NE(help.find(form), std::string::npos) << command << " does not name " << form << ": " << help;
+    for (const auto& format : bench.require("formats --json").json()["formats"]) {
+      if (format["purpose"] == "motions" && format["read"])
+        EXPECT_NE(help.find(format["extension"].get<std::string>()), std::string::npos) << command << ": " << help;
+    }
+  }
+}
+
 TEST(Help, says_the_version_of_the_library) {
   const Workbench bench;
   EXPECT_EQ(bench.require("--version").out, std::string("morula ") + version + "\n");
@@ -71,6 +85,19 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   bench.expect_refused("update bar.obj bar.morula bar.obj -o s --rule aproach2", "did you mean approach2?");
   bench.expect_refused("measure bar.obj bar.morula --grid levels", "known: level, fixed; did you mean level?");
   bench.expect_refused("deform bar.obj -o m --bend 90 --axis w", "unknown axis 'w'; known: x, y, z, auto");
+}
+
+TEST(BadUse, options_before_the_command_are_named_with_their_place) {
+  const Workbench bench;
+  for (const std::string option : {"--json", "--threads=2"}) {
+    const CommandResult result = bench.run(option + " sample bar -o bar.obj");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err.find("'?'"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(option), std::string::npos) << result.err;
+  }
+  const std::string error = bench.run("--json info bar.obj").err;
+  EXPECT_NE(error.find("'--json' comes after the command: morula info … --json"), std::string::npos) << error;
+  bench.expect_refused("--jsn info bar.obj", "unknown option '--jsn', did you mean --json?");
 }
 
 TEST(BadUse, missing_and_surplus_arguments_are_named) {

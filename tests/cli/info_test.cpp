@@ -23,13 +23,40 @@ TEST(InfoCommand, says_what_a_mesh_is_good_for) {
 
   bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3 4\n");
   const CommandResult open = bench.require("info open.obj");
-  EXPECT_NE(open.out.find(
-                "open: 4 boundary edges; looseness is measured by the winding number, protrusion cannot be answered"),
-            std::string::npos)
+  EXPECT_NE(
+      open.out.find(
+          "open: 4 boundary edges; looseness is measured by the winding number, n/a where the surface encloses no "
+          "space; protrusion cannot be answered"),
+      std::string::npos)
       << open.out;
   EXPECT_NE(open.out.find("1 vertex of no facet"), std::string::npos) << open.out;
   EXPECT_EQ(bench.run("info open.obj --check").exit_code, 1);
   EXPECT_TRUE(bench.require("info open.obj --json").json()["volume"].is_null());
+}
+
+// `info` says beforehand whether `measure` will have a looseness.
+TEST(InfoCommand, promises_the_looseness_that_measure_then_has) {
+  const Workbench bench;
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const std::string base = "f 1 3 2\n", front = "f 1 2 4\n", side = "f 1 4 3\n", slope = "f 2 3 4\n";
+  const struct {
+    std::string name, facets, said;
+    bool measured;
+  } cases[] = {
+      {"closed", base + front + side + slope, "every figure can be measured", true},
+      {"turned", base + front + side + "f 2 4 3\n", "looseness counts crossings", true},
+      {"open", base + front + side, "looseness is measured by the winding number", true},
+      {"flat", base, "n/a where the surface encloses no space", false},
+      {"open-turned", base + front + "f 1 3 4\n", "neither looseness nor protrusion", false},
+  };
+  for (const auto& [name, facets, said, measured] : cases) {
+    bench.write(name + ".obj", corners + facets);
+    const std::string notes = bench.require("info " + name + ".obj").out;
+    EXPECT_NE(notes.find(said), std::string::npos) << name << ": " << notes;
+    bench.require("build " + name + ".obj -o " + name + ".morula --method octree --depth 1");
+    const std::string text = bench.require("measure " + name + ".obj " + name + ".morula").out;
+    EXPECT_EQ(text.find("inside and outside are not defined") == std::string::npos, measured) << name << ": " << text;
+  }
 }
 
 TEST(InfoCommand, describes_and_checks_trees) {

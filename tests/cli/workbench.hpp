@@ -43,6 +43,16 @@ class Workbench {
   ScratchFolder folder_;
 };
 
+/// A text whose lines are broken for people, as one line: every run of blanks and line breaks is one blank.
+inline std::string in_one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\n';
+    if (!blank || line.empty() || line.back() != ' ') line += blank ? ' ' : c;
+  }
+  return line;
+}
+
 /// What a page says it holds: counts, names, places of its data.
 inline nlohmann::json page_manifest(const std::string& page) {
   const std::string open = "id=\"morula-manifest\">";

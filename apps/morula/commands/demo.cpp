@@ -22,6 +22,7 @@
 #include "shared/files.hpp"
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
+#include "shared/table.hpp"
 
 namespace morula::cli {
 namespace {
@@ -141,12 +142,12 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
   }
   for (const study::Skipped& skipped : demo.result.skipped) fmt::print("{}\n", skipped.reason);
   fmt::print("\nWhat it shows\n");
-  for (const std::string& finding : demo_findings(demo)) fmt::print("- {}\n", finding);
+  for (const std::string& finding : demo_findings(demo)) fmt::print("{}", wrapped("- " + finding));
   fmt::print(
       "\nContacts of two limbs that deform and touch, under budgets in pair tests: mean per frame of {}; error bound "
       "in\n"
-      "diagonals; crossings are pairs of facets, by brute force. Times: median, one thread.\n\n{}\n{}\n",
-      touch.crossings.size(), touch_table(touch), touch_finding(touch));
+      "diagonals; crossings are pairs of facets, by brute force. Times: median, one thread.\n\n{}\n{}",
+      touch.crossings.size(), touch_table(touch), wrapped(touch_finding(touch)));
   fmt::print("\nWhat to look at, in {} ({})\n", folder, seconds(elapsed));
   const std::string body = demo.body(trees.front()).name;
   fmt::print("- demo.csv, contacts.csv and demo.json: every figure with all digits\n");

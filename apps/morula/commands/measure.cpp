@@ -250,7 +250,7 @@ void add_measure(CLI::App& app, Run& run) {
              "Tree file, or balls (.ply); with --motion a folder of trees, or the .npz of update, one per frame")
       ->required()
       ->type_name("");
-  add_option(*command, "--motion", o->motion, "Positions the trees belong to: folder of meshes, glob, .npy or .npz")
+  add_option(*command, "--motion", o->motion, fmt::format("Positions the trees belong to: {}", motion_kinds()))
       ->type_name("MOTION");
   add_option(*command, "--grid", o->grid,
              "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "

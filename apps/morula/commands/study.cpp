@@ -17,6 +17,7 @@
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
+#include "shared/table.hpp"
 
 namespace morula::cli {
 namespace {
@@ -58,7 +59,7 @@ int study_command(const StudyArguments& o) {
       print_json(Json::parse(study::study_json(study)));
     } else {
       fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
-                 study::claims_text(study.claims, o.quick), o.output, seconds(watch.lap()),
+                 wrapped(study::claims_text(study.claims, o.quick)), o.output, seconds(watch.lap()),
                  study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");

@@ -346,9 +346,7 @@ void add_update(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   add_option(*command, "MOTION", o->files.motion,
-             "Positions: folder of meshes, glob such as \"out/frame*.obj\", .npy, .npz, or .gltf and .glb, whose "
-             "animation is "
-             "played")
+             fmt::format("Positions: {}", motion_kinds()))
       ->type_name("");
   add_option(*command, "-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")

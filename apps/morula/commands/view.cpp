@@ -207,7 +207,7 @@ void add_view(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   add_option(*command, "MOTION", o->motion,
-             "Positions: folder of meshes, glob, .npy or .npz; without it the body at rest")
+             fmt::format("Positions: {}; without it the body at rest", motion_kinds()))
       ->type_name("");
   add_option(*command, "--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");

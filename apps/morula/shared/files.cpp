@@ -10,6 +10,7 @@
 #include <cctype>
 #include <charconv>
 #include <morula/io/ball_file.hpp>
+#include <morula/io/file_formats.hpp>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/spheres_file.hpp>
@@ -59,6 +60,21 @@ FileKind file_kind(const fs::path& path) {
 std::string known_kinds() {
   return fmt::format("neither a mesh ({}) nor a tree (.morula .sph .json .npz) nor balls (.ply)",
                      readable_mesh_extensions());
+}
+
+std::string motion_kinds() {
+  std::string kinds = "folder of meshes, glob such as \"out/frame*.obj\", one mesh";
+  std::string animated;
+  const std::string meshes = readable_mesh_extensions();
+  for (const FileFormat& format : file_formats()) {
+    if (format.purpose != "motions" || !format.is_read) continue;
+    if (meshes.find(format.extension) == std::string::npos) {
+      kinds += ", " + format.extension;
+    } else {
+      animated += (animated.empty() ? "" : " or ") + format.extension;
+    }
+  }
+  return animated.empty() ? kinds : fmt::format("{}, or the animation of {}", kinds, animated);
 }
 
 void require_output_place(const fs::path& path) {

@@ -17,6 +17,10 @@ FileKind file_kind(const std::filesystem::path& path);
 /// Lower case, with the dot.
 std::string extension(const std::filesystem::path& path);
 
+/// The forms of a motion, for help texts: "folder of meshes, glob such as "out/frame*.obj", one mesh, .npy, …, or the
+/// animation of .gltf or .glb". From the table of file formats.
+std::string motion_kinds();
+
 /// "neither a mesh (.obj …) nor a tree (.morula …) nor balls": of a file that is none of those that a command takes.
 std::string known_kinds();
 

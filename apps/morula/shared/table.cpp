@@ -3,6 +3,7 @@
 #include "shared/table.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 namespace morula::cli {
 namespace {
@@ -14,6 +15,29 @@ std::size_t width(const std::string& text) {
 }
 
 }  // namespace
+
+std::string wrapped(const std::string& text, std::size_t most) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t blanks = std::min(line.find_first_not_of(' '), line.size());
+    const std::string indent(blanks + (line.compare(blanks, 2, "- ") == 0 ? 2 : 0), ' ');
+    while (width(line) > most) {
+      // The last blank within the width; for a word that is longer, the first blank after it.
+      std::size_t end = std::string::npos;
+      for (std::size_t at = line.find(' ', indent.size()); at != std::string::npos; at = line.find(' ', at + 1)) {
+        if (end != std::string::npos && width(line.substr(0, at)) > most) break;
+        end = at;
+      }
+      const std::size_t rest = end == std::string::npos ? end : line.find_first_not_of(' ', end);
+      if (rest == std::string::npos) break;
+      result += line.substr(0, end) + '\n';
+      line = indent + line.substr(rest);
+    }
+    result += line + '\n';
+  }
+  return result;
+}
 
 Table::Table(std::vector<std::string> header, std::size_t left_columns, bool last_is_drawn)
     : left_columns_(left_columns), last_is_drawn_(last_is_drawn) {
