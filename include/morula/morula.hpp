@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The whole library in one include.
+// The library in one include. Robots, clumps, the study and the page have headers of their own, in robot, grains, study
+// and page.
 #pragma once
 
 // MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
@@ -9,6 +10,7 @@
 #endif
 
 #include <morula/accuracy/measure.hpp>
+#include <morula/accuracy/union_mass.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
@@ -21,16 +23,23 @@
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/repair.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/geometry/used_vertices.hpp>
 #include <morula/io/ball_file.hpp>
+#include <morula/io/file_formats.hpp>
 #include <morula/io/frame_files.hpp>
+#include <morula/io/gltf_spheres.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/paraview_file.hpp>
 #include <morula/io/skin_file.hpp>
+#include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
@@ -44,13 +53,16 @@
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
+#include <morula/tree/ball_tree.hpp>
 #include <morula/tree/nesting.hpp>
 #include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
+#include <morula/tree/walk.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/update/known_poses.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
+#include <morula/update/rule_levels.hpp>
 #include <morula/update/sample_motions.hpp>
 #include <morula/version.hpp>
