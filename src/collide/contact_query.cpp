@@ -11,6 +11,7 @@
 #include "collide/pairs/descent.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -69,6 +70,7 @@ struct ContactQuery::State {
     contacts.pair_tests = 0;
     contacts.achieved_level.clear();
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
+      ask_to_go_on();
       const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, options.margin, options.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
                                Contact& contact = contacts.contacts.emplace_back();

@@ -11,6 +11,7 @@
 #include "collide/pairs/placed_spheres.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -214,6 +215,7 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
   result.certified = body_->pose().covers;
   if (!result.status) return false;
   for (const std::uint32_t vertex : vertices) {
+    ask_to_go_on();
     const bool inside = locate(other.vertex(vertex)).inside;
     result.inside.push_back(inside ? 1 : 0);
     result.inside_count += inside ? 1 : 0;

@@ -11,6 +11,7 @@
 #include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "query/triangle_pairs.hpp"
 
 namespace morula {
@@ -85,6 +86,7 @@ struct CrossingQuery::State {
 };
 
 void CrossingQuery::State::look_at(const NodePair& pair) {
+  ask_to_go_on();
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
   // What both sides' facets have in common shrinks as each side looks at what the other has there.
   FloatBox common = range_a.box.meet(range_b.box);
@@ -199,11 +201,13 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
   };
   const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
   std::vector<Crossing> found;
-  for (std::uint32_t i = 0; i < all_a.size(); ++i)
+  for (std::uint32_t i = 0; i < all_a.size(); ++i) {
+    ask_to_go_on();
     for (std::uint32_t j = 0; j < all_b.size(); ++j) {
       if (apart(all_a[i].box, all_b[j].box)) continue;
       if (const auto common = intersection(all_a[i].triangle, all_b[j].triangle)) found.push_back({i, j, *common});
     }
+  }
   return found;
 }
 

@@ -13,6 +13,7 @@
 #include "geometry/nearest_pair.hpp"
 #include "geometry/slab.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -72,6 +73,7 @@ class Search {
         descend();
     }
     while (!waiting_.empty() && !is_done()) {
+      ask_to_go_on();
       if (!has_budget()) break;
       std::pop_heap(waiting_.begin(), waiting_.end(), comes_later);
       const WaitingPair pair = waiting_.back();

@@ -10,6 +10,7 @@
 
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -197,6 +198,7 @@ struct PenetrationQuery::State {
         next = 0;
         continue;
       }
+      ask_to_go_on();
       const Cell cell = cells[next];
       const std::uint32_t level = cell.level + 1;
       const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));

@@ -66,7 +66,7 @@ void ProximityQuery::State::keep_nearest_features_once() {
     if (query.search().is_with_itself() && key.second < key.first) std::swap(key.first, key.second);
     keys.push_back(key);
   }
-  std::sort(keys.begin(), keys.end());
+  sort_interruptibly(keys, std::less<>());
   std::vector<std::uint32_t> kept;
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (k == 0 || keys[k].first != keys[k - 1].first || keys[k].second != keys[k - 1].second)

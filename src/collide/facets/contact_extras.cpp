@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 
 void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
@@ -28,6 +30,7 @@ void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const Coll
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
   const bool limited = !options.budget.is_unlimited();
   for (std::size_t i = 0; i < (limited ? result.finished_count : result.contacts.size()); ++i) {
+    ask_to_go_on();
     if (meter != nullptr && meter->by_time() && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];
     const ColliderPair& pair = pairs[c.pair];

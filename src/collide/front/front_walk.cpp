@@ -7,6 +7,7 @@
 
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/front/front_travel.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -248,6 +249,7 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
   std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
   test_roots(run);
   while (!front.waiting.empty() && !run.meter.out_of_time()) {
+    ask_to_go_on();
     fill_round(run);
     if (!run.meter.by_time()) {
       test_round(run);

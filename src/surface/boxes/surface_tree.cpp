@@ -8,6 +8,7 @@
 
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
 #include "surface/boxes/tree_state.hpp"
 #include "surface/boxes/vertex_reader.hpp"
@@ -125,6 +126,7 @@ Status SurfaceTree::update(const PositionView& positions, Workers& workers) {
 
 Status SurfaceTree::update(const PositionView& from, const PositionView& to, Workers& workers) {
   const StandardFloats standard;
+  const Uninterrupted whole;
   SurfaceTreeState& s = *state_;
   for (const PositionView* view : {&from, &to})
     if (view->size() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
