@@ -10,6 +10,7 @@
 #include "collide/pairs/descent.hpp"
 #include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
 #include "query/triangle_pairs.hpp"
@@ -65,6 +66,7 @@ bool have_nodes(const Collider& a, const Collider& b, std::span<const NodePair> 
 }  // namespace
 
 struct CrossingQuery::State {
+  CallState call;
   std::vector<Crossing> found;
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
@@ -81,6 +83,11 @@ struct CrossingQuery::State {
   std::vector<Candidate> candidates;
   std::vector<std::uint64_t> keys;
 
+  void forget() noexcept {
+    CallState kept = call;
+    *this = State();
+    call = kept;
+  }
   void find(const Collider& a, const Collider& b, std::span<const NodePair> nodes);
   void look_at(const NodePair& pair);
 };
@@ -160,18 +167,24 @@ Status CrossingQuery::run(const Collider& a, const Collider& b, std::span<const 
   const StandardFloats standard;
   if (const Status status = status_of_pair(a, b, {.all_spheres = false, .positions = true}); !status) return status;
   if (!have_nodes(a, b, nodes)) return {Status::Code::bad_option};
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return own.status();
   state_->find(a, b, nodes);
+  own.begun();
   return {};
 }
 
 Status CrossingQuery::run(const Collider& a, const Collider& b) {
   const StandardFloats standard;
   if (const Status status = status_of_pair(a, b, {.positions = true}); !status) return status;
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return own.status();
   state_->leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
     state_->leaves.push_back({node_a, node_b});
   });
   state_->find(a, b, state_->leaves);
+  own.begun();
   return {};
 }
 

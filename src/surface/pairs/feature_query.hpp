@@ -113,8 +113,10 @@ class FeatureQuery {
     return go_on(options, workers, narrow);
   }
 
+  /// As if new: no results, nothing started, and none of the memory that an exception may have left in any state.
+  void forget() noexcept { *this = FeatureQuery(); }
+
   const std::vector<Found>& found() const { return found_; }
-  std::vector<Found>& found() { return found_; }
   const std::vector<OpenFacets>& open() const { return open_; }
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
