@@ -45,6 +45,7 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/inner_balls.hpp>
 #include <morula/medial/medial_balls.hpp>
+#include <morula/parallel/interrupt.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>

@@ -12,10 +12,10 @@ using namespace detail;
 
 Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.pose()) {}
 
-Collider::Collider(const PosedTree& pose) : pose_(&pose) {}
+Collider::Collider(const PosedTree& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
 
 Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
-    : pose_(&pose), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
+    : pose_(&pose), kept_(pose.shared.lock()), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
   const StandardFloats standard;
   const SphereTree& tree = *pose.tree;
   if (mesh.vertex_count() != cover.vertex_count || mesh.facet_count() != cover.facet_count)
@@ -38,7 +38,7 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
 void Collider::list_facets() {
   const SphereTree& tree = *pose_->tree;
   const Cover& cover = *cover_;
-  dealing_ = pose_->dealing;
+  dealing_ = ~std::uint64_t{0};  // of nothing, until the lists are whole
   facets_.clear();
   for (const std::uint32_t leaf : leaves_) {
     const auto begin = static_cast<std::ptrdiff_t>(facets_.size());
@@ -54,6 +54,7 @@ void Collider::list_facets() {
     facet_begin_[node] = facet_begin_[tree.first_child[node]];
     facet_end_[node] = facet_end_[tree.first_child[node] + tree.child_count[node] - 1];
   }
+  dealing_ = pose_->dealing;
 }
 
 void Collider::follow_ownership() {

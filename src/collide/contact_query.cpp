@@ -10,16 +10,27 @@
 #include "collide/front/front_walk.hpp"
 #include "collide/pairs/descent.hpp"
 #include "collide/require.hpp"
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
 
 struct ContactQuery::State {
   CollideOptions options;
+  CallState call{};
   FrontWalk walk{};
   Contacts contacts{};
-  bool front_from_outside = false;
+  // A front that was taken in by set_front() is to be looked at before it is used. What is finished in it, or in one
+  // whose contacts were taken away, is to be listed again.
+  bool front_from_outside = false, lacks_contacts = false;
+
+  void forget() noexcept {
+    walk.forget();
+    contacts = Contacts{};
+    front_from_outside = lacks_contacts = false;
+  }
 
   using Code = Status::Code;
 
@@ -64,12 +75,14 @@ struct ContactQuery::State {
   }
 
   // Depth-first: no queue, and nothing to remember.
-  void descend() {
+  void descend(const CollideOptions& asked) {
     contacts.contacts.clear();
+    contacts.surfaces.clear();
     contacts.pair_tests = 0;
     contacts.achieved_level.clear();
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, options.margin, options.level.value_or(leaf_level));
+      ask_to_go_on();
+      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, asked.margin, asked.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
                                Contact& contact = contacts.contacts.emplace_back();
                                describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
@@ -82,11 +95,19 @@ struct ContactQuery::State {
     }
     contacts.finished_count = contacts.contacts.size();
     contacts.finished = true;
-    walk.extras.add(walk.pairs, options, nullptr, contacts);
+    walk.extras.add(walk.pairs, asked, nullptr, contacts);
+  }
+
+  void run(const CollideOptions& asked, Workers& workers) {
+    if (!asked.budget.is_unlimited() || asked.reach)
+      walk.start(asked, false, workers, contacts);
+    else
+      descend(asked);
+    walk.front.pairs.clear();
   }
 
   ContactStatus done() {
-    front_from_outside = false;
+    front_from_outside = lacks_contacts = false;
     return {{}, contacts.finished, contacts.pair_tests};
   }
 };
@@ -104,19 +125,22 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
   if (!(std::isfinite(weight) && weight >= 0))
     throw std::invalid_argument("the weight of a pair of bodies is " + std::to_string(weight) +
                                 ": it must be finite and not negative");
+  require_idle(state_->call);
+  state_->walk.pairs.push_back({&a, &b, weight});
   state_->walk.front.pairs.clear();
   state_->walk.extras.forget();
-  state_->walk.pairs.push_back({&a, &b, weight});
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);
 }
 
 void ContactQuery::clear() {
+  require_idle(state_->call);
   state_->walk.front.pairs.clear();
   state_->walk.extras.forget();
   state_->walk.pairs.clear();
 }
 
 void ContactQuery::set_options(CollideOptions options) {
+  require_idle(state_->call);
   require_usable(options);
   state_->options = std::move(options);
 }
@@ -128,27 +152,26 @@ const CollideOptions& ContactQuery::options() const {
 ContactStatus ContactQuery::run(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
+  ObjectCall own(s, CallKind::begins);
+  if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
-  if (!s.options.budget.is_unlimited() || s.options.reach)
-    s.walk.start(s.options, false, workers, s.contacts);
-  else
-    s.descend();
-  s.walk.front.pairs.clear();
+  s.run(s.options, workers);
+  own.begun();
   return s.done();
 }
 
 Status ContactQuery::warm_up(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
+  ObjectCall own(s, CallKind::begins);
+  if (!own.status()) return own.status();
   if (const Status status = s.usable(); !status) return status;
-  const CollideOptions asked = std::exchange(s.options, [&] {
-    CollideOptions all = s.options;
-    all.budget = {};
-    return all;
-  }());
-  run(workers);
-  s.walk.start(s.options, true, workers, s.contacts);
-  s.options = asked;
+  CollideOptions all = s.options;
+  all.budget = {};
+  s.run(all, workers);
+  s.walk.start(all, true, workers, s.contacts);
+  own.begun();
+  s.done();
   s.walk.front.pairs.clear();
   s.contacts.contacts.clear();
   s.contacts.surfaces.clear();
@@ -161,17 +184,22 @@ Status ContactQuery::warm_up(Workers& workers) {
 ContactStatus ContactQuery::start(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
+  ObjectCall own(s, CallKind::begins);
+  if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
   s.walk.start(s.options, true, workers, s.contacts);
+  own.begun();
   return s.done();
 }
 
 ContactStatus ContactQuery::resume(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
+  const ObjectCall own(s, CallKind::goes_on);
+  if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
   if (const Status status = s.fits(true); !status) return {status};
-  if (s.front_from_outside) s.walk.list_finished(s.options, s.contacts);
+  if (s.front_from_outside || s.lacks_contacts) s.walk.list_finished(s.options, s.contacts);
   s.walk.resume(s.options, workers, s.contacts);
   return s.done();
 }
@@ -179,6 +207,8 @@ ContactStatus ContactQuery::resume(Workers& workers) {
 ContactStatus ContactQuery::carry(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
+  const ObjectCall own(s, CallKind::goes_on);
+  if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
   if (const Status status = s.fits(false); !status) return {status};
   s.walk.carry(s.options, workers, s.contacts);
@@ -190,18 +220,22 @@ const Contacts& ContactQuery::contacts() const {
 }
 
 Contacts ContactQuery::take_contacts() {
+  require_idle(state_->call);
+  state_->lacks_contacts = true;
   return std::exchange(state_->contacts, Contacts{});
 }
 
 ContactSurface ContactQuery::surface(std::size_t contact) {
   const StandardFloats standard;
   State& s = *state_;
+  require_idle(s.call);
   if (contact >= s.contacts.contacts.size())
     throw std::invalid_argument("there is no contact " + std::to_string(contact) + ", but " +
                                 std::to_string(s.contacts.contacts.size()));
   const Contact& c = s.contacts.contacts[contact];
   const ColliderPair& pair = s.walk.pairs[c.pair];
   require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.reach, .positions = true});
+  const ObjectCall own(s, CallKind::begins);
   return s.walk.extras.surface_of(s.walk.pairs, c);
 }
 
@@ -210,12 +244,15 @@ const Front& ContactQuery::front() const {
 }
 
 void ContactQuery::set_front(Front front) {
+  require_idle(state_->call);
   state_->walk.adopt(std::move(front));
   state_->front_from_outside = true;
+  state_->call.ended_by_exception = false;
 }
 
 void ContactQuery::cut(std::vector<FrontPair>& pairs) const {
   const StandardFloats standard;
+  require_idle(state_->call);
   state_->walk.cut(pairs);
 }
 

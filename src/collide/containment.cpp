@@ -7,10 +7,12 @@
 #include <morula/geometry/inspect.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "collide/pairs/placed_spheres.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -213,11 +215,15 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
   result.inside_count = 0;
   result.certified = body_->pose().covers;
   if (!result.status) return false;
+  // An exception leaves what is found to say that it ended so.
+  const Status good = std::exchange(result.status, {Status::Code::ended_by_exception});
   for (const std::uint32_t vertex : vertices) {
+    ask_to_go_on();
     const bool inside = locate(other.vertex(vertex)).inside;
     result.inside.push_back(inside ? 1 : 0);
     result.inside_count += inside ? 1 : 0;
   }
+  result.status = good;
   return true;
 }
 

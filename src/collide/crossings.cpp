@@ -10,7 +10,9 @@
 #include "collide/pairs/descent.hpp"
 #include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "query/triangle_pairs.hpp"
 
 namespace morula {
@@ -64,6 +66,7 @@ bool have_nodes(const Collider& a, const Collider& b, std::span<const NodePair> 
 }  // namespace
 
 struct CrossingQuery::State {
+  CallState call;
   std::vector<Crossing> found;
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
@@ -80,11 +83,17 @@ struct CrossingQuery::State {
   std::vector<Candidate> candidates;
   std::vector<std::uint64_t> keys;
 
+  void forget() noexcept {
+    CallState kept = call;
+    *this = State();
+    call = kept;
+  }
   void find(const Collider& a, const Collider& b, std::span<const NodePair> nodes);
   void look_at(const NodePair& pair);
 };
 
 void CrossingQuery::State::look_at(const NodePair& pair) {
+  ask_to_go_on();
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
   // What both sides' facets have in common shrinks as each side looks at what the other has there.
   FloatBox common = range_a.box.meet(range_b.box);
@@ -158,18 +167,24 @@ Status CrossingQuery::run(const Collider& a, const Collider& b, std::span<const 
   const StandardFloats standard;
   if (const Status status = status_of_pair(a, b, {.all_spheres = false, .positions = true}); !status) return status;
   if (!have_nodes(a, b, nodes)) return {Status::Code::bad_option};
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return own.status();
   state_->find(a, b, nodes);
+  own.begun();
   return {};
 }
 
 Status CrossingQuery::run(const Collider& a, const Collider& b) {
   const StandardFloats standard;
   if (const Status status = status_of_pair(a, b, {.positions = true}); !status) return status;
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return own.status();
   state_->leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
     state_->leaves.push_back({node_a, node_b});
   });
   state_->find(a, b, state_->leaves);
+  own.begun();
   return {};
 }
 
@@ -199,11 +214,13 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
   };
   const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
   std::vector<Crossing> found;
-  for (std::uint32_t i = 0; i < all_a.size(); ++i)
+  for (std::uint32_t i = 0; i < all_a.size(); ++i) {
+    ask_to_go_on();
     for (std::uint32_t j = 0; j < all_b.size(); ++j) {
       if (apart(all_a[i].box, all_b[j].box)) continue;
       if (const auto common = intersection(all_a[i].triangle, all_b[j].triangle)) found.push_back({i, j, *common});
     }
+  }
   return found;
 }
 

@@ -11,8 +11,10 @@
 #include "collide/pairs/meter.hpp"
 #include "collide/pairs/placed_spheres.hpp"
 #include "geometry/nearest_pair.hpp"
+#include "geometry/object_call.hpp"
 #include "geometry/slab.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -72,6 +74,7 @@ class Search {
         descend();
     }
     while (!waiting_.empty() && !is_done()) {
+      ask_to_go_on();
       if (!has_budget()) break;
       std::pop_heap(waiting_.begin(), waiting_.end(), comes_later);
       const WaitingPair pair = waiting_.back();
@@ -289,10 +292,17 @@ class Search {
 }  // namespace
 
 struct DistanceQuery::State {
+  CallState call;
   Scratch scratch;
   // The last answer, and of which bodies.
   std::uint64_t ownership_a = 0, ownership_b = 0;
   std::uint32_t last_a = no_facet, last_b = no_facet;
+
+  void forget() noexcept {
+    const CallState kept = call;
+    *this = State();
+    call = kept;
+  }
 };
 
 DistanceQuery::DistanceQuery() : state_(std::make_unique<State>()) {}
@@ -304,7 +314,9 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   const StandardFloats standard;
   DistanceBounds refused;
   refused.upper = infinity;
-  refused.status = askable(a, 0);
+  ObjectCall own(*state_, CallKind::begins);
+  refused.status = own.status();
+  if (refused.status) refused.status = askable(a, 0);
   if (refused.status) refused.status = askable(b, 1);
   if (refused.status &&
       !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0 && options.budget.tests() >= 0))
@@ -322,6 +334,7 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   s.ownership_b = b.pose().ownership;
   s.last_a = answer.a.facet;
   s.last_b = answer.b.facet;
+  own.begun();
   return answer;
 }
 

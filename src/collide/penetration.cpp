@@ -9,7 +9,9 @@
 #include <numbers>
 
 #include "collide/require.hpp"
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -62,6 +64,7 @@ Box box_of(const Collider& body) {
 struct PenetrationQuery::State {
   State(const Collider& a, const Collider& b) : body{&a, &b}, queries{InsideQuery(a), InsideQuery(b)} {}
 
+  CallState call;
   std::array<const Collider*, 2> body;
   std::array<InsideQuery, 2> queries;
   std::array<Frame, 2> frames{};
@@ -96,6 +99,10 @@ struct PenetrationQuery::State {
     return {};
   }
 
+  void forget() noexcept {
+    is_started = false;
+    cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
+  }
   void start() {
     is_started = true;
     cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
@@ -197,6 +204,7 @@ struct PenetrationQuery::State {
         next = 0;
         continue;
       }
+      ask_to_go_on();
       const Cell cell = cells[next];
       const std::uint32_t level = cell.level + 1;
       const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));
@@ -258,14 +266,19 @@ PenetrationQuery& PenetrationQuery::operator=(PenetrationQuery&&) noexcept = def
 
 Penetration PenetrationQuery::run(const PenetrationOptions& options) {
   const StandardFloats standard;
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return {.status = own.status()};
   if (Status status = state_->usable(options); !status) return {.status = status};
   state_->start();
+  own.begun();
   return state_->go_on(options);
 }
 
 Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
   const StandardFloats standard;
   State& s = *state_;
+  const ObjectCall own(s, CallKind::goes_on);
+  if (!own.status()) return {.status = own.status()};
   if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
   for (std::uint8_t i = 0; i < 2; ++i) {
     if (s.body[i]->pose().frame != s.frames[i].frame) return {.status = {.code = Status::Code::other_frame, .body = i}};

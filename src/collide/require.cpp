@@ -11,6 +11,7 @@ using namespace detail;
 
 Status detail::status_of(const Collider& collider, std::uint8_t body, Needs needs) {
   using Code = Status::Code;
+  if (collider.pose().ended) return {Code::body_replaced, body};
   if (!collider.pose().current) return {Code::body_not_current, body};
   if (needs.all_spheres && !collider.pose().complete) return {Code::body_not_complete, body};
   if (needs.positions && !collider.has_surface()) return {Code::no_surface, body};

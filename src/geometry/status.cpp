@@ -70,6 +70,12 @@ std::string message(const Status& status) {
       return "what was started is of another margin, level or distance: start anew";
     case Code::bad_front:
       return "the front has indices out of range: call start()";
+    case Code::body_replaced:
+      return body + " is gone, or another was assigned to it: make another collider of the body that is to be asked";
+    case Code::in_use:
+      return "a callback asked the very object whose call it is part of: ask another object, or ask it afterwards";
+    case Code::ended_by_exception:
+      return "the last call was ended by an exception, and nothing is left of it: call run(), start() or update()";
   }
   return {};
 }

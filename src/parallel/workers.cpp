@@ -19,6 +19,7 @@
 #endif
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -28,10 +29,11 @@ namespace {
 thread_local bool inside_chunk = false;
 
 // Runs every chunk even when one throws, and keeps the exception of the lowest index, so that what the caller sees does
-// not depend on timing.
+// not depend on timing. An interrupt ends the loop: chunks that have not begun are left.
 void run_serially(std::size_t count, ChunkFunction chunk) {
   std::exception_ptr first;
   for (std::size_t i = 0; i < count; ++i) {
+    ask_to_go_on();
     try {
       chunk(i);
     } catch (...) {
@@ -46,10 +48,13 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
   std::mutex mutex;
   std::size_t failed_index = count;
   std::exception_ptr failure;
+  Interruption* const interruption = asked_now();
   const auto guarded = [&](std::size_t i) {
     const StandardFloats standard;
+    const HelpsOwner helps(interruption);
     const bool was_inside = std::exchange(inside_chunk, true);
     try {
+      ask_to_go_on();
       chunk(i);
     } catch (...) {
       const std::lock_guard lock(mutex);
@@ -100,7 +105,7 @@ struct Workers::Pool {
     std::size_t to_wake = 0;
     {
       const std::lock_guard lock(mutex_);
-      loop_ = {&f, count};
+      loop_ = {&f, count, asked_now()};
       next_.store(0, std::memory_order_relaxed);
       failed_index_ = count;
       failure_ = nullptr;
@@ -108,7 +113,7 @@ struct Workers::Pool {
       generation_.store(generation_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
     }
     for (; to_wake > 0; --to_wake) wake_.notify_one();
-    take_chunks({&f, count});
+    take_chunks({&f, count, asked_now()});
     {
       const std::lock_guard lock(mutex_);
       loop_ = {};  // who comes now is too late
@@ -124,6 +129,7 @@ struct Workers::Pool {
   struct Loop {
     const ChunkFunction* chunk = nullptr;
     std::size_t count = 0;
+    Interruption* interruption = nullptr;
   };
 
   void serve() {
@@ -166,16 +172,21 @@ struct Workers::Pool {
     return holds();
   }
 
+  // An interrupt ends the loop: nobody takes another chunk.
   void take_chunks(const Loop& loop) {
+    const HelpsOwner helps(loop.interruption);
     inside_chunk = true;
     for (;;) {
       const std::size_t i = next_.fetch_add(1, std::memory_order_relaxed);
       if (i >= loop.count) break;
       try {
+        ask_to_go_on();
         (*loop.chunk)(i);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (i < failed_index_) failed_index_ = i, failure_ = std::current_exception();
+        if (loop.interruption != nullptr && loop.interruption->has_ended.load(std::memory_order_acquire))
+          next_.store(loop.count, std::memory_order_relaxed);
       }
     }
     inside_chunk = false;

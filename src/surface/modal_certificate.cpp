@@ -310,8 +310,13 @@ bool ModalCertificate::crossings(std::span<const double> coordinates, const Posi
     const Facet& f = s.facets[facet];
     return {positions[f[0]], positions[f[1]], positions[f[2]]};
   };
-  for (const FeaturePair& pair : open(coordinates))
-    if (triangles_meet(corners(pair.a), corners(pair.b))) pairs.push_back(pair);
+  try {
+    for (const FeaturePair& pair : open(coordinates))
+      if (triangles_meet(corners(pair.a), corners(pair.b))) pairs.push_back(pair);
+  } catch (...) {
+    pairs.resize(before);
+    throw;
+  }
   std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(before), pairs.end());
   return true;
 }

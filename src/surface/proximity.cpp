@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <morula/surface/proximity.hpp>
 
+#include "geometry/object_call.hpp"
 #include "surface/pairs/feature_distance.hpp"
 #include "surface/pairs/feature_query.hpp"
 
@@ -27,12 +28,19 @@ Simplex simplex(const SurfaceTreeState& s, Feature feature, std::uint32_t number
 }  // namespace
 
 struct ProximityQuery::State {
+  CallState call;
   ProximityOptions options;
   FeatureQuery<ProximityPair> query;
   std::vector<ProximityPair> once;  // the found ones whose nearest features no pair before has
 
+  void forget() noexcept {
+    query.forget();
+    once.clear();
+  }
   template <class Ask>
-  SurfaceQueryStatus ask(const Ask& how) {
+  SurfaceQueryStatus ask(CallKind kind, const Ask& how) {
+    ObjectCall own(*this, kind);
+    if (!own.status()) return {own.status()};
     const double distance = options.distance;
     const SurfaceQueryStatus status =
         how(one_by_one([distance](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
@@ -40,12 +48,15 @@ struct ProximityQuery::State {
                                                      FeaturePoints(b, feature_b(pair.kind), pair.b));
           return found.distance <= distance ? std::optional(found) : std::nullopt;
         }));
-    if (status && options.nearest_features_once) keep_nearest_features_once();
+    if (!status) return status;
+    if (options.nearest_features_once) keep_nearest_features_once();
+    own.begun();
     return status;
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
-    return ask(
-        [&](const auto& narrow) { return query.run(a, b, {.reach = options.distance}, options, workers, narrow); });
+    return ask(CallKind::begins, [&](const auto& narrow) {
+      return query.run(a, b, {.reach = options.distance}, options, workers, narrow);
+    });
   }
   void keep_nearest_features_once();
 };
@@ -66,7 +77,7 @@ void ProximityQuery::State::keep_nearest_features_once() {
     if (query.search().is_with_itself() && key.second < key.first) std::swap(key.first, key.second);
     keys.push_back(key);
   }
-  std::sort(keys.begin(), keys.end());
+  sort_interruptibly(keys, std::less<>());
   std::vector<std::uint32_t> kept;
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (k == 0 || keys[k].first != keys[k - 1].first || keys[k].second != keys[k - 1].second)
@@ -84,6 +95,7 @@ ProximityQuery::ProximityQuery(ProximityQuery&&) noexcept = default;
 ProximityQuery& ProximityQuery::operator=(ProximityQuery&&) noexcept = default;
 
 void ProximityQuery::set_options(ProximityOptions options) {
+  require_idle(state_->call);
   require_length(options.distance, "ProximityOptions::distance");
   FeatureFilter::require_usable(options.filter);
   require_budget(options.budget);
@@ -101,8 +113,9 @@ SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& 
 }
 SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
   const ProximityOptions& options = state_->options;
-  return state_->ask(
-      [&](const auto& narrow) { return state_->query.resume(options.distance, options, workers, narrow); });
+  return state_->ask(CallKind::goes_on, [&](const auto& narrow) {
+    return state_->query.resume(options.distance, options, workers, narrow);
+  });
 }
 
 std::span<const ProximityPair> ProximityQuery::pairs() const {
@@ -115,7 +128,7 @@ const std::vector<OpenFacets>& ProximityQuery::open() const {
 void ProximityQuery::safe_distances(std::span<double> distances) const {
   const StandardFloats standard;
   const PairSearch& search = state_->query.search();
-  if (!search.is_started()) return std::fill(distances.begin(), distances.end(), 0.0);
+  if (!search.is_started() || state_->call.is_running) return std::fill(distances.begin(), distances.end(), 0.0);
   // Distances that are computed may be longer than they are, and pairs that are as near as they may be missing.
   const double rounding = 0x1p-46 * state_->query.largest_coordinate();
   const auto half = [rounding](double distance) { return std::max(0.0, 0.5 * (distance - rounding) * (1 - 0x1p-50)); };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/surface/surface_crossings.hpp>
 
+#include "geometry/object_call.hpp"
 #include "query/triangle_pairs.hpp"
 #include "surface/pairs/feature_query.hpp"
 
@@ -23,11 +24,22 @@ void find_crossings(const SurfaceTreeState& a, const SurfaceTreeState& b, std::s
 }  // namespace
 
 struct SurfaceCrossingQuery::State {
+  CallState call;
   SurfaceCrossingOptions options;
   FeatureQuery<FeaturePair> query;
 
+  void forget() noexcept { query.forget(); }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
-    return query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
+    ObjectCall own(*this, CallKind::begins);
+    if (!own.status()) return {own.status()};
+    const SurfaceQueryStatus status = query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
+    if (status) own.begun();
+    return status;
+  }
+  SurfaceQueryStatus resume(Workers& workers) {
+    const ObjectCall own(*this, CallKind::goes_on);
+    if (!own.status()) return {own.status()};
+    return query.resume(0, options, workers, find_crossings);
   }
 };
 
@@ -39,6 +51,7 @@ SurfaceCrossingQuery::SurfaceCrossingQuery(SurfaceCrossingQuery&&) noexcept = de
 SurfaceCrossingQuery& SurfaceCrossingQuery::operator=(SurfaceCrossingQuery&&) noexcept = default;
 
 void SurfaceCrossingQuery::set_options(SurfaceCrossingOptions options) {
+  require_idle(state_->call);
   FeatureFilter::require_usable(options.filter);
   require_budget(options.budget);
   state_->options = std::move(options);
@@ -54,7 +67,7 @@ SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const Surface
   return state_->run(a.state(), &b.state(), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
-  return state_->query.resume(0, state_->options, workers, find_crossings);
+  return state_->resume(workers);
 }
 
 std::span<const FeaturePair> SurfaceCrossingQuery::pairs() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <morula/surface/swept.hpp>
 
+#include "geometry/object_call.hpp"
 #include "surface/pairs/feature_query.hpp"
 
 namespace morula {
@@ -32,22 +33,34 @@ struct Impact {
 }  // namespace
 
 struct SweptQuery::State {
+  CallState call;
   SweptOptions options;
   FeatureQuery<SweptPair> query;
   FeatureQuery<FeaturePair> candidates;
   bool has_candidates = false;  // of the two, what was started last
 
+  void forget() noexcept {
+    query.forget();
+    candidates.forget();
+    has_candidates = false;
+  }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+    ObjectCall own(*this, CallKind::begins);
+    if (!own.status()) return {own.status()};
     const SurfaceQueryStatus status =
         options.candidates_only
             ? candidates.run(a, b, {.reach = options.distance, .sorted = false, .by_spheres = false}, options, workers,
                              take_candidates)
             : query.run(a, b, {.reach = options.distance, .by_spheres = false}, options, workers,
                         one_by_one(Impact{options.distance}));
-    if (status) has_candidates = options.candidates_only;
+    if (!status) return status;
+    has_candidates = options.candidates_only;
+    own.begun();
     return status;
   }
   SurfaceQueryStatus resume(Workers& workers) {
+    const ObjectCall own(*this, CallKind::goes_on);
+    if (!own.status()) return {own.status()};
     const bool is_started = query.search().is_started() || candidates.search().is_started();
     if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
     return has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
@@ -63,6 +76,7 @@ SweptQuery::SweptQuery(SweptQuery&&) noexcept = default;
 SweptQuery& SweptQuery::operator=(SweptQuery&&) noexcept = default;
 
 void SweptQuery::set_options(SweptOptions options) {
+  require_idle(state_->call);
   require_length(options.distance, "SweptOptions::distance");
   FeatureFilter::require_usable(options.filter);
   require_budget(options.budget);

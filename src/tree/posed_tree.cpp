@@ -32,6 +32,12 @@ struct PosedSpheres::State {
   std::vector<Spheref> spheres, next;
   PosedTree pose;
 
+  static std::shared_ptr<State> make() {
+    auto state = std::make_shared<State>();
+    state->pose.shared = state;
+    return state;
+  }
+
   void show(std::uint64_t frame, const Vec3& origin) {
     pose.tree = &tree;
     pose.spheres = spheres;
@@ -40,7 +46,7 @@ struct PosedSpheres::State {
   }
 };
 
-PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(std::make_unique<State>()) {
+PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(State::make()) {
   const StandardFloats standard;
   if (const std::vector<std::string> faults = validate(tree); !faults.empty())
     throw std::invalid_argument("the tree is none: " + faults.front());
@@ -53,22 +59,36 @@ PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(std::make_uniq
   s.show(0, s.tree.spheres[0].center);
 }
 
-PosedSpheres::PosedSpheres(const PosedTree& pose) : state_(std::make_unique<State>()) {
+PosedSpheres::PosedSpheres(const PosedTree& pose) : state_(State::make()) {
   State& s = *state_;
   s.tree = *pose.tree;
   s.spheres.assign(pose.spheres.begin(), pose.spheres.end());
   s.pose = pose;
   s.pose.positions.reset();
+  s.pose.ended = false;
+  s.pose.shared = state_;
   s.show(pose.frame, pose.origin);
 }
 
-PosedSpheres::~PosedSpheres() = default;
+// Who asks the pose may keep it for longer: it is not to look like one that stands still.
+void PosedSpheres::end() noexcept {
+  if (state_) state_->pose.current = false, state_->pose.ended = true;
+}
+
+PosedSpheres::~PosedSpheres() {
+  end();
+}
 PosedSpheres::PosedSpheres(const PosedSpheres& other) : PosedSpheres(other.pose()) {}
 PosedSpheres& PosedSpheres::operator=(const PosedSpheres& other) {
   return *this = PosedSpheres(other);
 }
 PosedSpheres::PosedSpheres(PosedSpheres&&) noexcept = default;
-PosedSpheres& PosedSpheres::operator=(PosedSpheres&&) noexcept = default;
+PosedSpheres& PosedSpheres::operator=(PosedSpheres&& other) noexcept {
+  if (this == &other) return *this;
+  end();
+  state_ = std::move(other.state_);
+  return *this;
+}
 
 void PosedSpheres::set(std::span<const Spheref> spheres, const Vec3& origin) {
   const StandardFloats standard;

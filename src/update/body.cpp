@@ -137,8 +137,9 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   if (!reowns) share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
   assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
   state_ =
-      std::make_unique<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
+      std::make_shared<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
   State& s = *state_;
+  s.posed.shared = state_;
 
   const LocalPoints::Frame rest = s.local.move(mesh.positions, workers);
   if (!rest.finite)
@@ -220,9 +221,17 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   }
 }
 
-Body::~Body() = default;
-Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {
+// Colliders keep the state for longer: it is not to look like a body that stands still.
+void Body::end() noexcept {
+  if (state_) state_->posed.current = false, state_->posed.ended = true;
+}
+
+Body::~Body() {
+  end();
+}
+Body::Body(const Body& other) : state_(std::make_shared<State>(*other.state_)) {
   State& s = *state_;
+  s.posed.shared = state_;
   s.show();
   const std::vector<Vec3>& others = other.state_->moved_positions;
   const bool formed_there = s.posed.positions && !others.empty() &&
@@ -233,7 +242,12 @@ Body& Body::operator=(const Body& other) {
   return *this = Body(other);
 }
 Body::Body(Body&&) noexcept = default;
-Body& Body::operator=(Body&&) noexcept = default;
+Body& Body::operator=(Body&& other) noexcept {
+  if (this == &other) return *this;
+  end();
+  state_ = std::move(other.state_);
+  return *this;
+}
 
 UpdateStatus Body::update(const PositionView& positions, Workers& workers) noexcept {
   const StandardFloats standard;

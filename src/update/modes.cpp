@@ -5,6 +5,7 @@
 #include <morula/update/modes.hpp>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -12,6 +13,7 @@ using namespace detail;
 void move_by_modes(const Modes& modes, std::span<const Vec3> rest, std::span<const double> coordinates,
                    std::span<Vec3> positions, Workers& workers) noexcept {
   const StandardFloats standard;
+  const Uninterrupted whole;
   assert(rest.size() == modes.vertex_count && positions.size() == modes.vertex_count);
   assert(coordinates.size() == modes.mode_count);
   // So few that their positions stay in the nearest cache while mode after mode is added.

@@ -4,6 +4,7 @@
 #include <morula/update/skin.hpp>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "update/rules/skin_poser.hpp"
 
 namespace morula {
@@ -22,6 +23,7 @@ bool is_finite(const AffineTransform& t) {
 void move_by_skin(const Skin& skin, std::span<const Vec3> rest, std::span<const AffineTransform> transforms,
                   std::span<Vec3> positions, Workers& workers) noexcept {
   const StandardFloats standard;
+  const Uninterrupted whole;
   assert(rest.size() == skin.vertex_count() && positions.size() == skin.vertex_count());
   assert(transforms.size() == skin.bone_count);
   constexpr std::size_t vertices_per_chunk = 1024;

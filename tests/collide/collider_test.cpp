@@ -4,11 +4,18 @@
 
 #include <limits>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_query.hpp>
+#include <morula/collide/distance.hpp>
+#include <morula/collide/overlap.hpp>
+#include <morula/collide/pair_walk.hpp>
+#include <morula/collide/primitives.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <support/numbers.hpp>
+#include <utility>
 
 #include "stale_pose.hpp"
 
@@ -115,6 +122,129 @@ TEST_F(Limb, body_counts_good_updates_and_knows_when_it_lags) {
   ASSERT_TRUE(body.update(mesh.positions));
   EXPECT_TRUE(body.is_current());
   EXPECT_EQ(body.frame(), 2u);
+}
+
+// What colliders borrow of a body they keep: they never look at what is gone, and queries refuse them by name.
+struct Ended : ::testing::Test {
+  Mesh mesh = sample_body("limb", 6), other_mesh = sample_body("blob", 5);
+  CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+  CoveredTree other_built = build(other_mesh, {.method = Method::octree, .depth = 2});
+  Body standing{mesh, built};
+  Collider other{mesh, standing};
+
+  void expect_refused(const Collider& ended) {
+    using Code = Status::Code;
+    EXPECT_EQ(askable(ended).code, Code::body_replaced);
+    ContactQuery contacts;
+    contacts.add(ended, other);
+    EXPECT_EQ(contacts.run().code, Code::body_replaced);
+    EXPECT_EQ(contacts.start().code, Code::body_replaced);
+    EXPECT_EQ(contacts.carry().code, Code::body_replaced);
+    EXPECT_EQ(CrossingQuery().run(other, ended).code, Code::body_replaced);
+    EXPECT_EQ(DistanceQuery().run(other, ended).status.code, Code::body_replaced);
+    EXPECT_THROW(collide(ended, other), std::invalid_argument);
+    EXPECT_THROW(overlap(ended, other), std::invalid_argument);
+    EXPECT_THROW(crossings(ended, other), std::invalid_argument);
+    EXPECT_THROW(walk_pairs(ended, other, {}, [](NodePair, bool) { return Step::open; }), std::invalid_argument);
+    EXPECT_EQ(RayQuery().run(ended, {}).status.code, Code::body_replaced);
+    EXPECT_EQ(TouchQuery().run(ended, Sphere{{}, 1}).status.code, Code::body_replaced);
+  }
+};
+
+TEST_F(Ended, colliders_of_a_body_that_another_was_assigned_to_are_refused) {
+  for (int way = 0; way < 4; ++way) {
+    Body body(mesh, built);
+    const Collider collider(mesh, body), copy = collider;
+    ContactQuery kept;
+    kept.add(collider, other);
+    ASSERT_TRUE(kept.start());
+    if (way == 0) body = standing;
+    if (way == 1) body = Body(mesh, built);
+    if (way == 2) body = Body(other_mesh, other_built);
+    if (way == 3) {
+      Body next(mesh, built);
+      body = std::move(next);
+    }
+    EXPECT_EQ(kept.carry().code, Status::Code::body_replaced);
+    for (const Collider* ended : {&collider, &copy}) {
+      expect_refused(*ended);
+      EXPECT_EQ(ended->facets(0).size(), other.facets(0).size()) << "it has what it had";
+      EXPECT_EQ(ended->cover().facet_count, mesh.facet_count());
+    }
+    // The body is as good as any.
+    const Mesh& now = way == 2 ? other_mesh : mesh;
+    const Collider anew(now, body);
+    EXPECT_EQ(askable(anew), Status{});
+    const Body same = body;
+    EXPECT_EQ(overlap(anew, other), overlap(Collider(now, same), other));
+  }
+}
+
+TEST_F(Ended, colliders_of_a_body_that_is_gone_are_refused) {
+  std::optional<Body> body(std::in_place, mesh, built);
+  const Collider collider(mesh, *body);
+  body.reset();
+  expect_refused(collider);
+  std::optional<PosedSpheres> spheres(std::in_place, built.tree);
+  const Collider alone(spheres->pose());
+  EXPECT_TRUE(overlap(alone, other));
+  spheres.emplace(built.tree);
+  EXPECT_THROW(overlap(alone, other), std::invalid_argument);
+  const Collider again(spheres->pose());
+  *spheres = PosedSpheres(built.tree);
+  EXPECT_THROW(overlap(again, other), std::invalid_argument);
+  EXPECT_TRUE(overlap(Collider(spheres->pose()), other));
+}
+
+TEST_F(Ended, colliders_follow_a_body_that_is_moved_from_place_to_place) {
+  std::vector<Vec3> moved = mesh.positions;
+  for (Vec3& p : moved) p += Vec3{0.25, 0.5, 0};
+  Body first(mesh, built);
+  const Collider collider(mesh, first);
+  Body second(std::move(first));
+  Body third(mesh, built);
+  const Collider left(mesh, third);
+  third = std::move(second);
+  ASSERT_TRUE(third.update(moved));
+  EXPECT_EQ(askable(collider), Status{});
+  EXPECT_EQ(collider.vertex(3), moved[3]);
+  EXPECT_EQ(askable(left).code, Status::Code::body_replaced);
+  Body& itself = third;
+  third = std::move(itself);
+  EXPECT_EQ(askable(collider), Status{});
+  third = itself;  // by copy: what is assigned is a new body, whatever it is a copy of
+  EXPECT_EQ(askable(collider).code, Status::Code::body_replaced);
+}
+
+TEST_F(Ended, copies_of_a_collider_are_sides_of_their_own_over_the_same_body) {
+  Body body(mesh, built);
+  auto original = std::make_unique<Collider>(mesh, body);
+  original->place(RigidTransform::from_axis({0, 0, 1}, 1, {5, 0, 0}));
+  Collider copy = *original, assigned(mesh, standing);
+  assigned = copy;
+  copy.place(RigidTransform::from_axis({0, 0, 1}, 2, {0, 1, 0}));
+  EXPECT_EQ(original->placement().translation, (Vec3{5, 0, 0}));
+  EXPECT_EQ(assigned.placement().translation, (Vec3{5, 0, 0}));
+  original.reset();
+  std::vector<Collider> many(20, copy);  // grows, and moves them
+  for (int i = 0; i < 100; ++i) many.push_back(many.front());
+  std::vector<Vec3> moved = mesh.positions;
+  for (Vec3& p : moved) p = p * 1.5;
+  ASSERT_TRUE(body.update(moved));
+  const Collider fresh(mesh, body);
+  for (const Collider* c : {&copy, &assigned, &many.front(), &many.back()}) {
+    EXPECT_EQ(askable(*c), Status{});
+    for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
+      EXPECT_TRUE(std::equal(c->facets(node).begin(), c->facets(node).end(), fresh.facets(node).begin(),
+                             fresh.facets(node).end()));
+  }
+  Collider placed = fresh;
+  placed.place(copy.placement());
+  EXPECT_EQ(crossings(copy, other), crossings(placed, other));
+  EXPECT_EQ(distance(assigned, other).upper, [&] {
+    placed.place(assigned.placement());
+    return distance(placed, other).upper;
+  }());
 }
 
 }  // namespace

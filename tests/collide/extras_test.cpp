@@ -3,6 +3,7 @@
 // What contacts come with on request, and bodies whose spheres are brought up to date as a query goes.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/overlap.hpp>
@@ -103,6 +104,102 @@ TEST(SurfacesUnderABudgetOfTime, end_when_it_ends_and_leave_the_search_its_half)
   }
   EXPECT_LT(shortest, all.surfaces.size());
   EXPECT_EQ(longest, all.surfaces.size());
+}
+
+// Whatever is asked for, within whatever budget, by whatever door: finished says that all of it is there, and not
+// finished that some of it is not.
+TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
+  Random random(5);
+  Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
+  for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
+  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  const Contacts all = collide(*a.collider, *b.collider, {.surfaces = true});
+  const auto crossings = facets_of(brute_force::crossings(*a.collider, *b.collider));
+  ASSERT_GT(crossings.size(), 20u);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, ContactSurface> surfaces;
+  for (std::size_t i = 0; i < all.contacts.size(); ++i)
+    surfaces[{all.contacts[i].node_a, all.contacts[i].node_b}] = all.surfaces[i];
+  ASSERT_GT(surfaces.size(), 50u);
+
+  const auto is_whole = [&](const CollideOptions& asked, const Contacts& found) {
+    bool whole = nodes_of(found) == nodes_of(all);
+    for (const Contact& c : found.contacts) whole = whole && c.finished;
+    if (asked.surfaces) whole = whole && found.surfaces.size() == found.contacts.size();
+    if (asked.exact) whole = whole && facets_of(found.crossings) == crossings;
+    if (asked.containment) whole = whole && found.containment.size() == 1;
+    for (std::size_t i = 0; i < found.surfaces.size(); ++i) {
+      const auto is = surfaces.find({found.contacts[i].node_a, found.contacts[i].node_b});
+      if (is == surfaces.end()) continue;  // not a final pair
+      EXPECT_EQ(found.surfaces[i].depth, is->second.depth);
+      EXPECT_EQ(found.surfaces[i].on_a.point, is->second.on_a.point);
+    }
+    return whole;
+  };
+  std::int64_t looks = 0;
+  const std::vector<Budget> budgets{{},
+                                    0,
+                                    1,
+                                    30,
+                                    200,
+                                    1'000'000,
+                                    std::chrono::nanoseconds(0),
+                                    std::chrono::nanoseconds(5),
+                                    std::chrono::nanoseconds(20),
+                                    std::chrono::nanoseconds(100),
+                                    std::chrono::seconds(1)};
+  std::size_t cut_in_surfaces = 0, whole = 0, resumed = 0;
+  for (const Budget& budget : budgets)
+    for (int request = 0; request < 8; ++request) {
+      const CollideOptions options{.budget = budget,
+                                   .surfaces = (request & 1) != 0,
+                                   .exact = (request & 2) != 0,
+                                   .containment = (request & 4) != 0,
+                                   .clock = [&looks] { return std::chrono::nanoseconds(++looks); }};
+      const auto expect_told = [&](const Contacts& found, bool finished) {
+        EXPECT_EQ(found.finished, is_whole(options, found)) << request;
+        EXPECT_EQ(finished, found.finished);
+        whole += finished ? 1 : 0;
+        cut_in_surfaces += !finished && found.finished_count == all.contacts.size() ? 1 : 0;
+      };
+      const Contacts once = collide(*a.collider, *b.collider, options);
+      expect_told(once, once.finished);
+      ContactQuery query(options);
+      query.add(*a.collider, *b.collider);
+      for (int door = 0; door < 3; ++door) {
+        ContactStatus status = door == 0 ? query.run() : door == 1 ? query.start() : query.carry();
+        ASSERT_TRUE(status);
+        expect_told(query.contacts(), status.finished);
+        const bool has_any =
+            budget.is_unlimited() || (budget.is_time() ? budget.time().count() : budget.tests() / 64) > 1;
+        if (door == 0 || !has_any) continue;
+        for (int calls = 0; !status.finished; ++calls) {
+          ASSERT_LT(calls, 20000) << "it never ends";
+          ASSERT_TRUE(status = query.resume());
+          expect_told(query.contacts(), status.finished);
+          ++resumed;
+        }
+      }
+    }
+  EXPECT_GT(cut_in_surfaces, 10u);
+  EXPECT_GT(whole, 50u);
+  EXPECT_GT(resumed, 50u);
+}
+
+TEST(Finished, is_of_all_contacts_also_when_those_of_an_interrupted_query_were_taken_away) {
+  Random random(5);
+  Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
+  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  CollideOptions options{.budget = 200, .surfaces = true, .exact = true};
+  ContactQuery query(options);
+  query.add(*a.collider, *b.collider);
+  ASSERT_FALSE(query.start().finished);
+  query.take_contacts();
+  options.budget = {};
+  query.set_options(options);
+  ASSERT_TRUE(query.resume().finished);
+  EXPECT_EQ(nodes_of(query.contacts()), nodes_of(collide(*a.collider, *b.collider)));
+  EXPECT_EQ(query.contacts().surfaces.size(), query.contacts().contacts.size());
+  EXPECT_EQ(facets_of(query.contacts().crossings), facets_of(brute_force::crossings(*a.collider, *b.collider)));
 }
 
 struct LazyBodies : ::testing::Test {

@@ -9,6 +9,7 @@ namespace morula::test {
 
 std::atomic<std::size_t> allocations{0};
 std::atomic<std::size_t> allocated_bytes{0};
+std::atomic<std::int64_t> allocations_granted{-1};
 
 }  // namespace morula::test
 
@@ -16,19 +17,28 @@ namespace {
 
 using morula::test::allocated_bytes;
 using morula::test::allocations;
+using morula::test::allocations_granted;
 
 void count(std::size_t size) {
   ++allocations;
   allocated_bytes += size;
 }
 
+void grant() {
+  if (allocations_granted < 0) return;
+  if (allocations_granted == 0) throw std::bad_alloc();
+  --allocations_granted;
+}
+
 void* counted(std::size_t size) {
   count(size);
+  grant();
   if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
   throw std::bad_alloc();
 }
 void* counted(std::size_t size, std::align_val_t alignment) {
   count(size);
+  grant();
   const auto a = static_cast<std::size_t>(alignment);
   if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
   throw std::bad_alloc();

@@ -5,11 +5,14 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 
 namespace morula::test {
 
 extern std::atomic<std::size_t> allocations;
 /// The bytes asked for by all of them together, freed or not.
 extern std::atomic<std::size_t> allocated_bytes;
+/// Not negative: so many more are granted. The next one, and all after it, throw std::bad_alloc until this is set anew.
+extern std::atomic<std::int64_t> allocations_granted;
 
 }  // namespace morula::test

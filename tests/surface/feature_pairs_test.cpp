@@ -264,6 +264,108 @@ TEST(Proximity, filters_leave_out_what_they_say_and_nothing_else) {
       {.masks_a = masks}, [&](const PlainPair& p) { return piece[p.a[0]] != 0 || piece[p.b[0]] != 0; }, "masks");
 }
 
+/// The bits of all facets that have all of these vertices.
+std::uint32_t bits_of(const Mesh& mesh, const std::vector<std::uint32_t>& bits, const test::Vertices& vertices) {
+  std::uint32_t all = 0;
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    if (std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) {
+          return std::find(mesh.facets[f].begin(), mesh.facets[f].end(), v) != mesh.facets[f].end();
+        }))
+      all |= bits[f];
+  return all;
+}
+
+// Of groups that differ by side: often one of the two may meet the other, and not the other way round.
+TEST(Proximity, masks_of_two_surfaces_ask_both_sides) {
+  Random random(77);
+  const auto some_bits = [&](std::size_t count) {
+    std::vector<std::uint32_t> bits(count);
+    for (std::uint32_t& b : bits) b = 1u << (random.next() % 3);
+    return bits;
+  };
+  std::size_t one_way = 0, other_way = 0, kept = 0;
+  for (int round = 0; round < 6; ++round) {
+    const Mesh a = test::uv_sphere(6, 5, 1.0), b = test::translated(test::icosphere(1, 0.9), {0.3, 0.2, 0.1});
+    const SurfaceTree tree_a(a), tree_b(b);
+    PairFilter filter{.masks_a = {some_bits(a.facets.size()), some_bits(a.facets.size())},
+                      .masks_b = {some_bits(b.facets.size()), some_bits(b.facets.size())}};
+    if (round == 4) filter.masks_a.of.clear(), filter.masks_b.with.clear();
+    if (round == 5) filter.masks_a.with.clear(), filter.masks_b.of.clear();
+    const auto or_ones = [](const std::vector<std::uint32_t>& bits, std::size_t count) {
+      return bits.empty() ? std::vector<std::uint32_t>(count, ~0u) : bits;
+    };
+    const auto of_a = or_ones(filter.masks_a.of, a.facets.size()),
+               with_a = or_ones(filter.masks_a.with, a.facets.size());
+    const auto of_b = or_ones(filter.masks_b.of, b.facets.size()),
+               with_b = or_ones(filter.masks_b.with, b.facets.size());
+    ProximityQuery all({.distance = 0.2}), masked({.distance = 0.2, .filter = filter});
+    SurfaceCrossingQuery all_crossings, masked_crossings({.filter = filter});
+    ASSERT_TRUE(all.run(tree_a, tree_b) && masked.run(tree_a, tree_b));
+    ASSERT_TRUE(all_crossings.run(tree_a, tree_b) && masked_crossings.run(tree_a, tree_b));
+    const auto meets = [&](const test::Vertices& p, const test::Vertices& q) {
+      const bool there = (bits_of(a, of_a, p) & bits_of(b, with_b, q)) != 0;
+      const bool back = (bits_of(b, of_b, q) & bits_of(a, with_a, p)) != 0;
+      one_way += there && !back, other_way += back && !there, kept += there && back;
+      return there && back;
+    };
+    const auto expected = [&](const auto& pairs) {
+      std::vector<PlainPair> left;
+      for (const PlainPair& pair : plain_pairs(tree_a, tree_b, pairs))
+        if (meets(pair.a, pair.b)) left.push_back(pair);
+      return left;
+    };
+    EXPECT_EQ(plain_pairs(tree_a, tree_b, masked.pairs()), expected(all.pairs()));
+    EXPECT_EQ(plain_pairs(tree_a, tree_b, masked_crossings.pairs()), expected(all_crossings.pairs()));
+  }
+  EXPECT_GT(one_way, 100u);
+  EXPECT_GT(other_way, 100u);
+  EXPECT_GT(kept, 100u);
+}
+
+// Boxes of the deeper tree are opened alone at first, and what is left open is counted on its own levels.
+TEST(SurfaceCrossings, of_surfaces_of_unequal_depth_are_complete_at_every_interruption) {
+  const Mesh large = test::uv_sphere(40, 40, 1.0);
+  std::size_t missing = 0;
+  for (const Mesh& few : {test::translated(test::icosphere(0, 0.7), {0.9, 0, 0}),
+                          test::translated(test::uv_sphere(7, 6, 0.5), {0, 0.9, 0.1})}) {
+    const SurfaceTree deep(large), shallow(few);
+    for (const bool swapped : {false, true}) {
+      const SurfaceTree &a = swapped ? shallow : deep, &b = swapped ? deep : shallow;
+      const Mesh &mesh_a = swapped ? few : large, &mesh_b = swapped ? large : few;
+      std::vector<FeaturePair> all;
+      const auto corners = [](const Mesh& mesh, std::uint32_t f) {
+        const Facet& facet = mesh.facets[f];
+        return Triangle{mesh.positions[facet[0]], mesh.positions[facet[1]], mesh.positions[facet[2]]};
+      };
+      for (std::uint32_t f = 0; f < mesh_a.facets.size(); ++f)
+        for (std::uint32_t g = 0; g < mesh_b.facets.size(); ++g)
+          if (intersect(corners(mesh_a, f), corners(mesh_b, g))) all.push_back({PairKind::facet_facet, f, g});
+      ASSERT_GT(all.size(), 20u);
+      SurfaceCrossingQuery query({.budget = 64});
+      SurfaceQueryStatus status = query.run(a, b);
+      for (; status && !status.finished; status = query.resume()) {
+        const std::set<FeaturePair> found(query.pairs().begin(), query.pairs().end());
+        for (const OpenFacets& open : query.open()) {
+          ASSERT_FALSE(open.a.empty());
+          ASSERT_FALSE(open.b.empty());
+        }
+        for (const FeaturePair& pair : all) {
+          if (found.contains(pair)) continue;
+          ++missing;
+          const auto has = [](std::span<const std::uint32_t> facets, std::uint32_t facet) {
+            return std::find(facets.begin(), facets.end(), facet) != facets.end();
+          };
+          ASSERT_TRUE(std::any_of(query.open().begin(), query.open().end(),
+                                  [&](const OpenFacets& open) { return has(open.a, pair.a) && has(open.b, pair.b); }));
+        }
+      }
+      ASSERT_TRUE(status);
+      EXPECT_EQ(std::vector<FeaturePair>(query.pairs().begin(), query.pairs().end()), all);
+    }
+  }
+  EXPECT_GT(missing, 1000u);
+}
+
 TEST(Proximity, safe_distances_keep_surfaces_apart) {
   Random random(51);
   const Mesh a = test::icosphere(2), b = test::translated(test::icosphere(2), {2.05, 0, 0});

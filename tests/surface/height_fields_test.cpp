@@ -7,10 +7,13 @@
 
 #include <cmath>
 #include <functional>
+#include <morula/collide/collider.hpp>
+#include <morula/generators/build.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <numbers>
 
+#include "surface/boxes/lazy_boxes.hpp"
 #include "surface/boxes/tree_state.hpp"
 #include "surfaces.hpp"
 
@@ -439,6 +442,33 @@ TEST(HeightFields, are_those_of_the_present_pose) {
   ASSERT_TRUE(tree.update(mesh.positions));
   EXPECT_EQ(query.run(tree).box_tests, 64u);
   EXPECT_TRUE(query.pairs().empty());
+}
+
+TEST(HeightFields, of_a_surface_that_follows_a_placed_body_are_those_of_where_it_is_placed) {
+  // Seen along one axis alone: turned by a quarter, along another one.
+  const Mesh mesh = sheet(9, [](double x, double y) { return std::sin(0.7 * x) * std::cos(1.3 * y); });
+  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 1});
+  const Body body(mesh, built);
+  Collider collider(mesh, body);
+  SurfaceTree surface(mesh);
+  for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 1}})
+    for (const double quarter : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, std::numbers::pi}) {
+      if (axis.z != 0 && quarter > 3) continue;
+      const double angle = axis.z != 0 ? quarter * 4 / 3 : quarter;
+      collider.place(RigidTransform::from_axis(axis, angle, {3, 2, 1}));
+      ASSERT_TRUE(surface.follow(collider));
+      detail::QueryBoxes boxes;
+      boxes.start(surface.state(), nullptr, 0, false, serial_workers());
+      HeightFields fields;
+      fields.start(surface.state(), boxes.a());
+      fields.find_all(serial_workers());
+      EXPECT_TRUE(fields.is_one(surface.state().boxes.levels.size(), 0)) << axis.x << axis.y << axis.z << ' ' << angle;
+      // Looked at one by one, as a query with a budget does.
+      HeightFields alone;
+      alone.start(surface.state(), boxes.a());
+      alone.find(1, 0);
+      EXPECT_TRUE(alone.is_one(1, 0)) << axis.x << axis.y << axis.z << ' ' << angle;
+    }
 }
 
 TEST(HeightFields, are_the_same_for_any_number_of_workers) {

@@ -112,5 +112,40 @@ TEST(SurfaceAllowance, of_impacts_counts_the_distance_along_directions_of_any_le
   }
 }
 
+// A direction that turns from an axis to a diagonal, or back, changes its length, which is measured by the largest
+// coordinate: what counts as an impact is farther along the longer one. Features of nearly no size, so that distances
+// are those of points, known in closed form.
+TEST(SurfaceAllowance, of_impacts_is_that_of_the_longer_one_of_two_directions) {
+  constexpr double tiny = 0x1p-30;
+  const Vec3 axis{2, 0, 0}, diagonal{0.45, 0.45, 0.45};
+  const std::vector<Vec3> facet{{0, 0, 0}, {-tiny, 0, 0}, {0, -tiny, 0}}, edge{{0, 0, 0}, {-tiny, -tiny, -tiny}};
+  // |(2 - 1.55 t, 0.45 t, 0.45 t)| = 1
+  const double impact = (6.2 - std::sqrt(6.2 * 6.2 - 4 * 2.8075 * 3)) / (2 * 2.8075);
+  ASSERT_NEAR(length(axis + (diagonal - axis) * impact), 1, 1e-12);
+  for (const Vec3& signs : {Vec3{1, 1, 1}, Vec3{-1, 1, 1}, Vec3{1, -1, -1}, Vec3{-1, -1, -1}})
+    for (int turns = 0; turns < 3; ++turns) {
+      const auto placed = [&](const Vec3& p) {
+        Vec3 q{p.x * signs.x, p.y * signs.y, p.z * signs.z};
+        for (int k = 0; k < turns; ++k) q = {q.z, q.x, q.y};
+        return q;
+      };
+      const auto all_placed = [&](std::vector<Vec3> points) {
+        for (Vec3& p : points) p = placed(p);
+        return points;
+      };
+      const std::vector<Vec3> point_far{placed(axis)}, point_near{placed(diagonal)};
+      const std::vector<Vec3> edge_far{placed(axis), placed(axis + Vec3{tiny, tiny, tiny})};
+      const std::vector<Vec3> edge_near{placed(diagonal), placed(diagonal + Vec3{tiny, tiny, tiny})};
+      const std::vector<Vec3> other = all_placed(facet), other_edge = all_placed(edge);
+      EXPECT_LE(time_of_impact(point_far, point_near, other, other, 1), impact + 1e-6);
+      EXPECT_LE(time_of_impact(other, other, point_far, point_near, 1), impact + 1e-6);
+      EXPECT_LE(time_of_impact(edge_far, edge_near, other_edge, other_edge, 1), impact + 1e-6);
+      // It begins with an impact.
+      EXPECT_EQ(time_of_impact(point_near, point_far, other, other, 1), 0);
+      EXPECT_EQ(time_of_impact(other, other, point_near, point_far, 1), 0);
+      EXPECT_EQ(time_of_impact(edge_near, edge_far, other_edge, other_edge, 1), 0);
+    }
+}
+
 }  // namespace
 }  // namespace morula

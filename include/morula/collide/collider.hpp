@@ -3,6 +3,7 @@
 // Collider: one side of a collision query. A posed tree, where it is, and the surface that its nodes own.
 #pragma once
 
+#include <memory>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/status.hpp>
@@ -16,9 +17,13 @@
 
 namespace morula {
 
-/// Borrows the body's state or the pose, the mesh's arrays and the cover. All of them must outlive it; all of them may
-/// be moved meanwhile, with whatever holds them. Made once per tree and cover: a rebuilding body needs another collider
-/// when its epoch changes.
+/// Borrows the mesh's arrays, and a pose and a cover of the caller's own: these must outlive it, and may be moved
+/// meanwhile, with whatever holds them. Of a Body or PosedSpheres it keeps what it needs: when that is destroyed, or
+/// another is assigned to it, queries refuse the collider with body_replaced. Made once per tree and cover: a
+/// rebuilding body needs another collider when its epoch changes.
+///
+/// A copy is another side over the same body, placed by itself. Queries borrow the collider that they were given: it
+/// must outlive them where it is, so colliders in a container that grows are to be held by pointers.
 class Collider {
  public:
   /// A body with its surface. It must have been made from mesh. Throws std::invalid_argument when their sizes differ.
@@ -83,6 +88,7 @@ class Collider {
 
  private:
   const PosedTree* pose_;
+  std::shared_ptr<const void> kept_;  // pose and cover, of a source that shares them
   const Cover* cover_ = nullptr;
   std::span<const Facet> mesh_facets_{};
   RigidTransform placement_{};

@@ -12,14 +12,16 @@ namespace morula {
 
 /// Refused, or how far it came.
 struct ContactStatus : Status {
-  bool finished = false;
+  bool finished = false;       ///< as Contacts::finished
   std::size_t pair_tests = 0;  ///< done by this call
 };
 
 /// Holds pairs of bodies, the front and all memory: a call allocates nothing once that suffices. All pairs share one
 /// queue and one budget. A call that is refused changes nothing.
 ///
-/// The result after any call is sound: every crossing lies within a pair of contacts().
+/// The result after any call is sound: every crossing lies within a pair of contacts(). An exception of a callback
+/// (reach, clock, executor) leaves the query without contacts and front, and resume() and carry() refused. A callback
+/// that calls the query itself is refused, by std::invalid_argument where there is no status.
 class ContactQuery {
  public:
   /// Throws std::invalid_argument, naming the option, as collide() does.

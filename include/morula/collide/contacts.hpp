@@ -89,8 +89,9 @@ struct Contacts {
   std::vector<std::size_t> crossings_begin;
   std::vector<MutualContainment> containment;  ///< one per pair of bodies when asked for, else none
   std::size_t finished_count = 0;              ///< of contacts
-  bool finished = false;                       ///< nothing was left undone: finished_count is all
-  std::size_t pair_tests = 0;                  ///< done by this call
+  /// Nothing that was asked for was left undone: finished_count is all, and so are surfaces, crossings and containment.
+  bool finished = false;
+  std::size_t pair_tests = 0;  ///< done by this call
   /// Per pair of bodies: no pair is above this level set of both trees.
   std::vector<std::uint32_t> achieved_level;
 };

@@ -26,6 +26,9 @@ struct PosedTree {
   bool current = true;               ///< false: the last update was refused, and the spheres are of an older frame
   bool complete = true;              ///< false: a lazy update has left nodes behind
   std::optional<PositionView> positions{};  ///< the vertices that the spheres followed, where the source was given them
+  bool ended = false;                       ///< the source is gone, or another was assigned to it
+  /// What is borrowed here, of a source that shares it: who asks keeps it, so that the pose can say that it has ended.
+  std::weak_ptr<const void> shared{};
 
   /// A sphere in mesh coordinates.
   Sphere sphere(std::uint32_t node) const {
@@ -59,12 +62,13 @@ class PosedSpheres {
   /// The same in double, narrowed about the root's centre so that each contains what it was.
   void set(std::span<const Sphere> spheres);
 
-  /// At one address as long as this lives, also when it is moved.
+  /// At one address as long as this lives, also when it is moved. Assigning to this ends it (PosedTree::ended).
   const PosedTree& pose() const;
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  void end() noexcept;
+  std::shared_ptr<State> state_;
 };
 
 /// The spheres about an origin in float, each so large that it contains what it was. Adds them to `narrow`.

@@ -150,8 +150,9 @@ class Body {
   std::uint64_t hash() const;
 
   /// The current spheres as queries ask them, with what tells one frame from the next. At one address as long as the
-  /// body's state lives: moving the body keeps it, assigning to the body ends it. Its `positions` is the view of the
-  /// last update, whose data the caller keeps until the next one where a query looks at facets.
+  /// body's state lives: moving the body keeps it. Assigning to the body and destroying it end it (PosedTree::ended):
+  /// colliders keep what they need of it, and queries refuse them with body_replaced. Its `positions` is the view of
+  /// the last update, whose data the caller keeps until the next one where a query looks at facets.
   const PosedTree& pose() const;
 
   /// Good updates so far: tells one set of spheres from the next. 0 at rest, before the first.
@@ -173,8 +174,9 @@ class Body {
   // reowns: patches may change hands.
   Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options, Workers& workers,
        bool reowns);
+  void end() noexcept;
 
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;  // shared with the colliders
 };
 
 }  // namespace morula

@@ -4,15 +4,20 @@
 
 #include <stdexcept>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 
 void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
                         Contacts& result) {
-  result.surfaces.clear();
+  if (!options.surfaces) result.surfaces.clear();
   result.crossings.clear();
   result.crossings_begin.clear();
   if (!options.containment) result.containment.clear();
-  if (options.surfaces) add_surfaces(pairs, options, meter, result);
+  if (options.surfaces) {
+    add_surfaces(pairs, options, meter, result);
+    if (result.surfaces.size() < result.finished_count) result.finished = false;
+  }
   if (options.exact) add_crossings(pairs, result);
   if (options.containment) add_containment(pairs, result);
 }
@@ -24,11 +29,16 @@ void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const Coll
                                  Contacts& result) {
   if (result.contacts.empty()) return;
   if (meter != nullptr) meter->release_rest();
+  // All are there, or there is no time for any.
+  const bool limited = !options.budget.is_unlimited();
+  const std::size_t count = limited ? result.finished_count : result.contacts.size(), before = result.surfaces.size();
+  if (before >= count || (meter != nullptr && meter->by_time() && !meter->has_any_time())) return;
   if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
-  const bool limited = !options.budget.is_unlimited();
-  for (std::size_t i = 0; i < (limited ? result.finished_count : result.contacts.size()); ++i) {
-    if (meter != nullptr && meter->by_time() && meter->out_of_time()) return;
+  for (std::size_t i = before; i < count; ++i) {
+    ask_to_go_on();
+    // The first one is found whatever it costs, so that whoever resumes again and again comes to the end.
+    if (i > before && meter != nullptr && meter->by_time() && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];
     const ColliderPair& pair = pairs[c.pair];
     result.surfaces.push_back(

@@ -19,9 +19,15 @@ struct ColliderPair {
 /// Memory for them. Tests of inside are made when first asked for, and kept for the same pairs.
 class ContactExtras {
  public:
-  /// Other colliders come: what was made for those before is of no use.
-  void forget() { inside_.clear(); }
-  /// Fills what the options ask for, and clears what they do not. The pairs have current positions then.
+  /// Other colliders come, or an exception: what was made before is of no use.
+  void forget() noexcept {
+    inside_.clear();
+    surfaces_.clear();
+    nodes_.clear();
+  }
+  /// Fills what the options ask for, and clears what they do not. The pairs have current positions then. What is asked
+  /// for and not all there leaves the result unfinished. Surfaces that are there are those of the first contacts: the
+  /// search goes on behind them.
   /// meter: ends surfaces when its time is over; none: no budget.
   void add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
   /// The surface of one contact, finished or not.

@@ -43,6 +43,7 @@ void FrontWalk::adopt(Front other) {
 void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
   place(options);
   result.contacts.clear();
+  result.surfaces.clear();
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {
     if (overlapping && trees_[pair.pair].is_final(pair.a, pair.b, pair.depth)) report(pair, true, result);
   });

@@ -7,6 +7,7 @@
 
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/front/front_travel.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -242,12 +243,17 @@ bool FrontWalk::test_in_time(Run& run) {
 
 void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
   Run run{options, workers, result, Meter(options)};
-  result.contacts.resize(result.finished_count);
+  // What is finished stays, with its surfaces. After a start or a carry nothing is.
+  const std::size_t kept = result.finished_count;
+  result.contacts.resize(kept);
+  if (result.surfaces.size() > kept)
+    result.surfaces.erase(result.surfaces.begin() + static_cast<std::ptrdiff_t>(kept), result.surfaces.end());
   round_masks_.resize(round_size * max_branching);
   aside_.clear();
   std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
   test_roots(run);
   while (!front.waiting.empty() && !run.meter.out_of_time()) {
+    ask_to_go_on();
     fill_round(run);
     if (!run.meter.by_time()) {
       test_round(run);
@@ -288,6 +294,17 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
     result.achieved_level[pair.pair] = std::min(result.achieved_level[pair.pair], pair.depth);
   }
   extras.add(pairs, options, &meter, result);
+}
+
+void FrontWalk::forget() noexcept {
+  front = Front{};
+  extras.forget();
+  keeps_ = false;
+  trees_.clear();
+  opened_before_.clear(), masks_before_.clear(), roots_before_.clear();
+  round_.clear(), round_masks_.clear(), aside_.clear();
+  before_of_child_.clear();
+  ways_.clear();
 }
 
 }  // namespace morula::detail

@@ -31,6 +31,8 @@ class FrontWalk {
   /// Only what is finished in the front, which is of the present frame.
   void list_finished(const CollideOptions& options, Contacts& result);
   void cut(std::vector<FrontPair>& list);
+  /// No front, and none of what an exception may have left in any state.
+  void forget() noexcept;
 
  private:
   // An opened pair on its way: tested by any thread, then taken in, in order.

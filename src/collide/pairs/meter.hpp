@@ -28,6 +28,8 @@ class Meter {
     late_ = false;
   }
   bool by_time() const { return options_->budget.is_time(); }
+  /// Of a budget of time: is it more than nothing?
+  bool has_any_time() const { return options_->budget.time().count() > 0; }
   bool out_of_time() {
     if (by_time() && !late_) late_ = now(options_->clock) - start_ >= limit_;
     return late_;

@@ -82,6 +82,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
       std::unique(result.facets.begin(), result.facets.end(),
                   [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet == b.point.facet; }),
       result.facets.end());
+  result.status = {};
 }
 
 // Empties the result; true when the query may go on.
@@ -97,6 +98,8 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.sphere_tests = result.facet_tests = 0;
   if (!result.status) return false;
   result.certified = body.pose().covers;
+  // An exception leaves a result that says that it ended so: search() sets it right at its end.
+  result.status = {Status::Code::ended_by_exception};
   return true;
 }
 

@@ -7,7 +7,9 @@
 #include <stdexcept>
 
 #include "geometry/hash.hpp"
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
 #include "surface/boxes/tree_state.hpp"
 #include "surface/boxes/vertex_reader.hpp"
@@ -57,6 +59,8 @@ double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
 }
 
 Status SurfaceTreeState::askable(std::uint8_t body) const {
+  if (call.ended_by_exception) return {Status::Code::ended_by_exception, body};
+  if (call.is_running) return {Status::Code::in_use, body};
   if (followed && !followed->is_current()) return {Status::Code::surface_not_current, body};
   return {};
 }
@@ -125,7 +129,10 @@ Status SurfaceTree::update(const PositionView& positions, Workers& workers) {
 
 Status SurfaceTree::update(const PositionView& from, const PositionView& to, Workers& workers) {
   const StandardFloats standard;
+  const Uninterrupted whole;
   SurfaceTreeState& s = *state_;
+  ObjectCall own(s, CallKind::begins);
+  if (!own.status()) return own.status();
   for (const PositionView* view : {&from, &to})
     if (view->size() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
   const auto before_from = s.from, before_to = s.to;
@@ -138,7 +145,10 @@ Status SurfaceTree::update(const PositionView& from, const PositionView& to, Wor
     s.to = to;
   }
   Status status = s.move(workers);
-  if (status) return status;
+  if (status) {
+    own.begun();
+    return status;
+  }
   s.from = before_from, s.to = before_to, s.followed = before_followed;
   const std::optional<std::uint32_t> bad_from = lowest_bad(s, from), bad_to = lowest_bad(s, to);
   status.index = std::min(bad_from.value_or(SurfaceTreeState::no_slot), bad_to.value_or(SurfaceTreeState::no_slot));
@@ -149,6 +159,7 @@ Status SurfaceTree::follow(const Collider& body) {
   const StandardFloats standard;
   if (const Status status = morula::askable(body); !status) return status;
   SurfaceTreeState& s = *state_;
+  if (s.call.is_running) return {.code = Status::Code::in_use};
   if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
   FollowedBody followed{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
   followed.spheres.place(body.placement());
@@ -163,6 +174,7 @@ Status SurfaceTree::follow(const Collider& body) {
   s.followed = std::move(followed);
   s.from = body.positions();
   s.to.reset();
+  s.call.ended_by_exception = false;
   ++s.frame;
   return {};
 }

@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "geometry/object_call.hpp"
 #include "surface/boxes/followed_body.hpp"
 #include "surface/boxes/region_borders.hpp"
 #include "surface/boxes/surface_boxes.hpp"
@@ -49,7 +50,10 @@ struct SurfaceTreeState {
   std::optional<FollowedBody> followed;  // where it is placed, `from` is, too
   BlocksOfLeaves blocks_of_leaves;       // of the body followed last
   std::uint64_t frame = 0;
+  CallState call;
 
+  /// Boxes are of no frame, then.
+  void forget() noexcept { ++frame; }
   std::uint32_t block_count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
   Vec3 from_of(std::uint32_t vertex) const {
     const Vec3 p = from ? (*from)[vertex] : rest[vertex];

@@ -29,6 +29,8 @@ class ObstacleSearch {
     found_.clear();
     open_.assign(1, {0, static_cast<std::int16_t>(surface.boxes.levels.size() - 1)});
   }
+  /// As if new.
+  void forget() noexcept { *this = ObstacleSearch(); }
   bool is_started() const { return surface_ != nullptr; }
   bool is_current() const { return surface_->frame == frame_ && surface_->askable(0); }
   const SurfaceBoxes& boxes() const { return boxes_.a(); }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/surface/obstacles.hpp>
 
+#include "geometry/object_call.hpp"
 #include "surface/obstacles/obstacle_search.hpp"
 #include "surface/obstacles/obstacle_way.hpp"
 #include "surface/pairs/feature_query.hpp"
@@ -75,11 +76,16 @@ struct Asked {
 }  // namespace
 
 struct ObstacleQuery::State {
+  CallState call;
   ObstacleOptions options;
   Asked asked{options};
   const Obstacle* obstacle = nullptr;
   ObstacleSearch<ObstacleContact> search;
 
+  void forget() noexcept {
+    search.forget();
+    obstacle = nullptr;
+  }
   SurfaceQueryStatus go_on(Workers& workers) {
     const double margin = options.margin;
     const SurfaceTreeState& s = search.surface();
@@ -108,6 +114,7 @@ ObstacleQuery::ObstacleQuery(ObstacleQuery&&) noexcept = default;
 ObstacleQuery& ObstacleQuery::operator=(ObstacleQuery&&) noexcept = default;
 
 void ObstacleQuery::set_options(ObstacleOptions options) {
+  require_idle(state_->call);
   require_usable(options);
   state_->options = std::move(options);
 }
@@ -117,15 +124,20 @@ const ObstacleOptions& ObstacleQuery::options() const {
 
 SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle& obstacle, Workers& workers) {
   const StandardFloats standard;
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return {own.status()};
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
   if (const Status status = surface.state().askable(0); !status) return {status};
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
   state_->search.start(surface.state(), workers);
+  own.begun();
   return state_->go_on(workers);
 }
 SurfaceQueryStatus ObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
+  const ObjectCall own(*state_, CallKind::goes_on);
+  if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
   if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
@@ -140,12 +152,17 @@ const std::vector<std::span<const std::uint32_t>>& ObstacleQuery::open() const {
 }
 
 struct SweptObstacleQuery::State {
+  CallState call;
   ObstacleOptions options;
   Asked asked{options};
   const Obstacle* obstacle = nullptr;
   Vec3 motion;
   ObstacleSearch<ObstacleImpact> search;
 
+  void forget() noexcept {
+    search.forget();
+    obstacle = nullptr;
+  }
   SurfaceQueryStatus go_on(Workers& workers) {
     const double margin = options.margin;
     const SurfaceTreeState& s = search.surface();
@@ -184,6 +201,7 @@ SweptObstacleQuery::SweptObstacleQuery(SweptObstacleQuery&&) noexcept = default;
 SweptObstacleQuery& SweptObstacleQuery::operator=(SweptObstacleQuery&&) noexcept = default;
 
 void SweptObstacleQuery::set_options(ObstacleOptions options) {
+  require_idle(state_->call);
   require_usable(options);
   state_->options = std::move(options);
 }
@@ -194,6 +212,8 @@ const ObstacleOptions& SweptObstacleQuery::options() const {
 SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obstacle& obstacle, const Vec3& motion,
                                            Workers& workers) {
   const StandardFloats standard;
+  ObjectCall own(*state_, CallKind::begins);
+  if (!own.status()) return {own.status()};
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
   if (const Status status = surface.state().askable(0); !status) return {status};
   if (!is_finite(motion) || !(max_norm(motion) < greatest_usable_scale)) return {{.code = Status::Code::bad_option}};
@@ -201,10 +221,13 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
   state_->asked = Asked(state_->options);
   state_->motion = motion;
   state_->search.start(surface.state(), workers);
+  own.begun();
   return state_->go_on(workers);
 }
 SurfaceQueryStatus SweptObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
+  const ObjectCall own(*state_, CallKind::goes_on);
+  if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
   if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};

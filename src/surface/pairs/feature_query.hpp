@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "surface/pairs/feature_filter.hpp"
 #include "surface/pairs/pair_search.hpp"
 
@@ -52,6 +53,17 @@ auto one_by_one(const Look& look) {
     for (const FeaturePair& pair : pairs)
       if (const auto one = look(a, b, pair)) found.push_back(*one);
   };
+}
+
+/// Millions of pairs take seconds to sort.
+template <class Value, class Less>
+void sort_interruptibly(std::vector<Value>& values, const Less& less) {
+  constexpr std::uint32_t comparisons_between = 1u << 16;
+  std::uint32_t compared = 0;
+  std::sort(values.begin(), values.end(), [&](const Value& p, const Value& q) {
+    if (++compared % comparisons_between == 0) ask_to_go_on();
+    return less(p, q);
+  });
 }
 
 template <class Found>
@@ -101,8 +113,10 @@ class FeatureQuery {
     return go_on(options, workers, narrow);
   }
 
+  /// As if new: no results, nothing started, and none of the memory that an exception may have left in any state.
+  void forget() noexcept { *this = FeatureQuery(); }
+
   const std::vector<Found>& found() const { return found_; }
-  std::vector<Found>& found() { return found_; }
   const std::vector<OpenFacets>& open() const { return open_; }
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
@@ -133,11 +147,11 @@ class FeatureQuery {
           c.pairs.clear();
         });
     for (std::size_t i = 0; i < count; ++i) {
+      ask_to_go_on();
       found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
       candidates_ += chunks_[i].candidates;
     }
-    if (ask_.sorted)
-      std::sort(found_.begin(), found_.end(), [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
+    if (ask_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
     search_.open(open_);
     SurfaceQueryStatus status;
     status.finished = is_finished_;

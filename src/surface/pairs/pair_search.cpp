@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -52,6 +54,7 @@ std::chrono::nanoseconds SurfaceMeter::now() const {
 }
 
 bool SurfaceMeter::takes(std::size_t groups) {
+  ask_to_go_on();
   if (is_over_) return false;
   // The first piece of work is done whatever it costs, so that whoever resumes again and again comes to the end.
   const bool is_first = calls_ == 0;

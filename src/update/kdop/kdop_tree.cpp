@@ -10,6 +10,7 @@
 
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "update/kdop/slab_extents.hpp"
 #include "update/points/facet_hull.hpp"
 #include "update/points/local_points.hpp"
@@ -116,6 +117,7 @@ struct KDopTree::State {
   }
 
   void write_bounds(const LocalPoints::Frame& frame, Workers& workers) noexcept {
+    const Uninterrupted whole;
     measure_leaves(frame.rounding, workers);
     for (std::size_t level = tree.level_count(); level-- > 0;) {
       const std::uint32_t first = tree.level_begin[level];

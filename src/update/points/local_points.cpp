@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "parallel/interruption.hpp"
 #include "update/points/narrow.hpp"
 
 namespace morula::detail {
@@ -72,6 +73,7 @@ Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
 }
 
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
+  const Uninterrupted whole;
   origin_ = origin_of(positions);
   parallel_for(workers, stretch_largest_.size(), stretches_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t stretch = begin; stretch < end; ++stretch) narrow_stretch(positions, stretch);

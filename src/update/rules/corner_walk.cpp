@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "parallel/interruption.hpp"
 #include "update/points/point_runs.hpp"
 
 namespace morula::detail {
@@ -98,6 +99,7 @@ void CornerWalk::list_points(std::span<const std::uint32_t> owned, std::span<con
 
 void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                                Workers& workers) noexcept {
+  const Uninterrupted whole;
   if (!paths_are_zero_) {
     std::fill(path_.begin(), path_.end(), 0.0);
     std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for

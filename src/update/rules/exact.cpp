@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "parallel/interruption.hpp"
 #include "update/points/kernels.hpp"
 #include "update/points/nearby_points.hpp"
 #include "update/points/outermost.hpp"
@@ -114,6 +115,7 @@ std::size_t ExactRule::place_of(std::size_t node) const noexcept {
 
 void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
                        Workers& workers) noexcept {
+  const Uninterrupted whole;
   const std::size_t count = place_of(node_end);
   parallel_for(workers, count, nodes_per_chunk,
                [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });

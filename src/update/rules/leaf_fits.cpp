@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -72,6 +74,7 @@ LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::ui
 
 void LeafFits::move(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) const noexcept {
   static_assert(leaves_per_chunk % nodes_at_once == 0);
+  const Uninterrupted whole;
   parallel_for(workers, nodes_.size(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::array<LocalPoint, nodes_at_once> centers;
     for (std::size_t first = begin; first < end; first += nodes_at_once) {

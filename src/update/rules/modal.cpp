@@ -26,6 +26,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "parallel/interruption.hpp"
 #include "update/points/narrow.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/ownership_check.hpp"
@@ -181,6 +182,7 @@ void ModalRule::bind(std::size_t slot, const Mesh& mesh, const Cover& cover, con
 
 void ModalRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
                        Workers& workers) noexcept {
+  const Uninterrupted whole;
   const auto last = std::lower_bound(nodes_.begin(), nodes_.end(), node_end,
                                      [](const Node& n, std::size_t node) { return n.node < node; });
   const auto count = static_cast<std::size_t>(last - nodes_.begin());

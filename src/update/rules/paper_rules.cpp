@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "parallel/interruption.hpp"
 #include "update/points/kernels.hpp"
 #include "update/rules/engine_table.hpp"
 #include "update/rules/link.hpp"
@@ -218,6 +219,7 @@ void PaperRules::add_ratio(Node& n, float rest_distance) {
 
 void PaperRules::update_level(std::size_t level, const RuleFrame& frame, std::span<Spheref> spheres,
                               Workers& workers) noexcept {
+  const Uninterrupted whole;
   const std::span<const LocalPoint> points = frame.points;
   const std::size_t first = level_begin_[level];
   parallel_for(workers, level_begin_[level + 1] - first, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {

@@ -11,6 +11,7 @@
 // the skin itself does, and corners whose weights differ from the mean may be left outside.
 #include <algorithm>
 
+#include "parallel/interruption.hpp"
 #include "update/points/rounding.hpp"
 #include "update/rules/engine_table.hpp"
 #include "update/rules/mode_rows.hpp"
@@ -84,6 +85,7 @@ class SkinnedRule final : public RuleEngine {
 
   void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
               Workers& workers) noexcept override {
+    const Uninterrupted whole;
     parallel_for(workers, nodes_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         if (nodes_[k].node < node_end) spheres[nodes_[k].node] = sphere_of(nodes_[k], frame);
