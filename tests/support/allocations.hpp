@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Counts every allocation of a program: whoever names a counter links an operator new that counts.
+// Counts every allocation of a program, and lets one fail: whoever names a counter links an operator new that counts.
 #pragma once
 
 #include <atomic>
@@ -11,5 +11,9 @@ namespace morula::test {
 extern std::atomic<std::size_t> allocations;
 /// The bytes asked for by all of them together, freed or not.
 extern std::atomic<std::size_t> allocated_bytes;
+/// The bytes that are allocated now, as the allocator rounds them up.
+extern std::atomic<std::size_t> live_bytes;
+/// n: the n-th allocation from now on fails, once. 0: none does.
+extern std::atomic<std::size_t> allocation_to_fail;
 
 }  // namespace morula::test
