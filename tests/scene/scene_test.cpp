@@ -67,7 +67,7 @@ TEST(Scene, has_every_crossing_within_a_contact_wherever_a_budget_ends) {
             ASSERT_EQ(pair, nullptr);
             continue;
           }
-          for (const Crossed& crossing : crossings_by_force(*a, *b)) {
+          for (const Crossed& crossing : test::crossings_by_force(a->collider, b->collider)) {
             ++crossed;
             ASSERT_NE(pair, nullptr) << "seed " << seed << ", step " << step;
             ASSERT_TRUE(is_within(crossing, *pair, a->collider, b->collider)) << "seed " << seed << ", step " << step;
