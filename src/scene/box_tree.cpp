@@ -42,9 +42,16 @@ std::uint32_t BoxTree::take() {
   }
   nodes_.emplace_back();
   parent_.push_back(none);
+  return static_cast<std::uint32_t>(nodes_.size() - 1);
+}
+
+// A leaf takes itself and the node above it.
+void BoxTree::reserve() {
+  const std::size_t needed = nodes_.size() + 2;
+  if (needed > nodes_.capacity()) nodes_.reserve(2 * needed);
+  parent_.reserve(nodes_.capacity());
   // So that giving back allocates nothing.
   free_.reserve(nodes_.capacity());
-  return static_cast<std::uint32_t>(nodes_.size() - 1);
 }
 
 void BoxTree::replace_child(std::uint32_t parent, std::uint32_t before, std::uint32_t after) {

@@ -31,7 +31,9 @@ class BoxTree {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// Returns the leaf.
+  /// Makes room for one more leaf: the next insert() allocates nothing and does not throw.
+  void reserve();
+  /// Returns the leaf. Room: by reserve(), or by the remove() of another leaf before.
   std::uint32_t insert(const FloatBox& box, std::uint32_t item);
   void remove(std::uint32_t leaf);
   const FloatBox& box(std::uint32_t node) const { return nodes_[node].box; }

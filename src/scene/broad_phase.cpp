@@ -68,10 +68,19 @@ struct BroadPhase::State {
   BoxTree tree;
   std::vector<Candidate> candidates, merged;
   std::vector<std::uint64_t> found;
-  std::vector<BoxPair> pairs;
+  std::vector<BoxPair> pairs, next_pairs;
   std::size_t size = 0;
 
   bool has(std::uint32_t number) const { return number < entries.size() && entries[number].leaf != BoxTree::none; }
+
+  /// For one more box: adding it, moving and giving back allocate nothing then.
+  void reserve() {
+    if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 1);
+    flags.reserve(entries.capacity());
+    changed.reserve(entries.capacity());
+    free.reserve(entries.capacity());
+    tree.reserve();
+  }
 
   void flag(std::uint32_t number, std::uint8_t what) {
     if (flags[number] == 0) changed.push_back(number);
@@ -113,14 +122,13 @@ std::uint32_t BroadPhase::add(const Box& box, bool is_static) {
   const StandardFloats standard;
   if (!is_usable(box)) throw std::invalid_argument("a box of the broad phase is empty or not finite");
   State& s = *state_;
+  // Memory comes first: where there is none, nothing has changed.
+  s.reserve();
   std::uint32_t number;
   if (s.free.empty()) {
     number = static_cast<std::uint32_t>(s.entries.size());
     s.entries.emplace_back();
     s.flags.push_back(0);
-    // So that moving and giving back allocate nothing.
-    s.changed.reserve(s.entries.capacity());
-    s.free.reserve(s.entries.capacity());
   } else {
     std::pop_heap(s.free.begin(), s.free.end(), std::greater<>());
     number = s.free.back();
@@ -184,11 +192,12 @@ void BroadPhase::update() {
   std::sort(s.found.begin(), s.found.end());
 
   s.merged.clear();
-  s.pairs.clear();
+  s.next_pairs.clear();
   const auto take = [&](const State::Candidate& candidate) {
     s.merged.push_back(candidate);
     if (candidate.overlaps)
-      s.pairs.push_back({static_cast<std::uint32_t>(candidate.key >> 32), static_cast<std::uint32_t>(candidate.key)});
+      s.next_pairs.push_back(
+          {static_cast<std::uint32_t>(candidate.key >> 32), static_cast<std::uint32_t>(candidate.key)});
   };
   auto next = s.found.begin();
   const auto take_found = [&](std::uint64_t below) {
@@ -207,7 +216,9 @@ void BroadPhase::update() {
     take(candidate);
   }
   take_found(~std::uint64_t{0});
+  // All memory has been had: nothing below throws.
   s.candidates.swap(s.merged);
+  s.pairs.swap(s.next_pairs);
 
   for (const std::uint32_t number : s.changed) {
     if ((s.flags[number] & removed) != 0) {

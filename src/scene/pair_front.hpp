@@ -47,8 +47,7 @@ class PairFront {
   double importance = 0;  ///< weights included
   std::uint32_t updates_left_out = 0;
   std::size_t tests = 0;  ///< in this update
-  std::uint64_t touch_id = 0;
-  bool touches = false, extras_are_due = false;
+  bool extras_are_due = false;
 
  private:
   bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const;

@@ -48,8 +48,8 @@ Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
 void Scene::set_options(SceneOptions options) {
+  SceneState& s = state_->idle("set_options");
   require_good_options(options);
-  SceneState& s = *state_;
   s.everything_anew = s.everything_anew || options.level != s.options.level || options.margin != s.options.margin;
   s.filter_anew = s.filter_anew || options.keeps || s.options.keeps;
   s.extras_anew = s.extras_anew || options.surfaces != s.options.surfaces || options.exact != s.options.exact;
@@ -62,12 +62,14 @@ const SceneOptions& Scene::options() const {
 
 BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
   const StandardFloats standard;
-  SceneState& s = *state_;
+  SceneState& s = state_->idle("add");
   require_masks(options.of);
   if (!(std::isfinite(options.weight) && options.weight >= 0))
     throw std::invalid_argument("the weight of a body is " + std::to_string(options.weight) +
                                 ": it must be finite and not negative");
   require_good(s.usable(collider));
+  // Memory comes first: where there is none, nothing has changed.
+  if (s.bodies.size() == s.bodies.capacity()) s.bodies.reserve(2 * s.bodies.size() + 1);
   const std::uint32_t place = s.broad.add(box_around(ball_around(collider, s.options.margin)), options.is_static);
   if (place >= s.bodies.size()) s.bodies.resize(place + 1);
   SceneBody& body = s.bodies[place];
@@ -80,14 +82,15 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
 }
 
 void Scene::remove(BodyId id) {
-  SceneBody& body = state_->known(id);
-  state_->broad.remove(id.place);
+  SceneState& s = state_->idle("remove");
+  SceneBody& body = s.known(id);
+  s.broad.remove(id.place);
   body.collider = nullptr;
 }
 
 void Scene::replace(BodyId id, const Collider& collider) {
   const StandardFloats standard;
-  SceneState& s = *state_;
+  SceneState& s = state_->idle("replace");
   SceneBody& body = s.known(id);
   require_good(s.usable(collider));
   body.collider = &collider;
@@ -106,20 +109,22 @@ void Scene::replace(BodyId id, const Collider& collider) {
 }
 
 void Scene::sleep(BodyId id) {
-  state_->known(id).is_asleep = true;
+  SceneBody& body = state_->idle("sleep").known(id);
+  body.is_asleep = body.is_falling_asleep = true;
 }
 
 void Scene::wake(BodyId id) {
-  SceneBody& body = state_->known(id);
+  SceneBody& body = state_->idle("wake").known(id);
   body.is_asleep = false;
   body.is_to_be_read = true;
 }
 
 void Scene::set_masks(BodyId id, std::uint32_t of, std::uint32_t with) {
-  SceneBody& body = state_->known(id);
+  SceneState& s = state_->idle("set_masks");
+  SceneBody& body = s.known(id);
   require_masks(of);
   body.options.of = of, body.options.with = with;
-  state_->filter_anew = true;
+  s.filter_anew = true;
 }
 
 bool Scene::has(BodyId id) const {
@@ -140,24 +145,31 @@ std::size_t Scene::size() const {
 
 SceneStatus Scene::update(Workers& workers) {
   const StandardFloats standard;
-  return state_->update(workers);
+  return state_->idle("update").update(workers);
 }
 
 std::span<const ScenePair> Scene::pairs() const {
-  return state_->published;
+  return state_->idle("pairs").published;
 }
 std::span<const EndedPair> Scene::ended() const {
-  return state_->ended;
+  return state_->idle("ended").ended;
 }
 
 const ScenePair* Scene::find(BodyId a, BodyId b) const {
   if (b.place < a.place) std::swap(a, b);
-  const auto& list = state_->published;
+  const auto& list = state_->idle("find").published;
   const auto found = std::lower_bound(list.begin(), list.end(), std::pair(a.place, b.place),
                                       [](const ScenePair& pair, const std::pair<std::uint32_t, std::uint32_t>& key) {
                                         return std::pair(pair.a.place, pair.b.place) < key;
                                       });
   return found != list.end() && found->a == a && found->b == b ? &*found : nullptr;
+}
+
+SceneState& detail::SceneState::idle(std::string_view method) {
+  if (is_updating)
+    throw std::logic_error("Scene::" + std::string(method) +
+                           "() was called from inside a callback of this scene: call it after update() has returned");
+  return *this;
 }
 
 SceneBody& detail::SceneState::known(BodyId id) {
@@ -176,27 +188,27 @@ Status detail::SceneState::usable(const Collider& collider) const {
 
 SceneRayHit Scene::first_hit(const Ray& ray) const {
   const StandardFloats standard;
-  return state_->first_hit(ray);
+  return state_->idle("first_hit").first_hit(ray);
 }
 
 SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  return state_->touch(shape, options);
+  return state_->idle("touch").touch(shape, options);
 }
 SceneStatus Scene::touch(const Sphere& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  return state_->touch(shape, options);
+  return state_->idle("touch").touch(shape, options);
 }
 SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  return state_->touch(shape, options);
+  return state_->idle("touch").touch(shape, options);
 }
 SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options) {
   const StandardFloats standard;
-  return state_->touch(shape, options);
+  return state_->idle("touch").touch(shape, options);
 }
 std::span<const SceneTouch> Scene::touches() const {
-  return state_->touches;
+  return state_->idle("touches").touches;
 }
 
 }  // namespace morula

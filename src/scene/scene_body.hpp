@@ -20,12 +20,15 @@ struct SceneBody {
   std::uint32_t generation = 0;
   SceneBodyOptions options{};
   bool is_asleep = false;
-  bool is_to_be_read = false;  ///< in the next update, though it is static or asleep
-  bool has_moved = false;      ///< in this update
+  bool is_falling_asleep = false;  ///< looked at once more in the next update: its last move may have come just before
+  bool is_to_be_read = false;      ///< in the next update, though it is static or asleep; counts as moved then
+  bool has_moved = false;          ///< in this update
   BodyStamp stamp{};
   Sphere around{};  ///< the ball that the box is around
 
-  bool is_looked_at() const { return collider != nullptr && (is_to_be_read || !(is_asleep || options.is_static)); }
+  bool is_looked_at() const {
+    return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
+  }
 };
 
 /// What an update finds of a body, before it is known whether all can be used.

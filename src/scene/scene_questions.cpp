@@ -32,7 +32,8 @@ Box grown(Box box, double by) {
 SceneStatus SceneState::current() const {
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     const SceneBody& body = bodies[place];
-    if (body.is_looked_at() && (body.is_to_be_read || stamp_of(*body.collider) != body.stamp))
+    if (body.collider == nullptr) continue;
+    if (is_interrupted || (body.is_looked_at() && (body.is_to_be_read || stamp_of(*body.collider) != body.stamp)))
       return refusal({Status::Code::other_frame}, id_of(place));
   }
   return {};
@@ -72,13 +73,18 @@ SceneStatus SceneState::touch_found(const Shape& shape, const TouchOptions& touc
     if (const Collider& collider = *bodies[place].collider; collider.has_surface())
       if (const Status status = askable(collider); !status) return refusal(status, id_of(place));
   touches.clear();
-  for (const std::uint32_t place : found) {
-    const Collider& collider = *bodies[place].collider;
-    if (!collider.has_surface()) continue;
-    if (touches.size() == touch_queries.size()) touch_queries.push_back(std::make_unique<TouchQuery>());
-    const Touch& touch = touch_queries[touches.size()]->run(collider, shape, touch_options);
-    if (!touch.status) return refusal(touch.status, id_of(place));
-    if (!touch.clear) touches.push_back({id_of(place), &touch});
+  try {
+    for (const std::uint32_t place : found) {
+      const Collider& collider = *bodies[place].collider;
+      if (!collider.has_surface()) continue;
+      if (touches.size() == touch_queries.size()) touch_queries.push_back(std::make_unique<TouchQuery>());
+      const Touch& touch = touch_queries[touches.size()]->run(collider, shape, touch_options);
+      if (!touch.status) return refusal(touch.status, id_of(place));
+      if (!touch.clear) touches.push_back({id_of(place), &touch});
+    }
+  } catch (...) {
+    touches.clear();  // some of them would look like all
+    throw;
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
+#include <string_view>
 
 #include "scene/pair_front.hpp"
 #include "scene/scene_body.hpp"
@@ -33,8 +34,15 @@ struct SceneState {
   std::vector<PairFront*> parted_fronts;
   std::vector<ScenePair> published;
   std::vector<EndedPair> ended;
+  /// The touches that an update has told of and none has ended, ascending; what an update makes of them. Apart from
+  /// fronts and lists, so that an update that fails loses none.
+  std::vector<EndedPair> touching, next_touching;
   std::uint64_t next_touch = 1;
   bool everything_anew = false, filter_anew = false, extras_anew = false;
+  /// By a callback, or for lack of memory: there are no pairs until an update succeeds.
+  bool is_interrupted = false;
+  /// A callback may be running.
+  bool is_updating = false;
 
   std::vector<SceneTouch> touches;
   std::vector<std::unique_ptr<TouchQuery>> touch_queries;
@@ -45,6 +53,8 @@ struct SceneState {
            bodies[id.place].collider != nullptr;
   }
   SceneBody& known(BodyId id);
+  /// Throws std::logic_error with the method's name while an update is running, as it is where a callback asks.
+  SceneState& idle(std::string_view method);
   BodyId id_of(std::uint32_t place) const { return {place, bodies[place].generation}; }
   Status usable(const Collider& collider) const;
   /// ok, or the first body that has moved since the last update.
@@ -61,6 +71,8 @@ struct SceneState {
   template <class Shape>
   SceneStatus touch_found(const Shape& shape, const TouchOptions& options);
   SceneStatus read_bodies(Workers& workers);
+  SceneStatus update_once(Workers& workers);
+  void start_over() noexcept;
   void list_near();
   void end(const Near& pair);
   PairFront* front_of(BodyId a, BodyId b);

@@ -61,7 +61,8 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     SceneBody& body = bodies[place];
     const BodyRead& read = read_[place];
     body.has_moved = read.has_moved;
-    if (body.collider != nullptr && (body.is_looked_at() || everything_anew)) body.is_to_be_read = false;
+    if (body.collider != nullptr && (body.is_looked_at() || everything_anew))
+      body.is_to_be_read = body.is_falling_asleep = false;
     if (!read.has_moved) continue;
     body.stamp = read.stamp;
     body.around = read.around;
@@ -73,8 +74,6 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
 void SceneState::end(const Near& pair) {
   if (pair.front == nullptr) return;
   PairFront* const front = pair.front;
-  if (front->touches) ended.push_back({id_of(pair.a), id_of(pair.b), front->touch_id});
-  front->touches = false;
   if (bodies[pair.a].collider == nullptr || bodies[pair.b].collider == nullptr) {
     spare_fronts.push_back(front);
   } else {
@@ -355,45 +354,77 @@ void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneS
   status.pair_tests = tests_done_;
 }
 
+// Near pairs and touches are in the same order, so what began and what ended comes of one walk along both.
 void SceneState::publish(SceneStatus& status) {
-  published.clear();
+  const auto ids = [](const EndedPair& touch) { return std::pair(touch.a, touch.b); };
+  next_touching.clear();
+  auto before = touching.begin();
   for (const Near& pair : near) {
     if (pair.front == nullptr) continue;
-    PairFront& front = *pair.front;
+    const PairFront& front = *pair.front;
     ++status.near_pairs;
     if (!front.is_finished()) ++status.open_pairs;
-    const bool touched = std::exchange(front.touches, !front.contacts().empty());
-    if (touched && !front.touches) ended.push_back({id_of(pair.a), id_of(pair.b), front.touch_id});
-    if (!front.touches) continue;
-    if (!touched) front.touch_id = next_touch++;
-    published.push_back({.a = id_of(pair.a),
-                         .b = id_of(pair.b),
-                         .id = front.touch_id,
-                         .began = !touched,
+    if (front.contacts().empty()) continue;
+    EndedPair touch{id_of(pair.a), id_of(pair.b), 0};
+    while (before != touching.end() && ids(*before) < ids(touch)) ended.push_back(*before++);
+    const bool stays = before != touching.end() && ids(*before) == ids(touch);
+    touch.id = stays ? (before++)->id : next_touch++;
+    next_touching.push_back(touch);
+    published.push_back({.a = touch.a,
+                         .b = touch.b,
+                         .id = touch.id,
+                         .began = !stays,
                          .finished = front.is_finished(),
                          .contacts = front.contacts(),
                          .surfaces = front.surfaces(),
                          .crossings = front.crossings()});
   }
+  ended.insert(ended.end(), before, touching.end());
   std::sort(ended.begin(), ended.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
   status.finished = status.open_pairs == 0;
 }
 
 SceneStatus SceneState::update(Workers& workers) {
+  is_updating = true;
+  try {
+    const SceneStatus status = update_once(workers);
+    is_updating = false;
+    return status;
+  } catch (...) {
+    is_updating = false;
+    start_over();
+    throw;
+  }
+}
+
+// As if all bodies had just been added. Only the touches that were told of remain, whose end is still to be told.
+void SceneState::start_over() noexcept {
+  published.clear(), ended.clear();
+  near.clear(), next_near.clear(), work_.clear(), chosen_.clear();
+  parted_fronts.clear(), spare_fronts.clear(), fronts.clear();
+  next_to_forget_ = 0;
+  first_round_of_pair_ = 0;
+  to_publish_ = {};
+  everything_anew = is_interrupted = true;
+}
+
+SceneStatus SceneState::update_once(Workers& workers) {
   const bool by_time = options.budget.is_time();
   const std::chrono::nanoseconds start = by_time ? now() : std::chrono::nanoseconds(0);
   SceneStatus status = read_bodies(workers);
   if (!status) return status;
-  ended.clear();
+  published.clear(), ended.clear();
   broad.update();
   list_near();
   look_at_roots(workers);
   refine(start, workers, status);
   const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);
   publish(status);
-  everything_anew = filter_anew = extras_anew = false;
   // The longest of late: it falls by an eighth an update.
   if (by_time) to_publish_ = std::min(std::max(now() - refined, to_publish_ * 7 / 8), options.budget.time() / 2);
+  // Nothing below throws.
+  touching.swap(next_touching);
+  everything_anew = filter_anew = extras_anew = is_interrupted = false;
   return status;
 }
 

@@ -33,15 +33,6 @@ struct Thing {
     }
     ASSERT_TRUE(body.update(positions));
   }
-  // The middle, and the farthest vertex from it, where it is now.
-  Sphere around() const {
-    Vec3 sum{};
-    for (std::uint32_t v = 0; v < positions.size(); ++v) sum = sum + collider.vertex(v);
-    Sphere sphere{sum / static_cast<double>(positions.size()), 0};
-    for (std::uint32_t v = 0; v < positions.size(); ++v)
-      sphere.radius = std::max(sphere.radius, distance(sphere.center, collider.vertex(v)));
-    return sphere;
-  }
 
   Mesh mesh;
   CoveredTree built;
@@ -52,10 +43,26 @@ struct Thing {
   BodyId id{};
 };
 
+/// A ball, a box or a plate, by turns.
+inline Mesh thing_mesh(std::size_t i) {
+  if (i % 3 == 0) return icosphere(1, 0.6);
+  if (i % 3 == 1) return box_mesh({-0.7, -0.4, -0.3}, {0.7, 0.4, 0.3}, 2);
+  return grid_plate(4, 1.4, 1.0);
+}
+
 inline std::unique_ptr<Thing> make_thing(std::size_t i) {
-  if (i % 3 == 0) return std::make_unique<Thing>(icosphere(1, 0.6));
-  if (i % 3 == 1) return std::make_unique<Thing>(box_mesh({-0.7, -0.4, -0.3}, {0.7, 0.4, 0.3}, 2));
-  return std::make_unique<Thing>(grid_plate(4, 1.4, 1.0));
+  return std::make_unique<Thing>(thing_mesh(i));
+}
+
+/// The middle of all vertices, and the farthest from it, where they are now.
+inline Sphere around(const Collider& body) {
+  const auto count = static_cast<std::uint32_t>(body.vertex_count());
+  Vec3 sum{};
+  for (std::uint32_t v = 0; v < count; ++v) sum = sum + body.vertex(v);
+  Sphere sphere{sum / static_cast<double>(count), 0};
+  for (std::uint32_t v = 0; v < count; ++v)
+    sphere.radius = std::max(sphere.radius, distance(sphere.center, body.vertex(v)));
+  return sphere;
 }
 
 /// Where the edge from p to q goes through t.
@@ -73,13 +80,31 @@ struct Crossed {
   std::uint32_t facet_a, facet_b;
   Vec3 point;
 };
-inline std::vector<Crossed> crossings_by_force(const Thing& a, const Thing& b) {
+inline std::vector<Crossed> crossings_by_force(const Collider& a, const Collider& b) {
   std::vector<Crossed> found;
-  const Sphere sphere_a = a.around(), sphere_b = b.around();
+  const Sphere sphere_a = around(a), sphere_b = around(b);
   if (distance(sphere_a.center, sphere_b.center) > sphere_a.radius + sphere_b.radius + 1e-9) return found;
-  for (std::uint32_t f = 0; f < a.mesh.facets.size(); ++f)
-    for (std::uint32_t g = 0; g < b.mesh.facets.size(); ++g) {
-      const Triangle t = a.collider.triangle(f), u = b.collider.triangle(g);
+  struct Boxed {
+    Triangle triangle;
+    Box box;
+  };
+  const auto boxed = [](const Collider& body) {
+    std::vector<Boxed> all(body.mesh_facets().size());
+    for (std::uint32_t f = 0; f < all.size(); ++f) {
+      all[f].triangle = body.triangle(f);
+      for (const Vec3& p : all[f].triangle) all[f].box.add(p);
+    }
+    return all;
+  };
+  const auto apart = [](const Box& s, const Box& t) {
+    return s.lower.x > t.upper.x || t.lower.x > s.upper.x || s.lower.y > t.upper.y || t.lower.y > s.upper.y ||
+           s.lower.z > t.upper.z || t.lower.z > s.upper.z;
+  };
+  const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
+  for (std::uint32_t f = 0; f < all_a.size(); ++f)
+    for (std::uint32_t g = 0; g < all_b.size(); ++g) {
+      if (apart(all_a[f].box, all_b[g].box)) continue;
+      const Triangle &t = all_a[f].triangle, &u = all_b[g].triangle;
       for (std::size_t k = 0; k < 3; ++k) {
         if (const auto x = pierced(t[k], t[(k + 1) % 3], u)) found.push_back({f, g, *x});
         if (const auto x = pierced(u[k], u[(k + 1) % 3], t)) found.push_back({f, g, *x});

@@ -67,7 +67,7 @@ TEST(Scene, has_every_crossing_within_a_contact_wherever_a_budget_ends) {
             ASSERT_EQ(pair, nullptr);
             continue;
           }
-          for (const Crossed& crossing : crossings_by_force(*a, *b)) {
+          for (const Crossed& crossing : test::crossings_by_force(a->collider, b->collider)) {
             ++crossed;
             ASSERT_NE(pair, nullptr) << "seed " << seed << ", step " << step;
             ASSERT_TRUE(is_within(crossing, *pair, a->collider, b->collider)) << "seed " << seed << ", step " << step;
@@ -205,6 +205,54 @@ TEST(Scene, tells_what_it_refuses_and_changes_nothing) {
   const BodyId again = scene.add(a.collider);
   EXPECT_EQ(again.place, id_a.place);
   EXPECT_NE(again, id_a);
+}
+
+TEST(Scene, the_last_move_before_sleep_counts) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Thing a(test::icosphere(1)), b(test::icosphere(1)), other(test::icosphere(1));
+  Scene scene;
+  scene.add(a.collider);
+  const BodyId id_b = scene.add(b.collider), id_other = scene.add(other.collider);
+  other.collider.place({.translation = {0, 50, 0}});
+  const auto place = [&](double x) { b.collider.place({.translation = {x, 0, 0}}); };
+  const auto touches = [&] {
+    const SceneStatus status = scene.update();
+    EXPECT_TRUE(status && status.finished) << message(status);
+    return scene.pairs().size();
+  };
+  place(100);
+  ASSERT_EQ(touches(), 0u);
+  place(0.3), scene.sleep(id_b);
+  EXPECT_EQ(scene.first_hit({{9, 0, 0}, {-1, 0, 0}}).status.code, Status::Code::other_frame) << "it has moved since";
+  EXPECT_EQ(touches(), 1u);
+  EXPECT_TRUE(scene.is_asleep(id_b));
+  // It sleeps: what it does is not seen until it wakes or is put to sleep again.
+  place(100);
+  EXPECT_EQ(touches(), 1u);
+  scene.sleep(id_b);
+  EXPECT_EQ(touches(), 0u);
+  scene.wake(id_b), place(0.2), scene.sleep(id_b), place(0.3);
+  EXPECT_EQ(touches(), 1u);
+  // Its vertices move, and an update is refused before the one that sees them.
+  scene.wake(id_b);
+  for (Vec3& p : b.positions) p = p + Vec3{40, 0, 0};
+  ASSERT_TRUE(b.body.update(b.positions));
+  scene.sleep(id_b);
+  other.positions[0].x = nan;
+  EXPECT_FALSE(other.body.update(other.positions));
+  EXPECT_EQ(scene.update().offender, id_other);
+  other.positions = other.mesh.positions;
+  ASSERT_TRUE(other.body.update(other.positions));
+  EXPECT_EQ(touches(), 0u);
+  // Where it has not moved, nothing is done again, and rays are answered before the next update.
+  b.positions = b.mesh.positions;
+  ASSERT_TRUE(b.body.update(b.positions));
+  scene.wake(id_b);
+  ASSERT_EQ(touches(), 1u);
+  scene.sleep(id_b);
+  EXPECT_TRUE(scene.first_hit({{9, 0, 0}, {-1, 0, 0}}).first);
+  EXPECT_EQ(scene.update().pair_tests, 0u);
+  EXPECT_EQ(scene.pairs().size(), 1u);
 }
 
 TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {

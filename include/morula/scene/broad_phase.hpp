@@ -44,7 +44,8 @@ class BroadPhase {
   const Box& box(std::uint32_t number) const;
   std::size_t size() const;  ///< boxes there are
 
-  /// Brings pairs() up to date. No allocation when there have been as many boxes and pairs before.
+  /// Brings pairs() up to date. No allocation when there have been as many boxes and pairs before. Where memory runs
+  /// out (std::bad_alloc), here as in add(), nothing has changed, and the call may be made again.
   void update();
   /// As of the last update, ascending.
   std::span<const BoxPair> pairs() const;

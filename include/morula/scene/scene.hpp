@@ -48,7 +48,8 @@ struct SceneOptions {
   bool surfaces = false;  ///< fill ScenePair::surfaces; needs positions, as CollideOptions::surfaces
   bool exact = false;     ///< fill ScenePair::crossings; on top of any budget
   Clock clock{};          ///< of a budget of time; none: std::chrono::steady_clock. With one, workers are not used
-  /// Keeps a pair when it returns true. Asked once when two bodies come near each other, from the caller's thread.
+  /// Keeps a pair when it returns true. Asked once when two bodies come near each other, from the caller's thread, and
+  /// of all near pairs again after set_masks(), set_options() and an update() that threw.
   std::function<bool(BodyId a, BodyId b)> keeps{};
 };
 
@@ -56,7 +57,7 @@ struct SceneOptions {
 struct ScenePair {
   BodyId a, b;            ///< a's place is the lower one
   std::uint64_t id = 0;   ///< of this touch, from its beginning to its end; never given again
-  bool began = false;     ///< in the last update(); else it stays
+  bool began = false;     ///< in the last update() that was not refused and did not throw; else it stays
   bool finished = false;  ///< all contacts are final; else some are coarse, with any number below them, or none
   std::span<const Contact> contacts{};         ///< Contact::pair is 0
   std::span<const ContactSurface> surfaces{};  ///< when asked for: as Contacts::surfaces
@@ -103,6 +104,13 @@ struct SceneTouch {
 /// waits for ever. Fronts are kept: a pair of bodies that rest goes on where it ended, one that moves is carried over
 /// where that saves tests.
 ///
+/// Callbacks (SceneOptions::keeps and clock) may throw, and update() then throws the same. Afterwards the scene has its
+/// bodies, and no pairs until an update() succeeds; that one has the pairs of a new scene with these bodies, and tells
+/// of every touch that has stayed, begun or ended since the last one that did. Lack of memory and an executor that
+/// throws do the same. From inside a callback has(), is_asleep(), user_data(), collider(), size() and options() may be
+/// called; all else throws std::logic_error, naming the method, and changes nothing. Bodies and colliders stay as they
+/// are while update() runs.
+///
 /// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
 /// every pair had as many contacts.
 class Scene {
@@ -124,7 +132,9 @@ class Scene {
   void remove(BodyId body);
   /// Another collider for the same body, which a body with another tree needs: RebuiltBody after a swap.
   void replace(BodyId body, const Collider& collider);
-  /// From now on it does not move, says the caller: it is not looked at until wake(). Its touches stay.
+  /// From now on it does not move, says the caller. The next update() looks at it for the last time, so a move just
+  /// before this call counts; then it is not looked at until wake(), or until sleep() is called again. Its touches
+  /// stay.
   void sleep(BodyId body);
   /// It may have moved. A static body is looked at once, in the next update().
   void wake(BodyId body);
@@ -147,7 +157,7 @@ class Scene {
   const ScenePair* find(BodyId a, BodyId b) const;
 
   /// The first surface that the ray hits, of bodies with surfaces. Refused with other_frame when a body has moved
-  /// since update(), and as RayQuery is.
+  /// since update(), or update() has thrown, and as RayQuery is.
   SceneRayHit first_hit(const Ray& ray) const;
   /// Every body that a shape touches or may touch (not Touch::clear), in the order of places; `nearest` is not asked
   /// for. Refused as first_hit() is; what was found before is still there.
