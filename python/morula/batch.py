@@ -142,17 +142,49 @@ class Place:
             self._fs.rm_file(self._path)
 
 
-def meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None = None) -> list[Name]:
+def _require_inside(meshes: list[Name], manifest: Name, folder: Place, roots: Iterable[str | os.PathLike[str]]) -> list[Name]:
+    """The same meshes; ValueError for a local one outside of the manifest's folder and the roots, links resolved."""
+    allowed = [pathlib.Path(root).resolve() for root in roots]
+    if folder.local is not None:
+        allowed.append(folder.local.resolve())
+    for mesh in meshes:
+        if not isinstance(mesh, pathlib.Path) or not mesh.exists():
+            continue  # a URL, and what is missing: a row of the table says so
+        there = mesh.resolve()
+        if not any(there.is_relative_to(root) for root in allowed):
+            outside = " and ".join(map(str, allowed)) or "this machine's folders"
+            raise ValueError(f"{manifest}: {mesh} lies outside {outside}; allow its folder with roots=[{str(there.parent)!r}]")
+    return meshes
+
+
+def _named(name: str, folder: Place, storage_options: Mapping[str, Any] | None) -> Name:
+    """What a line of a manifest means, also one that is written as in a URI: `a%20mesh.obj`."""
+    if "://" in name or os.path.isabs(name):
+        place = Place(name, storage_options)
+    else:
+        place = folder / name
+    if place.local is not None and not place.local.exists():
+        decoded = pathlib.Path(urllib.parse.unquote(str(place.local)))
+        if "\0" not in str(decoded) and decoded.exists():
+            return decoded
+    return place.name
+
+
+def meshes_of(
+    manifest: Manifest, storage_options: Mapping[str, Any] | None = None, roots: Iterable[str | os.PathLike[str]] = ()
+) -> list[Name]:
     """Paths of meshes: of a folder, its mesh files by name; of a text file, a path per line; of a .csv, its column `mesh`.
 
-    Paths in a file are relative to it, and may be URLs. Any other iterable is taken as it is. Local ones are pathlib.Path.
+    Paths in a file are relative to it, and may be URLs. Meshes of this machine have to lie in the manifest's folder or in one of
+    `roots`, once links are resolved, else ValueError. Any other iterable is taken as it is. Local ones are pathlib.Path.
     """
     if not isinstance(manifest, (str, os.PathLike)):
         return [Place(path, storage_options).name for path in manifest]
     place = Place(manifest, storage_options)
     if place.is_folder():
         known = set(_morula.readable_mesh_extensions().split())
-        return [path for path in place.files() if pathlib.PurePosixPath(path).suffix.lower() in known]
+        found = [path for path in place.files() if pathlib.PurePosixPath(path).suffix.lower() in known]
+        return _require_inside(found, place.name, place, roots)
     lines = io.StringIO(place.read().decode(), newline="")
     if place.suffix == ".csv":
         rows = csv.DictReader(lines)
@@ -162,9 +194,7 @@ def meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None = No
     else:
         names = [line.strip() for line in lines if line.strip() and not line.startswith("#")]
     folder = place.parent()
-    return [
-        Place(name, storage_options).name if "://" in name or os.path.isabs(name) else (folder / name).name for name in names
-    ]
+    return _require_inside([_named(name, folder, storage_options) for name in names], place.name, folder, roots)
 
 
 def key_of(mesh: str | os.PathLike[str], options: Mapping[str, Any], storage_options: Mapping[str, Any] | None = None) -> str:
@@ -306,6 +336,7 @@ def run(
     retry: bool = False,
     archives: bool = False,
     storage_options: Mapping[str, Any] | None = None,
+    roots: Iterable[str | os.PathLike[str]] = (),
     progress: Callable[[int, int, float], object] | None = None,
 ) -> list[Row]:
     """A tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
@@ -324,6 +355,7 @@ def run(
             do not like many files. tree_of() reads them.
         storage_options: of fsspec, for a manifest, meshes and an output that are URLs (`s3://bucket/meshes`). Workers read and
             write there themselves; the mesh is built from a copy.
+        roots: folders, besides the manifest's own, in which its meshes may lie.
         progress: called with meshes done, all of them, and the seconds left, estimated.
 
     trees/KEY.morula are the trees, rows/KEY.json the rows with their times.
@@ -335,7 +367,7 @@ def run(
     for name in ("trees", "rows"):
         (folder / name).make_folder()
     options = dict(options or {})
-    meshes = meshes_of(manifest, storage_options)[index - 1 :: count]
+    meshes = meshes_of(manifest, storage_options, roots)[index - 1 :: count]
     keys = [key_of(mesh, options, storage_options) for mesh in meshes]
 
     rows: dict[str, Row] = {}
@@ -479,6 +511,7 @@ def main() -> int:
     parser.add_argument("--memory-limit", type=int, help="megabytes of address space it may have")
     parser.add_argument("--retry", action="store_true", help="try again what failed; what is done stays in any case")
     parser.add_argument("--archives", action="store_true", help="trees in tar archives, by the first two digits of their keys")
+    parser.add_argument("--root", action="append", default=[], help="a folder, besides the manifest's own, in which its meshes may lie")
     parser.add_argument("--method", default="morula")
     parser.add_argument("--quality", default="default")
     parser.add_argument("--branching", type=int, default=8)
@@ -493,7 +526,7 @@ def main() -> int:
 
     rows = run(
         given.manifest, options, output=given.output, jobs=given.jobs, shard=(int(index), int(count)), time_limit=given.time_limit,
-        memory_limit_mb=given.memory_limit, retry=given.retry, archives=given.archives, progress=report,
+        memory_limit_mb=given.memory_limit, retry=given.retry, archives=given.archives, roots=given.root, progress=report,
     )
     failed = sum(row["status"] != "ok" for row in rows)
     where = (Place(given.output) / "table.csv").name if count == "1" else given.output

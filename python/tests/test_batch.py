@@ -5,6 +5,7 @@
 import concurrent.futures
 import csv
 import json
+import os
 import signal
 import struct
 import subprocess
@@ -74,6 +75,26 @@ def test_manifests(folder, tmp_path):
     with pytest.raises(ValueError, match="column `mesh`"):
         morula.batch.meshes_of(folder / "wrong.csv")
     assert morula.batch.run([tmp_path / "nowhere.obj"], output=tmp_path)[0]["status"] == "failed"
+
+
+def test_meshes_outside_of_a_manifests_folder_are_refused_unless_a_root_allows_them(folder, tmp_path):
+    lists = tmp_path / "lists"
+    lists.mkdir()
+    bar = (folder / "bar.obj").resolve()
+    (lists / "a bar.obj").write_bytes(bar.read_bytes())
+    (lists / "link.obj").symlink_to(bar)
+    manifest = lists / "list.txt"
+    manifest.write_text("a%20bar.obj\n")
+    assert morula.batch.meshes_of(manifest) == [lists / "a bar.obj"]
+    up = os.path.relpath(bar, lists)
+    for name in (str(bar), f"file://{bar}", up, up.replace("..", "%2e%2e"), "link.obj"):
+        manifest.write_text(f"a bar.obj\n{name}\n")
+        with pytest.raises(ValueError, match=r"list.txt: .* lies outside .*; allow its folder with roots="):
+            morula.batch.meshes_of(manifest)
+        assert morula.batch.meshes_of(manifest, roots=[folder])[1].samefile(bar)
+    with pytest.raises(ValueError, match="lies outside"):
+        morula.batch.meshes_of(lists)
+    assert morula.batch.meshes_of([bar]) == [bar], "what the caller names is the caller's"
 
 
 def test_other_file_systems_give_the_same(folder, tmp_path):

@@ -10,7 +10,7 @@
 #include <morula/query/signed_distance.hpp>
 #include <stdexcept>
 
-#include "grains/principal_axes.hpp"
+#include "geometry/principal_axes.hpp"
 
 namespace morula {
 

@@ -81,6 +81,11 @@ TEST(Batch, reads_lists_and_tables) {
   EXPECT_NE(rows_of(bench, "c/table.jsonl")["in/nowhere.obj"].at("message").get<std::string>().find("no such file"),
             std::string::npos);
 
+  // Names that are written as URIs.
+  std::filesystem::copy_file(bench / "in/bar.obj", bench / "in/a bar.obj");
+  bench.write("uris.txt", "in/a%20bar.obj\nfile://" + (bench / "in/limb.obj").generic_string() + "\n");
+  bench.require("batch uris.txt -o uris --method octree --no-trees");
+
   bench.write("none.txt", "# nothing\n");
   bench.expect_refused("batch none.txt -o d", "none.txt: no line names a mesh");
   bench.write("bad.csv", "name,weight\na,1\n");
@@ -92,6 +97,35 @@ TEST(Batch, reads_lists_and_tables) {
   bench.expect_refused("batch in -o a", "add --resume");
   bench.expect_refused("batch in -o d --shard 3/2", "--shard 3/2");
   bench.expect_refused("batch in -o d --shard 2", "--shard 2");
+}
+
+TEST(Batch, meshes_outside_of_the_manifests_folder_are_rows_that_are_refused) {
+  const Workbench bench;
+  write_meshes(bench);
+  std::filesystem::create_directory(bench / "lists");
+  std::filesystem::create_symlink(bench / "in/bar.obj", bench / "lists/link.obj");
+  std::filesystem::copy_file(bench / "in/bar.obj", bench / "lists/own.obj");
+  bench.write("lists/list.txt", "own.obj\n../in/bar.obj\n%2e%2e/in/bar.obj\n" + (bench / "in/limb.obj").string() +
+                                    "\nfile://" + (bench / "in/limb.obj").string() + "\nlink.obj\n");
+  const auto expect = [&](const std::string& command, const std::string& out, std::size_t refused, std::size_t ok) {
+    const CommandResult result = bench.run(command + " -o " + out + " --method octree --no-trees");
+    EXPECT_EQ(result.exit_code, refused == 0 ? 0 : 1) << result.err;
+    std::size_t outside = 0, good = 0;
+    for (const auto& [name, row] : rows_of(bench, out + "/table.jsonl")) {
+      const std::string message = row.at("message");
+      outside += row.at("status") == "refused" && message.find("lies outside ") != std::string::npos &&
+                         message.find("; allow its folder with --root ") != std::string::npos
+                     ? 1
+                     : 0;
+      good += row.at("status") == "ok" ? 1 : 0;
+    }
+    EXPECT_EQ(outside, refused) << command;
+    EXPECT_EQ(good, ok) << command;
+  };
+  expect("batch lists/list.txt", "a", 5, 1);
+  expect("batch lists/list.txt --root in/", "b", 0, 6);
+  expect("batch lists", "c", 1, 1);
+  expect("batch lists --root in", "d", 0, 2);
 }
 
 TEST(Batch, refuses_options_before_it_reads_meshes) {

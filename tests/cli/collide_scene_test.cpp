@@ -146,6 +146,27 @@ TEST(CollideScene, names_file_key_and_remedy_of_what_it_refuses) {
   body(R"("weight": -1)", ".weight: weights are 0 or more");
   body(R"("name": "body 0")", ": there are two bodies of the name 'body 0'");
   bench.refuse(R"({"bodies": [{"mesh": "no.obj"}]})", "no.obj");
+  // Files that a scene names lie in its folder, or where the user says.
+  std::filesystem::create_directory(bench / "scenes");
+  std::filesystem::create_directory(bench / "scenes/frames");
+  std::filesystem::create_symlink(bench / "limb.obj", bench / "scenes/link.obj");
+  std::filesystem::create_symlink(bench / "limb.obj", bench / "scenes/frames/0.obj");
+  std::filesystem::copy_file(bench / "limb.obj", bench / "scenes/a limb.obj");
+  const auto scene = [&](const std::string& first, const std::string& more = "") {
+    bench.write("scenes/s.json",
+                R"({"bodies": [{"mesh": ")" + first + "\"" + more + R"(}, {"mesh": "a%20limb.obj"}]})");
+  };
+  for (const std::string& mesh : {std::string("../limb.obj"), std::string("%2e%2e/limb.obj"), std::string("link.obj"),
+                                  (bench / "limb.obj").string(), "file://" + (bench / "limb.obj").string()}) {
+    scene(mesh);
+    bench.expect_refused("collide --scene scenes/s.json", "scenes/s.json: bodies[0].mesh: ");
+    bench.expect_refused("collide --scene scenes/s.json", "; allow its folder with --root ");
+    bench.require("collide --scene scenes/s.json --root .");
+  }
+  for (const std::string motion : {"frames", "frames/*.obj", "../limb.obj"}) {
+    scene("a limb.obj", R"(, "motion": ")" + motion + "\"");
+    bench.expect_refused("collide --scene scenes/s.json", "scenes/s.json: bodies[0].motion: ");
+  }
   bench.expect_refused("collide --scene room.json limb.obj", "bodies, motions and places are named in it");
   bench.expect_refused("collide --scene room.json --carry", "--carry is for two bodies");
   bench.expect_refused("collide --scene room.json --self", "--self and --within are for one or two bodies");

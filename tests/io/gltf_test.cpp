@@ -386,12 +386,27 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
     expect_file_error(binary, 0, fragment, [&] { read_mesh(binary); });
   }
   const GltfMaker good = tetrahedron();
+  const ScratchFolder elsewhere;
+  const std::filesystem::path part = elsewhere.file("part.bin", good.buffer);
+  std::filesystem::create_symlink(part, folder.path() / "linked.bin");
+  std::filesystem::create_directory_symlink(elsewhere.path(), folder.path() / "folder");
+  // Links and names with blanks in the folder itself are read.
+  folder.file("a part.bin", good.buffer);
+  std::filesystem::create_symlink("a part.bin", folder.path() / "inside.bin");
+  for (const char* uri : {"inside.bin", "a%20part.bin", "a part.bin"})
+    EXPECT_EQ(read_mesh(folder.file("uri.gltf", good.with_uri(uri))).facet_count(), 4u) << uri;
   for (const auto& [uri, fragment] : std::vector<std::pair<std::string, std::string>>{
            {(folder.path() / "part.bin").string(), "only files in its folder"},
            {"../" + folder.path().filename().string() + "/part.bin", "only files in its folder"},
            {"x/%2e%2E/part.bin", "only files in its folder"},
            {"..%5Cpart.bin", "only files in its folder"},
            {"file:part.bin", "only files in its folder"},
+           {"linked.bin", "a link out of its folder"},
+           {"linked%2Ebin", "a link out of its folder"},
+           {"folder/part.bin", "a link out of its folder"},
+           {"file:///etc/passwd", "only files in its folder"},
+           {"//etc/passwd", "only files in its folder"},
+           {"C:/part.bin", "only files in its folder"},
            {"missing.bin", "its buffer 'missing.bin' cannot be read"},
            {"short.bin", "is no glTF"},
            {"", "is no glTF"},

@@ -6,6 +6,7 @@
 #include <morula/geometry/random.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <numbers>
+#include <support/scratch_folder.hpp>
 
 namespace morula::test {
 namespace {
@@ -251,6 +252,44 @@ TEST(SelfCollision, lists_neighbours_what_touches_at_rest_and_what_never_met) {
   }
   EXPECT_GT(tested, 0u);
   EXPECT_GT(never + tested, 3u);
+}
+
+TEST(FitSpheres, flat_shapes_are_covered_and_empty_ones_passed_over) {
+  const ScratchFolder scratch;
+  scratch.file("nothing.stl", std::string(80, ' '));
+  scratch.file("none.stl", std::string(84, '\0'));
+  const auto fitted = [&](const std::string& shapes) {
+    scratch.file("r.urdf",
+                 "<robot name='r'><link name='a'><collision><geometry><sphere radius='1'/></geometry>"
+                 "</collision></link><link name='b'>" +
+                     shapes +
+                     "</link><joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint></robot>");
+    const robot::Robot read = robot::read_robot(scratch.path() / "r.urdf");
+    return robot::fit_spheres(read, {.spheres = 4, .quality = Quality::draft});
+  };
+  const auto shape = [](const std::string& geometry) {
+    return "<collision><geometry>" + geometry + "</geometry></collision>";
+  };
+  for (const char* flat : {"<box size='1 2 0'/>", "<box size='0 1 2'/>", "<cylinder radius='1' length='0'/>"}) {
+    const robot::RobotSpheres spheres = fitted(shape(flat));
+    ASSERT_EQ(spheres.links.size(), 2u) << flat;
+    EXPECT_TRUE(spheres.links[1].figures.covered) << flat;
+    EXPECT_LE(spheres.links[1].spheres.size(), 4u) << flat;
+    expect_covered<double>(spheres.links[1], 1);
+  }
+  for (const char* file : {"nothing.stl", "none.stl"}) {
+    const std::string mesh = shape(std::string("<mesh filename='") + file + "'/>");
+    const robot::RobotSpheres spheres = fitted(mesh);
+    EXPECT_EQ(spheres.links.size(), 1u);
+    ASSERT_EQ(spheres.notes.size(), 2u);
+    EXPECT_EQ(spheres.notes[0], std::string("link b: mesh ") + file + " (line 1) has no facet and is left out");
+    const robot::RobotSpheres both = fitted(mesh + shape("<box size='1 1 1'/>"));
+    ASSERT_EQ(both.links.size(), 2u);
+    EXPECT_EQ(both.notes.size(), 1u);
+  }
+  // Cut short is not empty.
+  scratch.file("cut.stl", std::string(80, ' ') + std::string("\2\0\0\0", 4));
+  EXPECT_THROW(fitted(shape("<mesh filename='cut.stl'/>")), FileError);
 }
 
 TEST(SelfCollision, links_without_spheres_do_not_part_neighbours) {

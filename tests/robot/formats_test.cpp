@@ -119,6 +119,95 @@ TEST_F(Formats, a_ball_is_three_turns) {
   }
 }
 
+TEST_F(Formats, of_all_formats_only_shapes_that_are_asked_for_are_refused) {
+  const auto geoms = [](const std::string& visual, const std::string& collision) {
+    return "<body name='a'><geom contype='0' conaffinity='0' " + visual + "/><geom group='3' " + collision +
+           "/></body>";
+  };
+  const std::string good = "size='1'";
+  for (const std::string fault : {"size='1,5'", "type='box' size='1 1'", "type='torus' size='1'", "size='-1'",
+                                  "type='mesh' mesh='none'", "type='hfield' hfield='h'", "size='1' pos='1 2'"}) {
+    const robot::Robot read = mjcf(geoms(fault, good));
+    EXPECT_EQ(read.links[0].collision.size(), 1u);
+    EXPECT_EQ(read.links[0].visual.size(), 0u);
+    if (fault.find("hfield") == std::string::npos) {
+      ASSERT_EQ(read.notes.size(), 1u) << fault;
+      EXPECT_NE(read.notes[0].find("a shape of a that is not asked for is left out: "), std::string::npos);
+    }
+    EXPECT_THROW(mjcf(geoms(good, fault)), FileError) << fault;
+  }
+  EXPECT_EQ(mjcf("<body name='a'><geom size='0'/><geom type='box' size='1 0 1'/></body>").notes.size(), 2u);
+  const auto shapes = [](const std::string& visual, const std::string& collision) {
+    return "<link name='a'><visual name='v'><geometry>" + visual +
+           "</geometry></visual><collision name='c'><geometry>" + collision + "</geometry></collision></link>";
+  };
+  const std::string ball = "<sphere><radius>1</radius></sphere>";
+  for (const std::string fault :
+       {"", "<sphere/>", "<sphere><radius>1,5</radius></sphere>", "<sphere><radius>1 2</radius></sphere>",
+        "<box><size>1,5 2,5 3,5</size></box>", "<box><size>1 2 3 4</size></box>", "<box><size>-1 1 1</size></box>"}) {
+    const robot::Robot read = sdf(shapes(fault, ball));
+    EXPECT_EQ(read.links[0].collision.size(), 1u);
+    EXPECT_EQ(read.links[0].visual.size(), 0u);
+    ASSERT_EQ(read.notes.size(), 1u) << fault;
+    EXPECT_NE(read.notes[0].find("a shape of a that is not asked for is left out: "), std::string::npos);
+    EXPECT_THROW(sdf(shapes(ball, fault)), FileError) << fault;
+  }
+  for (const char* nothing : {"<sphere><radius>0</radius></sphere>", "<ellipsoid><radii>0 0 1</radii></ellipsoid>",
+                              "<box><size>0 0 0</size></box>"}) {
+    const robot::Robot read = sdf(shapes(ball, nothing));
+    EXPECT_TRUE(read.links[0].collision.empty());
+    ASSERT_EQ(read.notes.size(), 1u);
+    EXPECT_NE(read.notes[0].find(" of size 0 in a (line 2) is left out"), std::string::npos) << read.notes[0];
+  }
+}
+
+TEST_F(Formats, joints_of_sdf_that_close_loops_are_left_out_with_a_note) {
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return "<joint name='" + name + "' type='revolute'><parent>" + parent + "</parent><child>" + child +
+           "</child><axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>\n";
+  };
+  const std::string links =
+      "<link name='a'/><link name='b'><pose>1 0 0 0 0 0</pose></link><link name='c'><pose>1 1 0 0 0 0</pose></link>"
+      "<link name='d'><pose>0 1 0 0 0 0</pose></link>\n";
+  // Four bars: the joint that would carry d a second time, or lead back to a, is left out.
+  for (const std::string& last : {joint("cd", "c", "d"), joint("dc", "d", "c"), joint("ca", "c", "a")}) {
+    const robot::Robot r = sdf(links + joint("ab", "a", "b") + joint("bc", "b", "c") + joint("ad", "a", "d") + last);
+    ASSERT_EQ(r.joints.size(), 3u) << last;
+    EXPECT_EQ(r.links[r.root].name, "a");
+    ASSERT_EQ(r.notes.size(), 1u);
+    EXPECT_NE(r.notes[0].find("(line 6) closes a loop and is left out"), std::string::npos) << r.notes[0];
+    EXPECT_EQ(r.ignored.size(), 1u) << "what the joint holds together is not tested";
+    expect_near(origin_of(r, "c", {0, 0, 0}), {1, 1, 0}, "others stay as they are");
+    expect_near(origin_of(r, "d", {0, 0, 0}), {0, 1, 0}, "others stay as they are");
+  }
+  // A link with two carriers that nothing else joins is no loop.
+  EXPECT_NE(words_of([&] {
+              sdf(links + joint("ab", "a", "b") + joint("cb", "c", "b") + joint("ad", "a", "d"));
+            }).find("link b is carried by two joints, ab and cb: a robot is a tree"),
+            std::string::npos);
+  // Joined later, it is one.
+  const robot::Robot late =
+      sdf(links + joint("ab", "a", "b") + joint("cb", "c", "b") + joint("ad", "a", "d") + joint("dc", "d", "c"));
+  ASSERT_EQ(late.joints.size(), 3u);
+  EXPECT_EQ(late.find_joint("cb"), robot::none);
+}
+
+TEST_F(Formats, a_free_joint_keeps_the_frame_that_is_written_or_is_refused) {
+  const std::string geom = "<geom type='box' size='.1 .2 .3' pos='.5 .2 0'/>";
+  const std::string on = "<compiler alignfree='true'/>";
+  for (const auto& [body, before] : std::vector<std::pair<std::string, std::string>>{
+           {"<freejoint/>", ""},
+           {"<freejoint align='false'/>", on},
+           {"<freejoint align='auto'/>", ""},
+           {"<freejoint/>", on + "<compiler alignfree='false'/>"},
+           {"<freejoint align='true'/><body name='b'><geom size='1'/></body>", ""},
+           {"<freejoint/><frame><body name='b'><geom size='1'/></body></frame>", on},
+           {"<joint type='hinge'/>", on}}) {
+    const robot::Robot r = mjcf("<body name='a' pos='0 0 1'>" + body + geom + "</body>", before);
+    expect_near(r.links[r.find_link("a")].collision.at(0).origin.translation, {0.5, 0.2, 0}, body + before);
+  }
+}
+
 TEST_F(Formats, what_other_programs_write_is_taken_with_a_note) {
   const robot::Robot fixed =
       mjcf("<body name='a'><body name='b' pos='1 0 0'><joint type='fixed'/><geom size='1'/></body></body>");

@@ -278,7 +278,7 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
   write("a/b/self.xml", "<mujocoinclude><include file='self.xml'/></mujocoinclude>");
   write("a/b/wrong.xml", "<mujocoinclude>\n<body/></mujocoinclude>");
   write("a/b/other.xml", "<robot/>");
-  write("a/escape.xml", "<mujocoinclude/>");
+  write("escape.xml", "<mujocoinclude/>");
   const auto body = [](const std::string& inside) { return "<body name='a'>" + inside + "</body>"; };
   const auto asset = [](const std::string& mesh) { return "<asset>" + mesh + "</asset>"; };
   const std::string use = body("<geom type='mesh' mesh='t'/>");
@@ -294,7 +294,7 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {body("<joint limited='maybe'/>"), "", "neither true nor false"},
       {body("<body><freejoint/></body>"), "", "free joint"},
       {body("<geom/>"), "", "has no size"},
-      {body("<geom size='0'/>"), "", "is not above 0"},
+      {body("<geom size='-1'/>"), "", "is below 0"},
       {body("<geom size='1' type='capsule'/>"), "", "is not 2 to 3 numbers"},
       {body("<geom size='1' type='capsule' fromto='1 1 1 1 1 1'/>"), "", "one point twice"},
       {body("<geom type='hfield' hfield='h'/>"), "", "is a hfield"},
@@ -303,7 +303,6 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {use, "", "there is no mesh t"},
       {use, asset("<mesh name='t' vertex='0 0 0'/>"), "written out or built in"},
       {use, asset("<mesh file='m/t.msh'/>"), "is missing; searched"},
-      {use, asset("<mesh file='m/t.obj' scale='1 0 1'/>"), "scaled by 0"},
       {use, asset("<mesh file='m/t.obj'/><mesh file='t.obj'/>"), "two meshes t"},
       {use, asset("<mesh name='t' file='../../../../../etc/passwd'/>"), "r.xml:2: mesh \"../../../../../etc/passwd\""},
       {use, asset("<mesh name='t' file='m/no.obj'/>"), "is missing; searched"},
@@ -330,9 +329,17 @@ TEST_F(Formats, mjcf_that_is_broken_or_not_supported_is_refused_by_name) {
       {body(""), "<compiler coordinate='global'/>", "coordinate=\"global\" is not supported"},
       {body(""), "<compiler angle='grad'/>", "neither degree nor radian"},
       {body(""), "<compiler eulerseq='xy'/>", "three of the letters"},
-      {body(""), "<include file='../../escape.xml'/>", "leaves the folder"},
-      {body(""), "<include file='/etc/passwd'/>", "leaves the folder"},
-      {body(""), "<include file='x/../../../escape.xml'/>", "leaves the folder"},
+      {body(""), "<include file='../../escape.xml'/>", "lies outside"},
+      {body(""), "<include file='%2e%2e/../escape.xml'/>", "lies outside"},
+      {body(""), "<include file='/etc/passwd'/>", "lies outside"},
+      {body(""), "<include file='file:///etc/passwd'/>", "lies outside"},
+      {body(""), "<include file='http://host/a.xml'/>", "is not on this disk"},
+      {body(""), "<include file='x/../../../escape.xml'/>", "lies outside"},
+      {body("<freejoint align='true'/><geom size='1' pos='1 0 0'/>"), "", "the frame of a is aligned with its inertia"},
+      {body("<freejoint/><geom size='1'/>"), "<compiler alignfree='true'/>", "the frame of a is aligned"},
+      {body("<freejoint align='auto'/><geom size='1'/>"), "<compiler alignfree='true'/>", "write align=\"false\""},
+      {body("<joint type='free'/><geom size='1'/>"), "<compiler alignfree='true'/>", "the frame of a is aligned"},
+      {body("<freejoint align='maybe'/>"), "", "neither true nor false"},
       {body(""), "<include file='no.xml'/>", "is missing; searched"},
       {body(""), "<include/>", "<include> has no file"},
       {body(""), "<include file='twice.xml'/><include file='twice.xml'/>", "a second time"},

@@ -108,8 +108,9 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {two + joint("fixed", "", "m::c"), "models in models"},
       {two + joint("fixed", "", "a"), "joins link a to itself"},
       {two + joint("fixed", "<pose relative_to='j'/>"), "relative to itself"},
-      {two + joint("fixed") + "<joint name='k' type='fixed'><parent>a</parent><child>b</child></joint>",
-       "carried by two joints"},
+      {two + "<link name='c'/>" + joint("fixed") +
+           "<joint name='k' type='fixed'><parent>c</parent><child>b</child></joint>",
+       "carried by two joints, j and k"},
       {"<link name='a'><pose relative_to='b'/></link><link name='b'><pose relative_to='a'/></link>",
        "relative to itself"},
       {"<link name='a'><pose relative_to='x'/></link>", "there is no frame x"},
@@ -121,16 +122,15 @@ TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
       {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<heightmap/>"), "<heightmap> is no geometry"},
       {shape("<polyline/>"), "<polyline> is no geometry"},
-      {shape("<sphere><radius>0</radius></sphere>"), "not above 0"},
+      {shape("<sphere><radius>-1</radius></sphere>"), "which is below 0"},
       {shape("<sphere/>"), "<sphere> has no <radius>"},
       {shape("<box><size>1 1</size></box>"), "is not 3 numbers"},
-      {shape("<ellipsoid><radii>1 0 1</radii></ellipsoid>"), "a radius not above 0"},
+      {shape("<ellipsoid><radii>1 -1 1</radii></ellipsoid>"), "a radius below 0"},
       {shape("<mesh/>"), "<mesh> has no <uri>"},
       {shape("<mesh><uri> </uri></mesh>"), "<uri>"},
       {shape("<mesh><uri>no.stl</uri></mesh>"), "is missing; searched"},
       {shape("<mesh><uri>model://m/../../../../etc/passwd</uri></mesh>"), "leaves its package"},
       {shape("<mesh><uri>https://host/x.stl</uri></mesh>"), "is not on this disk"},
-      {shape("<mesh><uri>no.stl</uri><scale>0 1 1</scale></mesh>"), "scaled by 0"},
   };
   for (const auto& [body, words] : cases) {
     const std::string text = words_of([&, &body = body] { sdf(body); });

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <fstream>
 #include <iterator>
+#include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/version.hpp>
 #include <sstream>
@@ -85,7 +86,8 @@ std::vector<ManifestRow> rows_of_csv(std::istream& in, const fs::path& folder) {
     if (cells.size() != columns)
       throw UsageError(fmt::format("line {}: {} cells, but {} columns", line, cells.size(), columns));
     if (cells[mesh].empty()) throw UsageError(fmt::format("line {}: the cell of the mesh is empty", line));
-    rows.push_back({name < columns && !cells[name].empty() ? cells[name] : cells[mesh], folder / cells[mesh]});
+    rows.push_back(
+        {name < columns && !cells[name].empty() ? cells[name] : cells[mesh], referenced_file(cells[mesh], folder)});
   }
   return rows;
 }
@@ -95,7 +97,7 @@ std::vector<ManifestRow> rows_of_text(std::istream& in, const fs::path& folder) 
   for (std::string line; std::getline(in, line);) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
     line.erase(0, line.find_first_not_of(" \t"));
-    if (!line.empty() && line[0] != '#') rows.push_back({line, folder / line});
+    if (!line.empty() && line[0] != '#') rows.push_back({line, referenced_file(line, folder)});
   }
   return rows;
 }

@@ -15,6 +15,7 @@
 #include <memory>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/csv.hpp>
+#include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
@@ -39,6 +40,7 @@ struct BatchArguments {
   std::string manifest;
   std::string output;
   std::string shard = "1/1";
+  std::vector<std::string> roots;
   unsigned jobs = 0;
   std::optional<double> time_limit;
   std::optional<std::size_t> memory_limit;
@@ -170,10 +172,19 @@ struct Work {
   std::vector<std::size_t> waiting;     // rows, one per key without a result
 };
 
+// In which all meshes of a batch have to lie.
+FileRoots roots_of(const BatchArguments& o) {
+  FileRoots roots({o.roots.begin(), o.roots.end()});
+  const fs::path manifest(o.manifest);
+  roots.add(fs::is_directory(manifest) ? manifest : manifest.parent_path());
+  return roots;
+}
+
 Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const Places& places, const Shard& shard) {
   std::string options;
   for (const std::string& word : build_arguments(o)) options += word + " ";
   Work work;
+  const FileRoots roots = roots_of(o);
   std::set<std::string> seen;
   Progress progress("reading");
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -182,6 +193,8 @@ Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const Pl
     work.rows.push_back(all[i]);
     std::string key, message;
     try {
+      if (const std::optional<std::string> outside = roots.refusal(all[i].mesh, "--root"))
+        throw FileError(fmt::format("{}: {}", all[i].mesh.string(), *outside));
       key = content_key(all[i].mesh, options + extension(all[i].mesh));
     } catch (const FileError& error) {
       message = error.what();
@@ -342,6 +355,8 @@ void add_batch(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder of results: trees, table.csv, table.jsonl, cost.csv")
       ->required()
       ->type_name("FOLDER");
+  add_repeatable(*command, "--root", o->roots, "DIR",
+                 "Folder, besides the manifest's own, in which its meshes may lie; may be repeated");
   add_option(*command, "--jobs", o->jobs, "Processes at once; all processors when not given")
       ->type_name("N")
       ->transform(whole_number(1, 1024));

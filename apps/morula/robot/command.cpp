@@ -106,8 +106,9 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   Stopwatch watch;
-  const robot::Robot robot =
-      robot::read_robot(o.robot, {.package_paths = package_paths(o), .visual = o.geometry == "visual"});
+  const robot::Robot robot = robot::read_robot(o.robot, {.package_paths = package_paths(o),
+                                                         .visual = o.geometry == "visual",
+                                                         .left_out = {o.left_out.begin(), o.left_out.end()}});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given = robot.ignored;
@@ -134,8 +135,12 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const double pairs_seconds = watch.lap();
   if (interrupt.requested()) throw BuildStopped();
 
-  robot::OutputOptions output{
-      .folder = o.output, .tool_frames = o.tools, .srdf = {}, .seed = o.seed, .density = o.density};
+  robot::OutputOptions output{.folder = o.output,
+                              .tool_frames = o.tools,
+                              .srdf = {},
+                              .seed = o.seed,
+                              .density = fit.density,
+                              .fill_masses = o.density.has_value()};
   if (!o.srdf.empty()) output.srdf = o.srdf;
   const robot::Description description{robot, spheres, self_collision, output};
   std::vector<std::string> written;

@@ -99,7 +99,7 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
                         .method = parse_method(o.method),
                         .quality = fit_quality(o),
                         .seed = o.seed,
-                        .density = o.density,
+                        .density = o.density.value_or(robot::FitOptions{}.density),
                         .stop = {},
                         .progress = {}};
   if (!o.max_protrusion.empty()) {
@@ -254,10 +254,12 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--quality", o.quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->default_str("fast");
-  add_option(command, "--density", o.density, "Of links without a mass, for the masses of the report")
+  add_option(command, "--density", o.density,
+             fmt::format("Of links without a mass: {} in the report; where it is given, files of simulators have "
+                         "these masses, too",
+                         robot::FitOptions{}.density))
       ->type_name("X")
-      ->transform(number_above_zero())
-      ->capture_default_str();
+      ->transform(number_above_zero());
   add_option(command, "--seed", o.seed, "Of every random choice; equal seeds give equal files")
       ->type_name("N")
       ->transform(whole_number())

@@ -13,6 +13,9 @@ struct OutputOptions {
   std::optional<std::filesystem::path> srdf{};  ///< what the SRDF that is written adds to
   std::uint64_t seed = 1;                       ///< of the sampled configurations
   double density = 1000;                        ///< for MorphIt's masses of links that have none
+  /// In files of simulators, too, links without a mass weigh as much as their spheres of this density. Otherwise they
+  /// weigh nothing, or where the format does not allow that 1e-6.
+  bool fill_masses = false;
   bool inner = false;  ///< the spheres are inside the links and do not cover them, which files with comments say
 };
 

@@ -12,6 +12,7 @@
 #include <morula/geometry/sphere.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -82,18 +83,23 @@ struct Robot {
   std::vector<std::size_t> order;  ///< joints, each after the one that carries its parent
   std::vector<std::size_t> own;    ///< joints that move and follow no other: the coordinates of a configuration
   std::vector<std::string> notes;  ///< what was passed over, in words
-  std::vector<std::filesystem::path> included{};      ///< files that the robot's file includes
-  std::vector<std::array<std::string, 2>> ignored{};  ///< pairs of links that the file itself excludes from collision
+  std::vector<std::filesystem::path> included{};  ///< files that the robot's file includes
+  std::vector<std::array<std::string, 2>>
+      ignored{};  ///< pairs of links that the file itself excludes from collision, or joins into a loop
 
   std::size_t find_link(std::string_view name) const;   ///< none: there is none
   std::size_t find_joint(std::string_view name) const;  ///< none: there is none
 };
 
 struct ReadOptions {
-  /// Folders that hold packages: what `package://NAME/PATH` is looked for in, before the folders above the robot's
-  /// file.
+  /// Folders that hold packages: `package://NAME/PATH` is looked for in them first. They, and the folders around the
+  /// robot's file that docs/robot_files.md lists, are the only ones that its meshes and included files may lie in,
+  /// after links are resolved.
   std::vector<std::filesystem::path> package_paths{};
   bool visual = false;  ///< the visual shapes are needed, not those of collision: only needed meshes have to be there
+  std::set<std::string> left_out{};  ///< links whose shapes are not needed
+
+  bool needs(const std::string& link, bool is_visual) const { return is_visual == visual && left_out.count(link) == 0; }
 };
 
 /// Reads a URDF, MJCF or SDF, as the first element says. Throws FileError, with file, line and remedy: XML that is
@@ -106,7 +112,8 @@ struct ReadOptions {
 /// passed over; the root is the only body of the world where it is free or stands in its origin, else a link "world".
 Robot read_robot(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Where a mesh named in a robot's file is; throws FileError that lists the places searched.
+/// Where a mesh named in a robot's file is; throws FileError that lists the places searched, or says which folders it
+/// lies outside of.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& robot_file,
                                 std::span<const std::filesystem::path> package_paths, int line);
 
@@ -121,6 +128,7 @@ enum class RoundShapes {
 struct LinkSurface {
   Mesh mesh;
   std::vector<Sphere> spheres;
+  std::vector<std::string> notes{};  ///< meshes without a facet, which are passed over
   bool empty() const { return mesh.facets.empty() && spheres.empty(); }
 };
 /// Throws FileError for meshes that cannot be read.

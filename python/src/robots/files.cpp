@@ -6,6 +6,7 @@
 #include <morula/morula.hpp>
 #include <morula/robot/fit.hpp>
 #include <morula/robot/robot.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,15 +21,18 @@ void bind_robot_files(nb::module_& m) {
   using robot::Shape;
   m.def(
       "read_robot",
-      [](const FilePath& path, const std::vector<std::filesystem::path>& package_paths, bool visual) {
-        return without_gil([&] { return robot::read_robot(path, {package_paths, visual}); });
+      [](const FilePath& path, const std::vector<std::filesystem::path>& package_paths, bool visual,
+         const std::set<std::string>& left_out) {
+        return without_gil([&] { return robot::read_robot(path, {package_paths, visual, left_out}); });
       },
       nb::arg("path"), nb::kw_only(), nb::arg("package_paths") = std::vector<std::filesystem::path>{},
-      nb::arg("visual") = false,
+      nb::arg("visual") = false, nb::arg("left_out") = std::set<std::string>{},
       nb::sig("def read_robot(path: str | os.PathLike[str], *, "
-              "package_paths: collections.abc.Sequence[str | os.PathLike[str]] = [], visual: bool = False) -> Robot"),
-      with_arguments(doc::read_robot,
-                     {{"package_paths", doc::ReadOptions_package_paths}, {"visual", doc::ReadOptions_visual}})
+              "package_paths: collections.abc.Sequence[str | os.PathLike[str]] = [], visual: bool = False, "
+              "left_out: set[str] = set()) -> Robot"),
+      with_arguments(doc::read_robot, {{"package_paths", doc::ReadOptions_package_paths},
+                                       {"visual", doc::ReadOptions_visual},
+                                       {"left_out", doc::ReadOptions_left_out}})
           .c_str());
   m.def(
       "find_mesh",

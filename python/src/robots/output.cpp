@@ -24,13 +24,15 @@ void bind_robot_output(nb::module_& m) {
           "write",
           [](const OutputFormat& format, const robot::Robot& robot, const robot::RobotSpheres& spheres,
              const robot::SelfCollision* ignored, const FilePath& folder, const std::vector<std::string>& tool_frames,
-             const std::optional<std::filesystem::path>& srdf, std::uint64_t seed, double density, bool inner) {
+             const std::optional<std::filesystem::path>& srdf, std::uint64_t seed, double density, bool fill_masses,
+             bool inner) {
             robot::OutputOptions options;
             options.folder = folder.path;
             options.tool_frames = tool_frames;
             options.srdf = srdf;
             options.seed = seed;
             options.density = density;
+            options.fill_masses = fill_masses;
             options.inner = inner;
             const robot::SelfCollision none;
             const auto files = without_gil([&] {
@@ -43,18 +45,19 @@ void bind_robot_output(nb::module_& m) {
           },
           nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(), nb::kw_only(),
           nb::arg("folder"), nb::arg("tool_frames") = std::vector<std::string>{}, nb::arg("srdf") = nb::none(),
-          nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("inner") = false,
+          nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("fill_masses") = false, nb::arg("inner") = false,
           nb::sig(
               "def write(self, robot: Robot, spheres: RobotSpheres, self_collision: SelfCollision | None = None, *, "
               "folder: str | os.PathLike[str], tool_frames: collections.abc.Sequence[str] = [], "
               "srdf: str | os.PathLike[str] | None = None, seed: int = 1, density: float = 1000.0, "
-              "inner: bool = False) -> dict[str, bytes]"),
+              "fill_masses: bool = False, inner: bool = False) -> dict[str, bytes]"),
           with_arguments("The files, by their names in the folder: nothing is written yet.",
                          {{"folder", doc::OutputOptions_folder},
                           {"tool_frames", doc::OutputOptions_tool_frames},
                           {"srdf", doc::OutputOptions_srdf},
                           {"seed", doc::OutputOptions_seed},
                           {"density", doc::OutputOptions_density},
+                          {"fill_masses", doc::OutputOptions_fill_masses},
                           {"inner", doc::OutputOptions_inner}})
               .c_str())
       .def("__repr__",

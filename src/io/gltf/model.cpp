@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <nlohmann/json.hpp>
 
@@ -148,7 +149,12 @@ fs::path beside(const Container& file, const std::string& uri) {
   if (!is_inside)
     throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
                     "; only files in its folder are read, by relative names without '..'");
-  return file.path.parent_path() / relative;
+  const fs::path path = file.path.parent_path() / relative;
+  std::error_code error;
+  if (fs::exists(path, error) && !FileRoots({file.path.parent_path()}).hold(path))
+    throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
+                    ", a link out of its folder; only files in its folder are read: copy it there");
+  return path;
 }
 
 // A buffer, as tinygltf asks for it. It checks the size against what was announced, a chunk may have padding.

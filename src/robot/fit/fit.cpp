@@ -136,10 +136,17 @@ class Fitter {
       LinkSurface& surface = result_.links[i].surface;
       surface = surface_of(robot_.file, shapes_of(link));
       if (const std::vector<ClipPlane>& planes = planes_of(result_.links[i]); !planes.empty()) {
+        std::vector<std::string> notes = std::move(surface.notes);
         surface = clipped(surface, planes, o_.clip_margin);
+        surface.notes = std::move(notes);
         if (o_.clip_margin > 0 && o_.kept.count(link.name) == 0) require_margin(link, surface.mesh, planes);
       }
     });
+    for (LinkSpheres& link : result_.links) {
+      for (const std::string& note : link.surface.notes) {
+        result_.notes.push_back(fmt::format("link {}: {}", name_of(link), note));
+      }
+    }
     std::erase_if(result_.links, [&](const LinkSpheres& link) {
       if (!link.surface.empty()) return false;
       result_.notes.push_back(

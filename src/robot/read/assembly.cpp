@@ -88,6 +88,63 @@ std::string endless_plane_note(const std::string& link, int line) {
   return fmt::format("a plane in {} (line {}) has no end and is left out: nothing covers it", link, line);
 }
 
+std::string unread_shape_note(const std::string& link, const FileError& error) {
+  return fmt::format("a shape of {} that is not asked for is left out: {}", link, error.what());
+}
+
+namespace {
+
+std::string_view word_for(Shape::Kind kind) {
+  switch (kind) {
+    case Shape::Kind::mesh:
+      return "mesh";
+    case Shape::Kind::box:
+      return "box";
+    case Shape::Kind::cylinder:
+      return "cylinder";
+    case Shape::Kind::sphere:
+      return "sphere";
+    case Shape::Kind::capsule:
+      return "capsule";
+    case Shape::Kind::ellipsoid:
+      return "ellipsoid";
+  }
+  return "shape";
+}
+
+/// In how many directions it has a size.
+int extents(const Shape& shape) {
+  const auto count = [](const Vec3& v) { return (v.x != 0 ? 1 : 0) + (v.y != 0 ? 1 : 0) + (v.z != 0 ? 1 : 0); };
+  switch (shape.kind) {
+    case Shape::Kind::mesh:
+      return count(shape.scale);
+    case Shape::Kind::box:
+    case Shape::Kind::ellipsoid:
+      return count(shape.size);
+    case Shape::Kind::sphere:
+      return shape.radius > 0 ? 3 : 0;
+    case Shape::Kind::cylinder:
+      return (shape.radius > 0 ? 2 : 0) + (shape.length > 0 ? 1 : 0);
+    case Shape::Kind::capsule:
+      return shape.radius > 0 ? 3 : shape.length > 0 ? 1 : 0;
+  }
+  return 3;
+}
+
+}  // namespace
+
+bool has_surface(const Shape& shape, const std::string& link, bool needed, std::vector<std::string>& notes) {
+  const int count = extents(shape);
+  if (needed && count == 2) {
+    notes.push_back(fmt::format("a {} in {} (line {}) is flat: it is covered as a plate without thickness",
+                                word_for(shape.kind), link, shape.line));
+  }
+  if (needed && count < 2) {
+    notes.push_back(fmt::format("a {} of size 0 in {} (line {}) is left out", word_for(shape.kind), link, shape.line));
+  }
+  return count >= 2;
+}
+
 void require_no_mimic_circle(const Robot& robot) {
   for (const Joint& joint : robot.joints) {
     std::size_t steps = 0;

@@ -57,6 +57,12 @@ void require_no_mimic_circle(const Robot& robot);
 
 /// What is said of a plane among a link's shapes.
 std::string endless_plane_note(const std::string& link, int line);
+/// What is said of a shape that nobody asks for and that cannot be read.
+std::string unread_shape_note(const std::string& link, const FileError& error);
+
+/// Has the shape a surface? One of no size, or of size in one direction alone, has none and is passed over; one that is
+/// flat is a plate, and both sides of it are covered. Where the shape is needed, either is told in `notes`.
+bool has_surface(const Shape& shape, const std::string& link, bool needed, std::vector<std::string>& notes);
 
 Robot read_urdf(const Xml& xml, const ReadOptions& options);
 Robot read_mjcf(const Xml& xml, const ReadOptions& options);

@@ -42,6 +42,7 @@ class SdfReader {
     for (const auto& [name, frame] : frames_) resolve(name, *frame.at);
     for (const XMLElement* at : links_) add_link(*at);
     for (const XMLElement* at : joints_) add_joint(*at);
+    leave_out_loops();
     for (const XMLElement* at : joints_) add_mimics(*at);
     require_no_mimic_circle(robot());
     arrange(robot());
@@ -59,6 +60,12 @@ class SdfReader {
     std::string_view kind;
     RigidTransform pose{};  // in the model
     enum class State { waiting, at_work, done } state = State::waiting;
+  };
+
+  /// A joint that waits for what the others join.
+  struct Loop {
+    const XMLElement* joint;
+    std::size_t parent, child;
   };
 
   Robot& robot() { return assembly_.robot; }
@@ -129,11 +136,11 @@ class SdfReader {
     return numbers_in(*at, 1)[0];
   }
 
-  double above_zero(const XMLElement& of, const char* name) const {
+  double not_below_zero(const XMLElement& of, const char* name) const {
     const XMLElement* at = of.FirstChildElement(name);
     if (at == nullptr) xml_.fail(of, fmt::format("<{}> has no <{}>", of.Name(), name));
     const double value = numbers_in(*at, 1)[0];
-    if (!(value > 0)) xml_.fail(*at, fmt::format("<{}> of <{}> is {}, which is not above 0", name, of.Name(), value));
+    if (!(value >= 0)) xml_.fail(*at, fmt::format("<{}> of <{}> is {}, which is below 0", name, of.Name(), value));
     return value;
   }
 
@@ -274,8 +281,8 @@ class SdfReader {
     link.line = at.GetLineNum();
     for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
       const std::string_view kind = it->Name();
-      if (kind == "collision") add_shape(link.collision, *it, link.name, !options_.visual);
-      if (kind == "visual") add_shape(link.visual, *it, link.name, options_.visual);
+      if (kind == "collision") add_shape(link.collision, *it, link.name, options_.needs(link.name, false));
+      if (kind == "visual") add_shape(link.visual, *it, link.name, options_.needs(link.name, true));
       if (kind == "inertial") link.inertial = inertial(*it, link.name);
     }
     robot().links.push_back(std::move(link));
@@ -300,7 +307,19 @@ class SdfReader {
     return result;
   }
 
+  /// Only a shape that is needed can be refused.
   void add_shape(std::vector<Shape>& shapes, const XMLElement& of, const std::string& link, bool needed) {
+    try {
+      std::optional<Shape> shape = shape_of(of, link, needed);
+      if (shape && has_surface(*shape, link, needed, robot().notes)) shapes.push_back(std::move(*shape));
+    } catch (const FileError& error) {
+      if (needed) throw;
+      robot().notes.push_back(unread_shape_note(link, error));
+    }
+  }
+
+  /// Nothing for one without a surface that could be covered, with a note where it is needed.
+  std::optional<Shape> shape_of(const XMLElement& of, const std::string& link, bool needed) {
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
     if (at == nullptr) xml_.fail(of, fmt::format("<{}> has no geometry", of.Name()));
@@ -308,17 +327,14 @@ class SdfReader {
     shape.line = of.GetLineNum();
     shape.origin = pose_in_link(of, link);
     const std::string_view kind = at->Name();
-    if (kind == "empty") return;
+    if (kind == "empty") return std::nullopt;
     if (kind == "plane") {
       if (needed) robot().notes.push_back(endless_plane_note(link, at->GetLineNum()));
-      return;
+      return std::nullopt;
     }
     if (kind == "mesh") {
       shape.file_name = text(*at, "uri");
       shape.scale = vector(*at, "scale", {1, 1, 1});
-      if (shape.scale.x == 0 || shape.scale.y == 0 || shape.scale.z == 0) {
-        xml_.fail(*at, "a mesh is scaled by 0, which leaves nothing of it");
-      }
       if (const XMLElement* part = at->FirstChildElement("submesh")) {
         shape.part = text(*part, "name");
         shape.part_centered = is_true(*part, "center");
@@ -327,27 +343,27 @@ class SdfReader {
     } else if (kind == "box") {
       shape.kind = Shape::Kind::box;
       shape.size = vector(*at, "size", {1, 1, 1});
-      if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) xml_.fail(*at, "a box has an edge not above 0");
+      if (!(shape.size.x >= 0 && shape.size.y >= 0 && shape.size.z >= 0)) xml_.fail(*at, "a box has an edge below 0");
     } else if (kind == "ellipsoid") {
       shape.kind = Shape::Kind::ellipsoid;
       shape.size = 2 * vector(*at, "radii", {1, 1, 1});
-      if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-        xml_.fail(*at, "an ellipsoid has a radius not above 0");
+      if (!(shape.size.x >= 0 && shape.size.y >= 0 && shape.size.z >= 0))
+        xml_.fail(*at, "an ellipsoid has a radius below 0");
     } else if (kind == "sphere") {
       shape.kind = Shape::Kind::sphere;
-      shape.radius = above_zero(*at, "radius");
+      shape.radius = not_below_zero(*at, "radius");
     } else if (kind == "cylinder" || kind == "capsule") {
       shape.kind = kind == "cylinder" ? Shape::Kind::cylinder : Shape::Kind::capsule;
-      shape.radius = above_zero(*at, "radius");
-      shape.length = above_zero(*at, "length");
+      shape.radius = not_below_zero(*at, "radius");
+      shape.length = not_below_zero(*at, "length");
     } else if (needed) {
       xml_.fail(*at,
                 fmt::format("<{}> is no geometry that is known: mesh, box, sphere, cylinder, capsule and ellipsoid are",
                             kind));
     } else {
-      return;
+      return std::nullopt;
     }
-    shapes.push_back(std::move(shape));
+    return shape;
   }
 
   // Joints.
@@ -422,10 +438,11 @@ class SdfReader {
     if (parent == child) xml_.fail(at, fmt::format("joint {} joins link {} to itself", name, child));
     const std::size_t parent_link = link_at(parent), child_link = link_at(child);
     Link& carried = robot().links[child_link];
-    if (carried.joint != none) {
-      xml_.fail(at, fmt::format("link {} is carried by two joints, {} and {}: a robot is a tree", child,
-                                robot().joints[carried.joint].name, name));
+    if (carried.joint != none || carrier_of_all(parent_link) == carrier_of_all(child_link)) {
+      loops_.push_back({&at, parent_link, child_link});
+      return;
     }
+    carriers_[carrier_of_all(child_link)] = carrier_of_all(parent_link);
     const RigidTransform joint_pose = pose_of(name, at), child_pose = pose_of(child, at);
     const RigidTransform in_parent = relative_to(pose_of(parent, at), child_pose);
     Vec3 anchor = child_pose.turn_back(joint_pose.translation - child_pose.translation);
@@ -467,6 +484,30 @@ class SdfReader {
     }
   }
 
+  /// One link for all that are joined so far, whichever of two carries the other.
+  std::size_t carrier_of_all(std::size_t link) const {
+    for (auto found = carriers_.find(link); found != carriers_.end(); found = carriers_.find(link))
+      link = found->second;
+    return link;
+  }
+
+  /// A joint between links that others join anyway closes a loop: a robot is the tree of the joints before it.
+  void leave_out_loops() {
+    for (const Loop& loop : loops_) {
+      const std::string name = xml_.text(*loop.joint, "name");
+      const Link &parent = robot().links[loop.parent], &child = robot().links[loop.child];
+      if (carrier_of_all(loop.parent) != carrier_of_all(loop.child)) {
+        xml_.fail(*loop.joint, fmt::format("link {} is carried by two joints, {} and {}: a robot is a tree", child.name,
+                                           robot().joints[child.joint].name, name));
+      }
+      robot().ignored.push_back({parent.name, child.name});
+      robot().notes.push_back(fmt::format(
+          "joint {} (line {}) closes a loop and is left out: {} and {} come apart in poses that do not keep "
+          "it closed, and are not tested against each other",
+          name, loop.joint->GetLineNum(), parent.name, child.name));
+    }
+  }
+
   void add_mimics(const XMLElement& at) {
     const XMLElement* axis = at.FirstChildElement("axis");
     const XMLElement* mimic = axis == nullptr ? nullptr : axis->FirstChildElement("mimic");
@@ -491,6 +532,8 @@ class SdfReader {
   std::map<std::string, Frame> frames_;
   std::vector<const XMLElement*> links_, joints_;
   std::map<std::string, std::size_t> link_place_;
+  std::map<std::size_t, std::size_t> carriers_;  // of a link, another one of the same tree
+  std::vector<Loop> loops_;
 };
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/robot/robot.hpp>
@@ -120,11 +122,22 @@ void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& or
   }
 }
 
+/// An STL that is nothing but a header without words: programs write that for a body without triangles.
+bool is_blank_stl(const std::filesystem::path& file, const std::string& ending) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (ending != ".stl" || error || size < 80 || size > 84) return false;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return bytes.find_first_not_of(std::string_view("\0 ", 2)) == std::string::npos;
+}
+
 Mesh mesh_of(const Shape& shape) {
   const std::filesystem::path& file = shape.file;
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  if (is_blank_stl(file, ending)) return {};
   if (ending != ".dae" && !shape.part.empty()) {
     throw FileError(
         fmt::format("{}: submesh {} is asked for, and only those of COLLADA files are read: save it as a "
@@ -153,7 +166,12 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
     switch (shape.kind) {
       case Shape::Kind::mesh:
         try {
-          add(surface.mesh, mesh_of(shape), shape.scale, shape.origin);
+          const Mesh mesh = mesh_of(shape);
+          if (mesh.facets.empty()) {
+            surface.notes.push_back(
+                fmt::format("mesh {} (line {}) has no facet and is left out", shape.file_name, shape.line));
+          }
+          add(surface.mesh, mesh, shape.scale, shape.origin);
         } catch (const FileError& error) {
           fail_at(shape.described_in.empty() ? robot_file : shape.described_in, shape.line, error.what());
         }

@@ -26,16 +26,26 @@ struct UrdfReader {
     return from_roll_pitch_yaw(xml.vector(*at, "rpy", {}), xml.vector(*at, "xyz", {}));
   }
 
-  double above_zero(const XMLElement& at, const char* attribute) const {
+  double not_below_zero(const XMLElement& at, const char* attribute) const {
     const double value = xml.number(at, attribute);
-    if (!(value > 0)) xml.fail(at, fmt::format("{}=\"{}\" of <{}> is not above 0", attribute, value, at.Name()));
+    if (!(value >= 0)) xml.fail(at, fmt::format("{}=\"{}\" of <{}> is below 0", attribute, value, at.Name()));
     return value;
   }
 
-  void leave_out(const std::string& what) { robot.notes.push_back(what); }
-
-  /// Nothing for shapes that cannot be covered and need not be, with a note where it is needed.
+  /// Nothing for shapes that cannot be covered and need not be, with a note. Only one that is needed can be refused.
   std::optional<Shape> shape(const XMLElement& of, const std::string& link, bool needed) {
+    try {
+      std::optional<Shape> read = shape_of(of, link, needed);
+      if (read && !has_surface(*read, link, needed, robot.notes)) read.reset();
+      return read;
+    } catch (const FileError& error) {
+      if (needed) throw;
+      robot.notes.push_back(unread_shape_note(link, error));
+      return std::nullopt;
+    }
+  }
+
+  std::optional<Shape> shape_of(const XMLElement& of, const std::string& link, bool needed) {
     Shape shape{.origin = origin(of), .file_name = {}, .file = {}, .line = of.GetLineNum()};
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
@@ -44,28 +54,21 @@ struct UrdfReader {
     if (kind == "mesh") {
       shape.file_name = xml.text(*at, "filename");
       shape.scale = xml.vector(*at, "scale", {1, 1, 1});
-      if (shape.scale.x == 0 || shape.scale.y == 0 || shape.scale.z == 0) {
-        xml.fail(*at, "a mesh is scaled by 0, which leaves nothing of it");
-      }
       if (needed) shape.file = find_mesh(shape.file_name, xml.file(), options.package_paths, at->GetLineNum());
     } else if (kind == "box") {
       shape.kind = Shape::Kind::box;
       xml.text(*at, "size");
       shape.size = xml.vector(*at, "size", {});
-      if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) xml.fail(*at, "a box has an edge not above 0");
+      if (!(shape.size.x >= 0 && shape.size.y >= 0 && shape.size.z >= 0)) xml.fail(*at, "a box has an edge below 0");
     } else if (kind == "sphere") {
       shape.kind = Shape::Kind::sphere;
-      if (xml.number(*at, "radius") == 0) {
-        if (needed) leave_out(fmt::format("a sphere of radius 0 in {} (line {}) is left out", link, at->GetLineNum()));
-        return std::nullopt;
-      }
-      shape.radius = above_zero(*at, "radius");
+      shape.radius = not_below_zero(*at, "radius");
     } else if (kind == "cylinder" || kind == "capsule") {
       shape.kind = kind == "cylinder" ? Shape::Kind::cylinder : Shape::Kind::capsule;
-      shape.radius = above_zero(*at, "radius");
-      shape.length = above_zero(*at, "length");
+      shape.radius = not_below_zero(*at, "radius");
+      shape.length = not_below_zero(*at, "length");
     } else if (kind == "plane") {
-      if (needed) leave_out(endless_plane_note(link, at->GetLineNum()));
+      if (needed) robot.notes.push_back(endless_plane_note(link, at->GetLineNum()));
       return std::nullopt;
     } else {
       xml.fail(*at,
@@ -82,7 +85,7 @@ struct UrdfReader {
     for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
       const std::string_view name = it->Name();
       if (name == "collision" || name == "visual") {
-        std::optional<Shape> read = shape(*it, link.name, (name == "visual") == options.visual);
+        std::optional<Shape> read = shape(*it, link.name, options.needs(link.name, name == "visual"));
         if (read) (name == "visual" ? link.visual : link.collision).push_back(std::move(*read));
       }
       if (name == "inertial") link.inertial = inertial(*it);

@@ -37,12 +37,25 @@ int line_of(std::string_view bytes, std::size_t at) {
   return 1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
 }
 
-const char* xacro_hint(std::string_view value) {
-  return value.find("${") != value.npos || value.find("$(") != value.npos ? "; run xacro on the file first" : "";
+const char* number_hint(std::string_view value) {
+  if (value.find("${") != value.npos || value.find("$(") != value.npos) return "; run xacro on the file first";
+  return value.find(',') != value.npos ? "; write decimals with a point, and numbers apart by blanks" : "";
 }
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+/// Apart by blanks, or by commas: one between every two.
+bool read_numbers_with_commas(std::string_view text, std::vector<double>& numbers) {
+  if (text.find(',') == text.npos) return read_numbers(text, numbers);
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::size_t before = numbers.size();
+    if (!read_numbers(text.substr(begin, end - begin), numbers) || numbers.size() != before + 1) return false;
+    begin = end + 1;
+  }
+  return true;
 }
 
 }  // namespace
@@ -90,9 +103,9 @@ std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) con
   return value;
 }
 
-/// What is meant by numbers that are written as some readers take them: with commas, more of them than are needed, a
-/// point too many, or a variable of the environment with a value for where there is none. Nothing where it is not
-/// clear.
+/// What is meant by numbers that are written as some readers take them: with a comma between every two, or as a
+/// variable of the environment with a value for where there is none. Nothing where it is not clear: "1,5 2,5 3,5" are
+/// three numbers with decimal commas or six without, and of too many numbers nobody knows which are meant.
 std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
                                        std::size_t count) const {
   std::string plain = value;
@@ -101,11 +114,8 @@ std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const cha
     const std::size_t blank = plain.find(' ', variable.size());
     plain = blank == plain.npos ? "" : plain.substr(blank, plain.size() - blank - 1);
   }
-  std::replace(plain.begin(), plain.end(), ',', ' ');
-  if (plain.ends_with('.') && std::count(plain.begin(), plain.end(), '.') > 1) plain.pop_back();
   std::vector<double> numbers;
-  if (!read_numbers(plain, numbers) || numbers.size() < count || (count == 1 && numbers.size() > 1)) return {};
-  numbers.resize(count);
+  if (!read_numbers_with_commas(plain, numbers) || numbers.size() != count) return {};
   std::string taken;
   for (const double number : numbers) taken += fmt::format("{}{}", taken.empty() ? "" : " ", number);
   notes_.push_back(
@@ -118,7 +128,7 @@ double Xml::number(const tinyxml2::XMLElement& at, const char* attribute) const 
   const std::string value = text(at, attribute);
   if (!read_numbers(value, numbers) || numbers.size() != 1) numbers = numbers_meant(at, attribute, value, 1);
   if (numbers.size() != 1) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is no number{}", attribute, value, at.Name(), xacro_hint(value)));
+    fail(at, fmt::format("{}=\"{}\" of <{}> is no number{}", attribute, value, at.Name(), number_hint(value)));
   }
   return numbers[0];
 }
@@ -133,7 +143,7 @@ Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Ve
   std::vector<double> numbers;
   if (!read_numbers(value, numbers) || numbers.size() != 3) numbers = numbers_meant(at, attribute, value, 3);
   if (numbers.size() != 3) {
-    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers{}", attribute, value, at.Name(), xacro_hint(value)));
+    fail(at, fmt::format("{}=\"{}\" of <{}> is not three numbers{}", attribute, value, at.Name(), number_hint(value)));
   }
   return {numbers[0], numbers[1], numbers[2]};
 }
@@ -144,7 +154,7 @@ bool read_numbers(std::string_view text, std::vector<double>& numbers) {
   for (;;) {
     while (at != end && is_blank(*at)) ++at;
     if (at == end) return true;
-    if (*at == '+') ++at;
+    if (*at == '+' && at + 1 != end && at[1] != '-') ++at;
     double value = 0;
     const std::from_chars_result read = std::from_chars(at, end, value);
     if (read.ec == std::errc::result_out_of_range && read.ptr != at) {

@@ -3,10 +3,12 @@
 // MJCF and SDF: the robot as simulators take it, with masses that the spheres do not change.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "robot/read/xml.hpp"
+#include "robot/write/inertia.hpp"
 #include "robot/write/text.hpp"
 
 namespace morula::robot {
@@ -45,18 +47,6 @@ std::array<double, 4> quaternion(const RigidTransform& pose) {
   return q;
 }
 
-/// About the centre, along the link's axes.
-std::array<double, 6> turned_inertia(const Inertial& inertial) {
-  const auto [xx, xy, xz, yy, yz, zz] = inertial.inertia;
-  const std::array<Vec3, 3> columns{Vec3{xx, xy, xz}, Vec3{xy, yy, yz}, Vec3{xz, yz, zz}};
-  const auto& r = inertial.origin.rows;
-  const auto entry = [&](std::size_t i, std::size_t j) {
-    const Vec3 v{dot(columns[0], r[j]), dot(columns[1], r[j]), dot(columns[2], r[j])};
-    return dot(r[i], v);
-  };
-  return {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
-}
-
 /// Of MJCF: a joint without a range would be without limits, so it is none.
 bool is_written(const Joint& joint) {
   return joint.moves() && joint.lower < joint.upper;
@@ -75,7 +65,6 @@ class Mjcf {
     XMLElement* compiler = add_element(root, "compiler");
     set(compiler, "angle", "radian");
     set(compiler, "autolimits", "true");
-    set(compiler, "balanceinertia", "true");
     add_body(add_element(root, "worldbody"), d_.robot.root);
     root->InsertEndChild(document.NewComment(fmt::format(" {} ", ignored_note(d_)).c_str()));
     XMLElement* contact = add_element(root, "contact");
@@ -115,7 +104,7 @@ class Mjcf {
       moves = is_written(joint);
       if (moves) add_joint(body, joint);
     }
-    add_inertial(body, link, moves);
+    add_inertial(body, link, moves && !carries_mass(link));
     if (const LinkSpheres* spheres = d_.spheres.of(link)) {
       for (const Sphere& s : spheres->spheres) {
         XMLElement* geom = add_element(body, "geom");
@@ -138,21 +127,30 @@ class Mjcf {
     if (joint.kind != Joint::Kind::continuous) set(at, "range", fmt::format("{} {}", joint.lower, joint.upper));
   }
 
-  void add_inertial(XMLElement* body, std::size_t link, bool moves) const {
-    const std::optional<Inertial> inertial = usable_inertial(d_, link);
-    if (!inertial && !moves) return;
+  /// Of a body that moves MuJoCo asks a mass, its own or that of one that is fixed to it.
+  bool carries_mass(std::size_t link) const {
+    if (body_inertia(d_, link)) return true;
+    return std::any_of(below_[link].begin(), below_[link].end(), [&](std::size_t joint) {
+      return !is_written(d_.robot.joints[joint]) && carries_mass(d_.robot.joints[joint].child);
+    });
+  }
+
+  void add_inertial(XMLElement* body, std::size_t link, bool needs_mass) const {
+    const std::optional<BodyInertia> inertia = body_inertia(d_, link);
+    if (!inertia && !needs_mass) return;
     XMLElement* at = add_element(body, "inertial");
-    if (!inertial) {
-      // What moves has to weigh something.
-      set(at, "pos", "0 0 0");
-      set(at, "mass", "0.001");
-      set(at, "diaginertia", "1e-06 1e-06 1e-06");
-      return;
+    set(at, "pos", words(inertia ? inertia->center : Vec3{}));
+    set(at, "mass", fmt::format("{}", inertia ? inertia->mass : token_mass));
+    if (!inertia) {
+      set(at, "diaginertia", words({token_moment, token_moment, token_moment}));
+    } else if (inertia->matrix_is_safe) {
+      const auto [xx, xy, xz, yy, yz, zz] = inertia->matrix;
+      set(at, "fullinertia", fmt::format("{} {} {} {} {} {}", xx, yy, zz, xy, xz, yz));
+    } else {
+      const auto q = quaternion(inertia->axes);
+      set(at, "quat", fmt::format("{} {} {} {}", q[0], q[1], q[2], q[3]));
+      set(at, "diaginertia", words(inertia->moments));
     }
-    const auto [xx, xy, xz, yy, yz, zz] = turned_inertia(*inertial);
-    set(at, "pos", words(inertial->origin.translation));
-    set(at, "mass", fmt::format("{}", inertial->mass));
-    set(at, "fullinertia", fmt::format("{} {} {} {} {} {}", xx, yy, zz, xy, xz, yz));
   }
 
   const Description& d_;
@@ -190,15 +188,15 @@ void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
       add_pose(at, {}, joint.name);
     }
   }
-  if (const std::optional<Inertial> inertial = usable_inertial(d, link)) {
-    XMLElement* mass = add_element(at, "inertial");
-    add_pose(mass, {.translation = inertial->origin.translation}, "");
-    add_text(mass, "mass", fmt::format("{}", inertial->mass));
-    XMLElement* matrix = add_element(mass, "inertia");
-    const std::array<double, 6> entries = turned_inertia(*inertial);
-    constexpr std::array names{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
-    for (std::size_t i = 0; i < 6; ++i) add_text(matrix, names[i], fmt::format("{}", entries[i]));
-  }
+  // A link that says nothing weighs 1 in SDF.
+  constexpr BodyInertia token{.mass = token_mass, .matrix = {token_moment, 0, 0, token_moment, 0, token_moment}};
+  const BodyInertia inertia = body_inertia(d, link).value_or(token);
+  XMLElement* inertial = add_element(at, "inertial");
+  add_pose(inertial, {.translation = inertia.center}, "");
+  add_text(inertial, "mass", fmt::format("{}", inertia.mass));
+  XMLElement* matrix = add_element(inertial, "inertia");
+  constexpr std::array names{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+  for (std::size_t i = 0; i < 6; ++i) add_text(matrix, names[i], fmt::format("{}", inertia.matrix[i]));
   const LinkSpheres* spheres = d.spheres.of(link);
   for (std::size_t i = 0; spheres != nullptr && i < spheres->spheres.size(); ++i) {
     XMLElement* collision = add_element(at, "collision");

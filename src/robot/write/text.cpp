@@ -120,27 +120,4 @@ std::string ignored_note(const Description& d) {
                      count(IgnoreReason::never), d.self_collision.samples, d.options.seed);
 }
 
-namespace {
-
-/// Positive definite: what a solid can have, but for the inequality of triangles, which readers mend.
-bool is_solid(const std::array<double, 6>& m) {
-  const auto [xx, xy, xz, yy, yz, zz] = m;
-  const double minor = xx * yy - xy * xy;
-  const double all = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  return xx > 0 && minor > 0 && all > 1e-12 * xx * yy * zz;
-}
-
-}  // namespace
-
-std::optional<Inertial> usable_inertial(const Description& d, std::size_t link) {
-  const std::optional<Inertial>& own = d.robot.links[link].inertial;
-  if (own && own->mass > 0 && is_solid(own->inertia)) return own;
-  const LinkSpheres* spheres = d.spheres.of(link);
-  if (spheres == nullptr || !(spheres->figures.solid.volume > 0)) return std::nullopt;
-  const UnionMass& solid = spheres->figures.solid;
-  Inertial result{.mass = spheres->figures.mass, .origin = {.translation = solid.center}, .inertia = solid.inertia};
-  for (double& entry : result.inertia) entry *= result.mass / solid.volume;
-  return result;
-}
-
 }  // namespace morula::robot

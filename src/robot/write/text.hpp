@@ -42,9 +42,6 @@ std::vector<std::string> own_joint_names(const Robot& robot);
 std::map<std::string, std::vector<std::string>> ignored_by_link(const Description& description);
 /// "Never: apart in all of 2000 configurations …": what the list proves and what not.
 std::string ignored_note(const Description& description);
-/// Of a link: the robot's own where it is one that simulators take, else that of the spheres. Nothing for a link
-/// without either.
-std::optional<Inertial> usable_inertial(const Description& description, std::size_t link);
 
 std::vector<OutputFile> write_curobo(const Description&);
 std::vector<OutputFile> write_curobo_old(const Description&);

@@ -38,6 +38,7 @@ struct CollideArguments {
   std::optional<std::uint32_t> level;
   double margin = 0;
   std::string scene;
+  std::vector<std::string> roots;
   bool with_self = false;
   std::optional<double> within;
   std::string output;
@@ -136,6 +137,7 @@ int run_scene(const CollideArguments& o) {
   require_position_rules(parse_rules(o.rule));
   if (!(o.margin >= 0)) throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
   return collide_scene({.file = o.scene,
+                        .roots = {o.roots.begin(), o.roots.end()},
                         .options = {.level = o.level,
                                     .margin = o.margin,
                                     .budget = parse_budget(o.budget),
@@ -275,6 +277,8 @@ void add_collide(CLI::App& app, Run& run) {
   add_side(*command, o->b, "B");
   add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/scene.md")
       ->type_name("FILE");
+  add_repeatable(*command, "--root", o->roots, "DIR",
+                 "Folder, besides the scene file's own, in which files that it names may lie; may be repeated");
   add_flag(*command, "--self", o->with_self,
            "Facets of a body that cross each other, and those of A and B; no spheres");
   add_option(*command, "--within", o->within,

@@ -248,7 +248,7 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
 }  // namespace
 
 int collide_scene(const SceneRun& run) {
-  const std::vector<SceneFileBody> files = read_scene_file(run.file);
+  const std::vector<SceneFileBody> files = read_scene_file(run.file, run.roots);
   if (!run.output.empty() || !run.page.empty()) {
     std::vector<std::filesystem::path> inputs{run.file};
     for (const SceneFileBody& body : files) inputs.insert(inputs.end(), {body.mesh, body.tree, body.motion});

@@ -3,13 +3,16 @@
 // `morula collide --scene`: many bodies from a file, frame by frame.
 #pragma once
 
+#include <filesystem>
 #include <morula/scene/scene.hpp>
 #include <string>
+#include <vector>
 
 namespace morula::cli {
 
 struct SceneRun {
   std::string file;
+  std::vector<std::filesystem::path> roots;  ///< besides its own folder
   SceneOptions options;
   std::string rule;  ///< one, or one per level with commas between
   std::string sph_origin;

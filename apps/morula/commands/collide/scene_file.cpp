@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <morula/io/file_reference.hpp>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "shared/command.hpp"
@@ -91,7 +93,38 @@ RigidTransform placement_of(const Place& body) {
   return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, place);
 }
 
-SceneFileBody body_of(const Place& place, std::size_t i, const std::filesystem::path& folder) {
+/// Where the files of a scene are.
+struct SceneFolders {
+  std::filesystem::path own;
+  FileRoots roots;
+
+  std::filesystem::path file(const Place& named) const {
+    const std::filesystem::path path = referenced_file(named.text(), own);
+    require_inside(named, path);
+    return path;
+  }
+  /// A file, a folder of frames, or a pattern of their names.
+  std::filesystem::path motion(const Place& named) const {
+    std::filesystem::path path = file(named);
+    std::error_code error;
+    const bool is_pattern = !std::filesystem::exists(path, error);
+    const std::filesystem::path folder = is_pattern ? path.parent_path() : path;
+    if (is_pattern) require_inside(named, folder);
+    for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      if (it->is_symlink(error)) require_inside(named, it->path());
+    }
+    return path;
+  }
+
+ private:
+  void require_inside(const Place& named, const std::filesystem::path& path) const {
+    if (const std::optional<std::string> outside = roots.refusal(path, "--root")) {
+      named.refuse(fmt::format("{} {}", path.string(), *outside));
+    }
+  }
+};
+
+SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& folders) {
   if (!place.json().is_object()) place.refuse("give an object, such as {\"mesh\": \"box.obj\"}");
   for (const auto& [key, value] : place.json().items())
     if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
@@ -103,9 +136,9 @@ SceneFileBody body_of(const Place& place, std::size_t i, const std::filesystem::
   if (!place.has("mesh")) place.refuse("there is no mesh: give \"mesh\": \"FILE\"");
   SceneFileBody body;
   body.name = place.has("name") ? place.at("name").text() : fmt::format("body {}", i);
-  body.mesh = folder / place.at("mesh").text();
-  if (place.has("tree")) body.tree = folder / place.at("tree").text();
-  if (place.has("motion")) body.motion = folder / place.at("motion").text();
+  body.mesh = folders.file(place.at("mesh"));
+  if (place.has("tree")) body.tree = folders.file(place.at("tree"));
+  if (place.has("motion")) body.motion = folders.motion(place.at("motion"));
   body.placement = placement_of(place);
   if (place.has("path")) {
     const Place path = place.at("path");
@@ -125,7 +158,8 @@ SceneFileBody body_of(const Place& place, std::size_t i, const std::filesystem::
 
 }  // namespace
 
-std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file) {
+std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file,
+                                           const std::vector<std::filesystem::path>& roots) {
   const Json json = parse(file);
   const Place scene(json, file.string());
   if (!json.is_object() || !scene.has("bodies")) scene.refuse("give an object with the key \"bodies\"");
@@ -133,10 +167,12 @@ std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file) {
     if (key != "bodies") scene.refuse(fmt::format("there is no key '{}': a scene has \"bodies\"", key));
   const Place bodies(json["bodies"], fmt::format("{}: bodies", file.string()));
   if (!bodies.json().is_array() || bodies.size() == 0) bodies.refuse("give a list of bodies");
+  SceneFolders folders{.own = file.parent_path(), .roots = FileRoots(roots)};
+  folders.roots.add(folders.own);
   std::vector<SceneFileBody> all;
   std::set<std::string> names;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    all.push_back(body_of(bodies.at(i), i, file.parent_path()));
+    all.push_back(body_of(bodies.at(i), i, folders));
     if (!names.insert(all.back().name).second)
       bodies.at(i).refuse(fmt::format("there are two bodies of the name '{}': give them others", all.back().name));
   }

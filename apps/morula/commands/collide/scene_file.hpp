@@ -23,7 +23,9 @@ struct SceneFileBody {
   bool operator==(const SceneFileBody&) const = default;
 };
 
-/// Files are looked for beside the scene file. Throws UsageError, naming file and key and with the remedy.
-std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file);
+/// Files are looked for beside the scene file, and have to lie in its folder or in one of `roots`, links resolved.
+/// Throws UsageError, naming file and key and with the remedy.
+std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file,
+                                           const std::vector<std::filesystem::path>& roots = {});
 
 }  // namespace morula::cli

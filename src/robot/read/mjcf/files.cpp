@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
+#include <optional>
 #include <string_view>
 
 namespace morula::robot {
@@ -12,7 +12,8 @@ namespace morula::robot {
 namespace fs = std::filesystem;
 using tinyxml2::XMLElement;
 
-MjcfFiles::MjcfFiles(const Xml& main, std::vector<fs::path>& names) : main_(main), names_(names) {
+MjcfFiles::MjcfFiles(const Xml& main, std::span<const fs::path> package_paths, std::vector<fs::path>& names)
+    : main_(main), folders_(main.file(), package_paths), names_(names) {
   files_[main.root().GetDocument()] = &main;
 }
 
@@ -32,26 +33,7 @@ std::vector<const XMLElement*> MjcfFiles::children(const XMLElement& of) {
 const Xml& MjcfFiles::included(const XMLElement& at) {
   if (const auto found = includes_.find(&at); found != includes_.end()) return *found->second;
   const std::string name = file_of(at).text(at, "file");
-  const fs::path written(name);
-  // Descriptions that share parts lie side by side.
-  const auto leaves = [&](const fs::path& from) {
-    const fs::path way = (from / written).lexically_normal().lexically_relative(main_.file().parent_path());
-    return way.empty() || (*way.begin() == ".." && way.has_parent_path() && *std::next(way.begin()) == "..");
-  };
-  if (written.is_absolute() || leaves(main_.file().parent_path()) || leaves(file_of(at).file().parent_path())) {
-    fail(at, fmt::format(
-                 "file \"{}\" leaves the folder around that of the robot's file, which is not followed: copy it there",
-                 name));
-  }
-  // Relative to the robot's file, or to the one that includes it.
-  fs::path path = (main_.file().parent_path() / written).lexically_normal();
-  const fs::path beside = (file_of(at).file().parent_path() / written).lexically_normal();
-  std::error_code error;
-  if (!fs::is_regular_file(path, error) && !fs::is_regular_file(beside, error)) {
-    fail(at, fmt::format("file \"{}\" is missing; searched: {}{}", name, path.string(),
-                         beside == path ? "" : " " + beside.string()));
-  }
-  if (!fs::is_regular_file(path, error)) path = beside;
+  const fs::path path = find_included(at, name);
   const fs::path plain = fs::weakly_canonical(path);
   if (plain == fs::weakly_canonical(main_.file()) || !included_.insert(plain).second) {
     fail(at, fmt::format("file \"{}\" is included a second time, or includes itself", name));
@@ -66,6 +48,28 @@ const Xml& MjcfFiles::included(const XMLElement& at) {
     xml.fail(xml.root(), fmt::format("begins with <{}>, not with <mujocoinclude> or <mujoco>", root));
   }
   return xml;
+}
+
+fs::path MjcfFiles::find_included(const XMLElement& at, const std::string& name) const {
+  const FileReference reference = parse_file_reference(name);
+  if (!reference.scheme.empty())
+    fail(at, fmt::format("file \"{}\" is not on this disk: save it beside this one", name));
+  std::string searched;
+  for (const std::string& spelling : reference.paths) {
+    // Relative to the robot's file, or to the one that includes it.
+    for (const Xml* from : {&main_, &file_of(at)}) {
+      const fs::path path = (from->file().parent_path() / spelling).lexically_normal();
+      std::error_code error;
+      if (!fs::is_regular_file(path, error)) {
+        if (const std::string text = " " + path.string(); searched.find(text) == std::string::npos) searched += text;
+        continue;
+      }
+      const std::optional<std::string> outside = folders_.roots().refusal(path, root_option);
+      if (!outside) return path;
+      fail(at, fmt::format("file \"{}\" is {}, which {}", name, path.string(), *outside));
+    }
+  }
+  fail(at, fmt::format("file \"{}\" is missing; searched:{}", name, searched));
 }
 
 }  // namespace morula::robot

@@ -7,9 +7,11 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "robot/read/folders.hpp"
 #include "robot/read/xml.hpp"
 
 namespace morula::robot {
@@ -17,7 +19,8 @@ namespace morula::robot {
 class MjcfFiles {
  public:
   /// Names of files that are included are added to `names`.
-  MjcfFiles(const Xml& main, std::vector<std::filesystem::path>& names);
+  MjcfFiles(const Xml& main, std::span<const std::filesystem::path> package_paths,
+            std::vector<std::filesystem::path>& names);
 
   const Xml& main() const { return main_; }
   const Xml& file_of(const tinyxml2::XMLElement& at) const { return *files_.at(at.GetDocument()); }
@@ -28,8 +31,11 @@ class MjcfFiles {
 
  private:
   const Xml& included(const tinyxml2::XMLElement& at);
+  /// The file that an <include> means. Throws FileError where it is missing or may not be opened.
+  std::filesystem::path find_included(const tinyxml2::XMLElement& at, const std::string& name) const;
 
   const Xml& main_;
+  RobotFolders folders_;
   std::vector<std::filesystem::path>& names_;
   std::map<const tinyxml2::XMLDocument*, const Xml*> files_;
   std::vector<std::unique_ptr<Xml>> owned_;

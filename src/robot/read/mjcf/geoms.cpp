@@ -28,9 +28,6 @@ void MjcfGeoms::read_assets(const XMLElement& of) {
     }
     if (name.empty()) files_.fail(*at, "a <mesh> has neither name nor file");
     mesh.scale = values_.vector(e, "scale", {1, 1, 1});
-    if (mesh.scale.x == 0 || mesh.scale.y == 0 || mesh.scale.z == 0) {
-      files_.fail(*at, "a mesh is scaled by 0, which leaves nothing of it");
-    }
     if (e.find("refquat") != nullptr) {
       const std::vector<double> q = values_.numbers(e, "refquat", 4);
       mesh.before = RigidTransform::from_quaternion(q[0], q[1], q[2], q[3]);
@@ -46,7 +43,7 @@ std::vector<double> MjcfGeoms::sizes(const MjcfElement& e, std::size_t count) co
   if (e.find("size") == nullptr) files_.fail(e.own, "a geom has no size");
   std::vector<double> values = values_.numbers(e, "size", count, 3);
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(values[i] > 0)) files_.fail(e.own, fmt::format("size=\"{}\" of a geom is not above 0", e.find("size")));
+    if (!(values[i] >= 0)) files_.fail(e.own, fmt::format("size=\"{}\" of a geom is below 0", e.find("size")));
   }
   return values;
 }
@@ -59,23 +56,37 @@ void MjcfGeoms::add(const XMLElement& at, Link& link, const RigidTransform& fram
                         (name != nullptr && (paired_.count(name) != 0 || paired_.count(name + suffix) != 0));
   const double group = values_.number(e, "group", 0);
   const bool seen = group >= 0 && group <= 2;
-  const bool needed = options_.visual ? seen : collides;
+  const bool needed = (options_.visual ? seen : collides) && options_.left_out.count(link.name) == 0;
   if (!collides && !seen) return;
+  try {
+    const std::optional<Shape> shape = shape_of(e, link.name, frame, needed);
+    if (!shape || !has_surface(*shape, link.name, needed, notes_)) return;
+    if (collides) link.collision.push_back(*shape);
+    if (seen) link.visual.push_back(*shape);
+  } catch (const FileError& error) {
+    if (needed) throw;
+    notes_.push_back(unread_shape_note(link.name, error));
+  }
+}
+
+std::optional<Shape> MjcfGeoms::shape_of(const MjcfElement& e, const std::string& link, const RigidTransform& frame,
+                                         bool needed) {
+  const XMLElement& at = e.own;
   const char* given = e.find("type");
   std::string_view type = given == nullptr ? "sphere" : given;
   Shape shape;
   shape.line = at.GetLineNum();
   if (files_.file_of(at).file() != files_.main().file()) shape.described_in = files_.file_of(at).file();
   if (type == "plane" || type == "hfield" || type == "sdf") {
-    if (!needed) return;
+    if (!needed) return std::nullopt;
     if (type != "plane") {
       files_.fail(
           at, fmt::format("a geom is a {}, which no spheres are made for: sphere, capsule, ellipsoid, cylinder, box "
                           "and mesh are known",
                           type));
     }
-    notes_.push_back(endless_plane_note(link.name, at.GetLineNum()));
-    return;
+    notes_.push_back(endless_plane_note(link, at.GetLineNum()));
+    return std::nullopt;
   }
   if (type != "mesh" && e.find("mesh") != nullptr) {
     // The fit would depend on the version that fits. The mesh is what the robot is.
@@ -116,19 +127,18 @@ void MjcfGeoms::add(const XMLElement& at, Link& link, const RigidTransform& fram
     if (found == meshes_.end()) files_.fail(at, fmt::format("there is no mesh {} in <asset>", asset));
     if (needed || !found->second.first.file.empty())
       set_mesh(shape, found->second.first, *found->second.second, needed);
-    if (shape.file_name.empty()) return;
+    if (shape.file_name.empty()) return std::nullopt;
   } else {
     files_.fail(at, fmt::format("a geom is a {}: sphere, capsule, ellipsoid, cylinder, box and mesh are known", type));
   }
-  if (collides) link.collision.push_back(shape);
-  if (seen) link.visual.push_back(std::move(shape));
+  return shape;
 }
 
 void MjcfGeoms::set_mesh(Shape& shape, const Mesh& mesh, const XMLElement& at, bool needed) const {
   if (mesh.file.empty()) {
     files_.fail(at, "a mesh that is written out or built in is not supported: save it as OBJ or STL and name the file");
   }
-  shape.file_name = values_.mesh_name(mesh.file).generic_string();
+  shape.file_name = values_.mesh_name(mesh.file);
   shape.scale = mesh.scale;
   shape.before = mesh.before;
   if (!needed) return;

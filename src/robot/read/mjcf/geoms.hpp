@@ -5,6 +5,7 @@
 
 #include <map>
 #include <morula/robot/robot.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -36,7 +37,10 @@ class MjcfGeoms {
     bool operator==(const Mesh&) const = default;
   };
 
-  /// The first `count` numbers of size, which have to be above 0.
+  /// Nothing for a geom that has no end, or that is not needed and names no file.
+  std::optional<Shape> shape_of(const MjcfElement& e, const std::string& link, const RigidTransform& frame,
+                                bool needed);
+  /// The first `count` numbers of size, none below 0.
   std::vector<double> sizes(const MjcfElement& e, std::size_t count) const;
   void set_mesh(Shape& shape, const Mesh& mesh, const tinyxml2::XMLElement& at, bool needed) const;
 

@@ -22,7 +22,7 @@ constexpr int deepest_body = 500;
 class MjcfReader {
  public:
   MjcfReader(const Xml& xml, const ReadOptions& options)
-      : files_(xml, assembly_.robot.included),
+      : files_(xml, options.package_paths, assembly_.robot.included),
         values_(files_),
         geoms_(files_, values_, options, assembly_.robot.notes),
         copies_(files_, values_) {
@@ -127,6 +127,7 @@ class MjcfReader {
     RigidTransform pose;
     std::vector<Movement> movements{};
     bool free = false;
+    const XMLElement* aligned_by = nullptr;  // the free joint that turns its frame into that of its inertia
   };
 
   void add_body(const XMLElement& at, std::size_t parent, const RigidTransform& frame, std::string child_class,
@@ -155,7 +156,16 @@ class MjcfReader {
     } else {
       assembly_.carry(parent, body.link, body.pose, body.movements, at.GetLineNum());
     }
+    const std::size_t links = robot().links.size();
     add_children(at, body.link, {}, child_class, depth);
+    // Of a body that carries others MuJoCo keeps the frame.
+    if (body.aligned_by != nullptr && robot().links.size() == links) {
+      files_.fail(
+          *body.aligned_by,
+          fmt::format("the frame of {} is aligned with its inertia (alignfree, or align of its free joint), which "
+                      "is not computed: write align=\"false\" to keep the frame that is written",
+                      robot().links[body.link].name));
+    }
   }
 
   /// Joints, geoms and inertia of a body, those in frames included.
@@ -211,6 +221,9 @@ class MjcfReader {
     const std::string_view type = given == nullptr ? "hinge" : given;
     if (type == "free") {
       body.free = true;
+      const char* align = at.Attribute("align");
+      const bool own = align != nullptr && std::string_view(align) != "auto";
+      if (own ? values_.is_true(MjcfElement{at}, "align", false) : values_.align_free()) body.aligned_by = &at;
       return;
     }
     if (type == "fixed") {

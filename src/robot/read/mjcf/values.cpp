@@ -60,6 +60,7 @@ void MjcfValues::read_compiler(const XMLElement& at) {
   }
   auto_limits_ = is_true(e, "autolimits", auto_limits_);
   strip_path_ = is_true(e, "strippath", strip_path_);
+  align_free_ = is_true(e, "alignfree", align_free_);
   if (const char* folder = e.find("assetdir")) mesh_folder_ = folder;
   if (const char* folder = e.find("meshdir")) mesh_folder_ = folder;
 }
@@ -208,9 +209,11 @@ RigidTransform MjcfValues::pose(const MjcfElement& e) const {
   return result;
 }
 
-fs::path MjcfValues::mesh_name(const std::string& file) const {
-  const fs::path name = strip_path_ ? fs::path(file).filename() : fs::path(file);
-  return mesh_folder_.empty() ? name : fs::path(mesh_folder_) / name;
+std::string MjcfValues::mesh_name(const std::string& file) const {
+  // A path would lose one of the slashes of a URI.
+  const std::string name = strip_path_ ? fs::path(file).filename().string() : file;
+  if (mesh_folder_.empty() || name.find("://") != std::string::npos) return name;
+  return (fs::path(mesh_folder_) / name).generic_string();
 }
 
 }  // namespace morula::robot

@@ -63,8 +63,10 @@ class MjcfValues {
 
   /// A joint with a range is limited, though it does not say so.
   bool auto_limits() const { return auto_limits_; }
+  /// Bodies that move freely and carry no other stand in the axes of their inertia, where their joint does not say.
+  bool align_free() const { return align_free_; }
   /// The name of a mesh's file, as <compiler> has it.
-  std::filesystem::path mesh_name(const std::string& file) const;
+  std::string mesh_name(const std::string& file) const;
 
  private:
   /// What a class says about elements, by their names; those of the classes around it included.
@@ -75,7 +77,7 @@ class MjcfValues {
   MjcfFiles& files_;
   std::map<std::string, Class> classes_;
   std::string sequence_ = "xyz", mesh_folder_;
-  bool degrees_ = true, auto_limits_ = true, strip_path_ = false;
+  bool degrees_ = true, auto_limits_ = true, strip_path_ = false, align_free_ = false;
 };
 
 }  // namespace morula::robot

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "grains/principal_axes.hpp"
+#include "geometry/principal_axes.hpp"
 
 #include <algorithm>
 #include <cmath>
