@@ -57,9 +57,9 @@ typedef struct morula_mesh morula_mesh;
  * Cost: linear. */
 MORULA_API morula_status morula_mesh_create(const double* positions, size_t vertex_count, const uint32_t* facets,
                                             size_t facet_count, morula_mesh** mesh);
-/* OBJ, OFF, PLY, STL, glTF by extension. */
+/* By extension: OBJ, OFF, PLY, STL, VTK (.vtk, .vtp, .vtu), Gmsh (.msh), and glTF where the build reads it. */
 MORULA_API morula_status morula_mesh_read(const char* path, morula_mesh** mesh);
-/* OBJ, OFF or PLY by extension; whole or not at all. */
+/* By extension: OBJ, OFF, PLY, STL or .vtp; whole or not at all. */
 MORULA_API morula_status morula_mesh_write(const morula_mesh* mesh, const char* path);
 /* A body made by formula: bar, capsule, limb, torus, blob, plate, two, tool. resolution: edges around it, 3 to 4096. */
 MORULA_API morula_status morula_mesh_sample(const char* name, int resolution, morula_mesh** mesh);
