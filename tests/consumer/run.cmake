@@ -22,8 +22,13 @@ if(WAY STREQUAL find_package)
   file(CONFIGURE OUTPUT "${FOLDER}/readme_example.cpp" @ONLY CONTENT "#include <morula/morula.hpp>
 int main() {
   const std::vector<morula::Vec3> positions = morula::read_mesh(\"limb.obj\").positions;
+  bool has_contacts = false, has_surfaces = false;
+  const auto use = [&](const morula::Contacts& found) {
+    has_contacts = !found.contacts.empty();
+    has_surfaces = !found.finished || found.surfaces.size() == found.contacts.size();
+  };
 @CMAKE_MATCH_1@
-  return figures.size() == built.tree.level_count() ? 0 : 1;
+  return figures.size() == built.tree.level_count() && has_contacts && has_surfaces ? 0 : 1;
 }
 ")
   configure_file("${MESH}" "${FOLDER}/limb.obj" COPYONLY)
