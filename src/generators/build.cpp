@@ -8,8 +8,10 @@
 #include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
+#include "generators/driver/join.hpp"
 #include "generators/driver/top_down.hpp"
 #include "parallel/float_environment.hpp"
+#include "tree/wrapping.hpp"
 
 namespace morula {
 using namespace detail;
@@ -102,6 +104,16 @@ void require_length(double value, const char* what) {
     throw std::invalid_argument(std::string("build: ") + what + " is not a number of at least 0");
 }
 
+// So that no method returns a tree that does not cover.
+void wrap(const Mesh& mesh, CoveredTree& built, Workers& workers) {
+  const LevelGrowth growth = wrap_regions(mesh, built, workers);
+  if (growth.grown == 0) return;
+  BuildReport& report = built.report;
+  report.notes.push_back(std::to_string(growth.grown) + " spheres grew by up to " +
+                         short_number(growth.largest_growth) + ", for the rounding of coordinates");
+  if (report.protrusion_bound) *report.protrusion_bound += growth.largest_growth;
+}
+
 }  // namespace
 
 std::string_view name(Method method) {
@@ -176,6 +188,7 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   run.throw_if_stopped();
   CoveredTree built = chosen.build(mesh, run, workers);
   built.cover = with_fewer_cuts(mesh, built, workers);
+  wrap(mesh, built, workers);
   if (options.nested) nest(built.tree);
   return built;
 }

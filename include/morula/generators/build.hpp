@@ -107,7 +107,8 @@ int automatic_depth(std::size_t facet_count, int branching);
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
 /// disjoint, and a node's region is the union of its children's (region wrapping; child spheres may stick out of their
-/// parent's, unless options.nested). Works on open, non-manifold and multi-component meshes.
+/// parent's, unless options.nested). Works on open, non-manifold and multi-component meshes. The last step proves that
+/// spheres contain their regions: certify() holds for every tree that is returned, wherever the mesh is.
 ///
 /// A region that cannot be told apart further, or does not get tighter by division, ends in a leaf above the last
 /// level. Same bits for any number of workers, unless a time limit ends it. Cost: near-linear in facets × levels.
