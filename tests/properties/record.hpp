@@ -17,7 +17,7 @@ struct Counts {
   std::size_t cases = 0, refused_builds = 0;
   std::size_t frames = 0, levels = 0;
   oracle::CoverTally cover;
-  std::size_t corners = 0;  ///< of regions, held against their node's sphere
+  std::size_t corners = 0;   ///< of regions, held against their node's sphere
   std::size_t enlarged = 0;  ///< far builds with spheres that had to grow for rounding
   std::size_t modal_frames = 0, swaps = 0, round_trips = 0;
   std::size_t poses_of_pairs = 0;

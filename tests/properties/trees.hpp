@@ -37,8 +37,8 @@ class Specimens {
   Specimen shared_;  // of that block; none yet without a tree
 };
 
-/// Builds a tree of a small body far from the origin, and judges it. The largest coordinate is from 2^-99 to 2^99.9, and
-/// up to 2^54 times the body's size, where rounding leaves nothing of the body. method: nothing for any.
+/// Builds a tree of a small body far from the origin, and judges it. The largest coordinate is from 2^-99 to 2^99.9,
+/// and up to 2^54 times the body's size, where rounding leaves nothing of the body. method: nothing for any.
 void far_tree(std::optional<Method> method, Dice& dice, Record& record);
 
 /// Rules of which at least some level covers; the last ones need no modes.
