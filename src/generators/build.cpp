@@ -8,8 +8,11 @@
 #include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
+#include "generators/driver/equal_children.hpp"
+#include "generators/driver/join.hpp"
 #include "generators/driver/top_down.hpp"
 #include "parallel/float_environment.hpp"
+#include "tree/wrapping.hpp"
 
 namespace morula {
 using namespace detail;
@@ -102,6 +105,27 @@ void require_length(double value, const char* what) {
     throw std::invalid_argument(std::string("build: ") + what + " is not a number of at least 0");
 }
 
+// A level that is asked for has its parts, also where they are as large as the whole: parts of a ball that move apart
+// need to be parts.
+void remove_useless_divisions(const BuildOptions& options, CoveredTree& built) {
+  if (options.spheres > 0 || options.max_protrusion > 0) return;
+  const std::size_t leaves = remove_equal_children(built, !options.depth);
+  if (leaves == 0) return;
+  built.report.notes.push_back(
+      std::to_string(leaves) + " nodes stay leaves, because their parts would be as large as they" +
+      (built.tree.node_count() == 1 ? "; a given depth keeps the parts for bodies that deform" : ""));
+}
+
+// So that no method returns a tree that does not cover.
+void wrap(const Mesh& mesh, CoveredTree& built, Workers& workers) {
+  const LevelGrowth growth = wrap_regions(mesh, built, workers);
+  if (growth.grown == 0) return;
+  BuildReport& report = built.report;
+  report.notes.push_back(std::to_string(growth.grown) + " spheres grew by up to " +
+                         short_number(growth.largest_growth) + ", for the rounding of coordinates");
+  if (report.protrusion_bound) *report.protrusion_bound += growth.largest_growth;
+}
+
 }  // namespace
 
 std::string_view name(Method method) {
@@ -175,7 +199,9 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
   CoveredTree built = chosen.build(mesh, run, workers);
+  remove_useless_divisions(options, built);
   built.cover = with_fewer_cuts(mesh, built, workers);
+  wrap(mesh, built, workers);
   if (options.nested) nest(built.tree);
   return built;
 }

@@ -310,4 +310,14 @@ void run_case(std::uint64_t seed, std::uint64_t number, Specimens& specimens, Re
   }
 }
 
+void run_far_build(std::uint64_t seed, std::uint64_t number, std::optional<Method> method, Record& record) {
+  record.begin(seed, number);
+  Dice dice(seed ^ 0x666172u, number + 1);
+  try {
+    far_tree(method, dice, record);
+  } catch (const std::exception& error) {
+    record.fail("exception", error.what());
+  }
+}
+
 }  // namespace morula::properties

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "record.hpp"
 #include "trees.hpp"
@@ -12,5 +13,8 @@ namespace morula::properties {
 
 /// specimens: kept from case to case, to save time; the same cases come of new ones.
 void run_case(std::uint64_t seed, std::uint64_t number, Specimens& specimens, Record& record);
+
+/// A build of a small body far from the origin, by this method or by any (nothing).
+void run_far_build(std::uint64_t seed, std::uint64_t number, std::optional<Method> method, Record& record);
 
 }  // namespace morula::properties

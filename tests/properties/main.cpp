@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,12 +19,14 @@ namespace {
 constexpr const char* help =
     R"(Random bodies, trees, rules and motions, judged by an oracle that shares nothing with the library.
 
-usage: scripts/properties [--cases N] [--seed S] [--first K] [--only K] [--keep DIR] [--quiet]
+usage: scripts/properties [--cases N] [--seed S] [--first K] [--only K] [--far-builds METHOD] [--keep DIR] [--quiet]
 
   --cases N    so many cases (100,000)
   --seed S     of all choices (1)
   --first K    the number of the first one (0)
   --only K     case K alone, as it is among others: what a failure's line asks for
+  --far-builds METHOD
+               instead of these cases: builds of small bodies far from the origin, by this method or by all
   --keep DIR   where to write the mesh, the pose and the description of what fails
   --quiet      no progress
 
@@ -40,7 +43,10 @@ example: scripts/properties --cases 2000 --seed 7 --keep build/properties
 struct Settings {
   std::uint64_t cases = 100000, seed = 1, first = 0;
   std::string keep;
+  std::string far_builds;  // a method's name, or "all"; empty: cases of all kinds
   bool quiet = false;
+
+  std::optional<morula::Method> method() const { return morula::method_from_name(far_builds); }
 };
 
 [[noreturn]] void bad_use(const std::string& what) {
@@ -60,11 +66,18 @@ Settings read(int count, char** arguments) {
       settings.quiet = true;
       continue;
     }
-    if (name != "--cases" && name != "--seed" && name != "--first" && name != "--only" && name != "--keep")
+    if (name != "--cases" && name != "--seed" && name != "--first" && name != "--only" && name != "--keep" &&
+        name != "--far-builds")
       bad_use("there is no option '" + std::string(name) + "'");
     if (++i == count) bad_use(std::string(name) + " needs a value");
     if (name == "--keep") {
       settings.keep = arguments[i];
+      continue;
+    }
+    if (name == "--far-builds") {
+      settings.far_builds = arguments[i];
+      if (settings.far_builds != "all" && !settings.method())
+        bad_use("--far-builds takes a method or all, not '" + settings.far_builds + "'");
       continue;
     }
     char* end = nullptr;
@@ -103,7 +116,14 @@ int main(int count, char** arguments) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
   const bool progress = !settings.quiet && isatty(STDERR_FILENO) != 0;
   morula::properties::Record record(settings.keep);
+  if (!settings.far_builds.empty()) record.command += " --far-builds " + settings.far_builds;
   morula::properties::Specimens specimens;
+  const auto run = [&](std::uint64_t number) {
+    if (settings.far_builds.empty())
+      morula::properties::run_case(settings.seed, number, specimens, record);
+    else
+      morula::properties::run_far_build(settings.seed, number, settings.method(), record);
+  };
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -113,10 +133,10 @@ int main(int count, char** arguments) {
   std::uint64_t slowest_case = 0;
   for (std::uint64_t i = 0; i < settings.cases && stop_requested == 0; ++i) {
     const std::uint64_t number = settings.first + i;
-    std::snprintf(running, sizeof running, "ended in: scripts/properties --seed %llu --only %llu\n",
+    std::snprintf(running, sizeof running, "ended in: %s --seed %llu --only %llu\n", record.command.c_str(),
                   static_cast<unsigned long long>(settings.seed), static_cast<unsigned long long>(number));
     const auto begun = Clock::now();
-    morula::properties::run_case(settings.seed, number, specimens, record);
+    run(number);
     if (const double taken = since(begun); taken > slowest) slowest = taken, slowest_case = number;
     if (progress && since(start) - shown > 0.5) {
       shown = since(start);

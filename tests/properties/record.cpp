@@ -36,8 +36,8 @@ void Record::fail(const std::string& kind, const std::string& what) {
   seen_.push_back(kind);
   ++failures_[kind];
   if (!loud_) return;
-  std::printf("%s: %s | %s%s%s | scripts/properties --seed %llu --only %llu\n", kind.c_str(), what.c_str(),
-              place.description.c_str(), place.frame.empty() ? "" : " | ", place.frame.c_str(),
+  std::printf("%s: %s | %s%s%s | %s --seed %llu --only %llu\n", kind.c_str(), what.c_str(), place.description.c_str(),
+              place.frame.empty() ? "" : " | ", place.frame.c_str(), command.c_str(),
               static_cast<unsigned long long>(place.seed), static_cast<unsigned long long>(place.number));
   std::fflush(stdout);
   if (!keep_.empty()) keep(kind, what);
@@ -54,8 +54,8 @@ void Record::keep(const std::string& kind, const std::string& what) const {
   if (!place.second.facets.empty())
     write_obj(keep_ / (stem + "-" + kind + "-second.obj"), place.second.positions, place.second);
   std::ofstream out(keep_ / (stem + ".txt"), std::ios::app);
-  out << kind << ": " << what << "\n  " << place.description << "\n  " << place.frame
-      << "\n  scripts/properties --seed " << place.seed << " --only " << place.number << "\n";
+  out << kind << ": " << what << "\n  " << place.description << "\n  " << place.frame << "\n  " << command << " --seed "
+      << place.seed << " --only " << place.number << "\n";
 }
 
 std::string Record::summary(double seconds) const {
@@ -68,9 +68,9 @@ std::string Record::summary(double seconds) const {
       line("cases", counts.cases) + line("frames judged", counts.frames) + line("level sets judged", counts.levels) +
       line("facets held against a level", counts.cover.facets) + line("  of these proved", counts.cover.proved) +
       line("points sampled", counts.cover.samples) + line("corners in their own sphere", counts.corners) +
-      line("modal frames", counts.modal_frames) + line("swaps of rebuilt bodies", counts.swaps) +
-      line("round trips of files", counts.round_trips) + line("poses of pairs", counts.poses_of_pairs) +
-      line("  of these decided exactly", counts.exact_poses) +
+      line("builds with spheres enlarged", counts.enlarged) + line("modal frames", counts.modal_frames) +
+      line("swaps of rebuilt bodies", counts.swaps) + line("round trips of files", counts.round_trips) +
+      line("poses of pairs", counts.poses_of_pairs) + line("  of these decided exactly", counts.exact_poses) +
       line("  with surfaces that follow", counts.followed_pairs) + line("crossings by brute force", counts.crossings) +
       line("points within a margin", counts.near_pairs) + line("interruptions of queries", counts.interruptions);
   std::size_t bare = 0, missed = 0, other = 0;

@@ -17,7 +17,8 @@ struct Counts {
   std::size_t cases = 0, refused_builds = 0;
   std::size_t frames = 0, levels = 0;
   oracle::CoverTally cover;
-  std::size_t corners = 0;  ///< of regions, held against their node's sphere
+  std::size_t corners = 0;   ///< of regions, held against their node's sphere
+  std::size_t enlarged = 0;  ///< far builds with spheres that had to grow for rounding
   std::size_t modal_frames = 0, swaps = 0, round_trips = 0;
   std::size_t poses_of_pairs = 0;
   std::size_t crossings = 0;       ///< pairs of facets that brute force found to meet
@@ -44,6 +45,7 @@ class Record {
 
   Counts counts;
   Place place;
+  std::string command = "scripts/properties";  ///< what repeats a case, but for its seed and number
 
   void begin(std::uint64_t seed, std::uint64_t number);
   /// One line, the first time in this case that something of this kind is wrong.

@@ -4,9 +4,11 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <morula/tree/renumber.hpp>
 
 #include "covering.hpp"
+#include "motions.hpp"
 #ifdef MORULA_PROPERTIES_IO
 #include <morula/io/tree_file.hpp>
 #endif
@@ -162,7 +164,76 @@ Specimen costly_tree(Dice& dice, Record& record) {
   return s;
 }
 
+Box used_box(const Mesh& mesh) {
+  Box box;
+  for (const Facet& f : mesh.facets)
+    for (const std::uint32_t v : f) box.add(mesh.positions[v]);
+  return box;
+}
+
+// Half of the bodies are a few hundred to a few thousand roundings of their coordinates in size, where allowances
+// count; half of all have coordinates up to the ends of the range that build() takes.
+std::string take_far_away(Mesh& mesh, Dice& dice) {
+  const double own = max_norm(used_box(mesh).extent()), size = own > 0 ? own : 1;
+  const double away = std::exp2(dice.chance(0.6) ? dice.uniform(40, 47) : dice.uniform(0, 54));
+  const Vec3 way = dice.chance(0.3) ? dice.pick<Vec3>({{1, 0, 0}, {0, -1, 0}, {1, 1, 1}, {1, -1, 0.5}})
+                                    : Vec3{dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-1, 1)};
+  shift(mesh.positions, way * (size * away));
+  const double largest = largest_coordinate(used_box(mesh));
+  if (largest > 0 && (dice.chance(0.5) || largest < 0x1p-99 || largest > 0x1p99))
+    scale(mesh.positions, std::exp2(dice.chance(0.3) ? dice.pick({-99.0, 99.9}) : dice.uniform(-99, 99.9)) / largest);
+  char text[64];
+  std::snprintf(text, sizeof text, ", %.2g of its sizes away", away);
+  return text;
+}
+
+BuildOptions far_options(Method method, Dice& dice) {
+  BuildOptions options{.method = method};
+  struct Sizes {
+    int branching, depth;
+  };
+  const auto size = dice.pick<Sizes>({{2, 2}, {2, 3}, {2, 4}, {3, 2}, {3, 3}, {4, 2}, {4, 2}, {8, 1}, {8, 2}, {16, 1}});
+  options.branching = size.branching;
+  options.depth = size.depth;
+  options.nested = dice.chance(0.1);
+  options.seed = 1 + dice.below(1000);
+  if (method == Method::morula)
+    options.quality = dice.pick({Quality::draft, Quality::draft, Quality::fast, Quality::fast, Quality::standard,
+                                 Quality::standard, Quality::best});
+  const bool proposes = method != Method::morula && method != Method::octree;
+  if (proposes && dice.chance(0.05))
+    options.optimiser = dice.pick({Optimiser::refit, Optimiser::simplex, Optimiser::balance});
+  if (dice.chance(0.06)) options.spheres = 1 + dice.below(12);
+  return options;
+}
+
 }  // namespace
+
+void far_tree(std::optional<Method> method, Dice& dice, Record& record) {
+  const auto methods = all_methods();
+  const BuildOptions options = far_options(method ? *method : methods[dice.below(methods.size())], dice);
+  const bool quick = options.method == Method::octree || options.quality == Quality::draft;
+  const auto facets = static_cast<std::size_t>(dice.logarithmic(1, quick ? 150 : 60));
+  Shape shape = random_shape(dice, facets);
+  shape.name += take_far_away(shape.mesh, dice) + " | " + std::string(name(options.method));
+  if (options.method == Method::morula) shape.name += " " + std::string(name(options.quality));
+  shape.name += sizes(options.branching, *options.depth);
+  if (options.spheres > 0) shape.name += " of " + std::to_string(options.spheres) + " spheres";
+  if (options.nested) shape.name += " nested";
+  record.place.description += shape.name;
+  record.place.mesh = shape.mesh;
+  BuildOptions chosen = options;
+  if (chosen.spheres == 0 && dice.chance(0.06)) {
+    const double size = max_norm(used_box(shape.mesh).extent());
+    chosen.max_protrusion = size * dice.pick({0.1, 0.3});
+    chosen.spheres = chosen.max_protrusion > 0 ? 40 : 0;
+    if (chosen.spheres > 0) record.place.description += " within a protrusion";
+  }
+  const CoveredTree built = build(shape.mesh, chosen);
+  for (const std::string& note : built.report.notes)
+    record.counts.enlarged += note.find("for the rounding of coordinates") != std::string::npos;
+  judge_tree(shape.mesh, built, dice, record);
+}
 
 Specimen Specimens::choose(std::uint64_t seed, std::uint64_t number, std::size_t most_facets, Dice& dice,
                            Record& record) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <morula/generators/build.hpp>
 #include <morula/update/rules.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ class Specimens {
   std::uint64_t seed_ = 0, block_ = 0;
   Specimen shared_;  // of that block; none yet without a tree
 };
+
+/// Builds a tree of a small body far from the origin, and judges it. The largest coordinate is from 2^-99 to 2^99.9,
+/// and up to 2^54 times the body's size, where rounding leaves nothing of the body. method: nothing for any.
+void far_tree(std::optional<Method> method, Dice& dice, Record& record);
 
 /// Rules of which at least some level covers; the last ones need no modes.
 UpdateOptions random_rules(Dice& dice);

@@ -65,7 +65,8 @@ struct BuildProgress {
 struct BuildOptions {
   Method method = Method::morula;
   int branching = 8;  ///< most children of a node, 2…64
-  /// Levels below the root, 0…8; nothing: automatic_depth. Without effect when one of the next two is given.
+  /// Levels below the root, 0…8; nothing: automatic_depth, and the tree of a body like a ball, whose parts are as large
+  /// as the whole at rest, is one sphere. Without effect when one of the next two is given.
   std::optional<int> depth{};
   /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
   /// leaves. The tree above it is as deep as it needs to be, up to max_depth.
@@ -107,12 +108,13 @@ int automatic_depth(std::size_t facet_count, int branching);
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
 /// disjoint, and a node's region is the union of its children's (region wrapping; child spheres may stick out of their
-/// parent's, unless options.nested). Works on open, non-manifold and multi-component meshes.
+/// parent's, unless options.nested). Works on open, non-manifold and multi-component meshes. The last step proves that
+/// spheres contain their regions: certify() holds for every tree that is returned, wherever the mesh is.
 ///
 /// A region that cannot be told apart further, or does not get tighter by division, ends in a leaf above the last
-/// level. Same bits for any number of workers, unless a time limit ends it. Cost: near-linear in facets × levels.
-/// Throws std::invalid_argument for unusable meshes (require_usable, require_usable_scale) and options out of range,
-/// before any work; BuildStopped.
+/// level; so does a node with a child as large as itself. Same bits for any number of workers, unless a time limit ends
+/// it. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes (require_usable,
+/// require_usable_scale) and options out of range, before any work; BuildStopped.
 CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
 
 }  // namespace morula

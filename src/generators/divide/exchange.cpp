@@ -19,11 +19,14 @@
 namespace morula::detail {
 namespace {
 
-// Inside by more than the rounding of cut points.
-bool contains(const Sphere& sphere, std::span<const Vec3> corners) {
-  const double radius = sphere.radius * (1 - 1e-9);
-  return std::all_of(corners.begin(), corners.end(),
-                     [&](const Vec3& p) { return squared_distance(sphere.center, p) <= radius * radius; });
+// Inside with the room of a sphere that is fitted to them. Corners are computed in another order when the cover is
+// proven: that moves them by roundings of their coordinates, which are more than any share of the radius where a body
+// is far away. The share keeps corners on the sphere itself, which its own region has, from being taken for inside.
+bool contains(const Sphere& sphere, std::span<const Vec3> corners, double pad) {
+  constexpr double share = 1e-9;
+  const double farthest = farthest_distance(sphere.center, corners);
+  return farthest <= sphere.radius * (1 - share) &&
+         rounded_up_radius(farthest, std::max(pad, max_norm(sphere.center))) <= sphere.radius;
 }
 
 // Where the ball around the points takes in least of the space: a compass search from its middle or, where that is
@@ -221,7 +224,7 @@ class Exchange {
             corners, [&](const Vec3& p) { return power(spheres[near[n]], p) < power(spheres[from], p); });
         if (!has_less_power) return;
         if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
-                                                      [&](const Sphere& a) { return contains(a, corners); }))
+                                                      [&](const Sphere& a) { return contains(a, corners, pad_); }))
           allowed.push_back(near[n]);
       });
       std::sort(allowed.begin(), allowed.end());
@@ -240,7 +243,8 @@ class Exchange {
         corners.clear();
         for (const Barycentric& b : cut.polygon(piece)) corners.push_back(at_barycentric(geometry.corners, b));
         const std::uint32_t to = cut.owner[piece];
-        gifts.add_piece(to != from && contains(spheres[to], corners) ? to : from, own.region, k, cut.polygon(piece));
+        gifts.add_piece(to != from && contains(spheres[to], corners, pad_) ? to : from, own.region, k,
+                        cut.polygon(piece));
       }
     }
     // A place that is given up is lost for the level: who would give everything keeps everything.

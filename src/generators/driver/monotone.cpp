@@ -26,9 +26,9 @@ Sphere inside_parent(const Mesh& mesh, const BuildNode& child, const Sphere& par
     const double radius = rounded_up_radius(farthest_distance(center, corners), std::max(pad, max_norm(center)));
     if (distance(center, parent.center) + radius <= parent.radius) return {center, radius};
   }
-  const double radius =
-      rounded_up_radius(farthest_distance(parent.center, corners), std::max(pad, max_norm(parent.center)));
-  return {parent.center, std::min(parent.radius, radius)};
+  // No larger than the parent's, but for the rounding of points that the child's polygons have been cut at.
+  return {parent.center,
+          rounded_up_radius(farthest_distance(parent.center, corners), std::max(pad, max_norm(parent.center)))};
 }
 
 double signed_area(std::span<const Barycentric> polygon) {

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
+#include "update/rebuild/rebuild_depth.hpp"
 #include "update/rebuild/relative_looseness.hpp"
 
 namespace morula {
@@ -148,7 +149,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
   if (poses.empty()) return report;
   const BuildOptions build_options{.method = options.method,
                                    .branching = static_cast<int>(built.tree.branching),
-                                   .depth = static_cast<int>(built.tree.level_count()) - 1,
+                                   .depth = depth_of_rebuilds(built),
                                    .seed = options.seed,
                                    .quality = options.quality,
                                    .stop = options.stop};

@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 #include "update/points/narrow.hpp"
 #include "update/rebuild/ownerships.hpp"
+#include "update/rebuild/rebuild_depth.hpp"
 #include "update/rebuild/rebuild_job.hpp"
 #include "update/rebuild/relative_looseness.hpp"
 
@@ -40,10 +41,10 @@ void require_in_range(const RebuildOptions& o) {
   require(o.thread != RebuildThread::host || o.executor, "a host's thread needs an executor");
 }
 
-BuildOptions build_options(const RebuildOptions& options, const SphereTree& home) {
+BuildOptions build_options(const RebuildOptions& options, const CoveredTree& home) {
   return {.method = options.method,
-          .branching = static_cast<int>(home.branching),
-          .depth = static_cast<int>(home.level_count()) - 1,
+          .branching = static_cast<int>(home.tree.branching),
+          .depth = depth_of_rebuilds(home),
           .seed = options.seed};
 }
 
@@ -138,7 +139,7 @@ RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOpt
       owned(mesh, built, {options.gain, options.reown_tests, ways_of(options)}, estimator, workers),
       threshold(built.tree.level_count()),
       estimated(built.tree.level_count()),
-      job(std::make_shared<RebuildJob>(mesh, build_options(options, built.tree), options.sample_count,
+      job(std::make_shared<RebuildJob>(mesh, build_options(options, built), options.sample_count,
                                        built.tree.level_count(), ways_of(options))) {
   for (std::vector<float>& of_estimate : lengths) of_estimate.resize(owned.home().gauge.length_count());
   report.rebuild_frames = first_guess;

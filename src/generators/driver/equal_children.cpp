@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/driver/equal_children.hpp"
+
+#include <algorithm>
+
+namespace morula::detail {
+namespace {
+
+// A sphere of this share of the radius or more takes in what the whole takes in, to a third of a percent.
+constexpr double as_large = 0.999;
+
+// Flags of the nodes that become leaves. Children have higher numbers than their parents.
+std::vector<std::uint8_t> nodes_with_equal_children(const SphereTree& tree, bool root_too) {
+  std::vector<std::uint8_t> ends(tree.node_count());
+  for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > (root_too ? 0u : 1u);) {
+    if (tree.is_leaf(node)) continue;
+    const double least = as_large * tree.spheres[node].radius;
+    for (std::uint32_t c = tree.first_child[node]; c < tree.first_child[node] + tree.child_count[node]; ++c)
+      if ((tree.is_leaf(c) || ends[c] != 0) && tree.spheres[c].radius >= least) ends[node] = 1;
+  }
+  return ends;
+}
+
+}  // namespace
+
+std::size_t remove_equal_children(CoveredTree& built, bool root_too) {
+  const SphereTree& tree = built.tree;
+  const std::vector<std::uint8_t> ends = nodes_with_equal_children(tree, root_too);
+  SphereTree result;
+  result.branching = tree.branching;
+  Cover& cover = built.cover;
+  std::vector<std::uint32_t> region_begin, region_end;
+  std::size_t removed = 0;
+  for (std::vector<std::uint32_t> level{0}, counts; !level.empty();) {
+    std::vector<Sphere> spheres;
+    for (const std::uint32_t node : level) {
+      spheres.push_back(tree.spheres[node]);
+      region_begin.push_back(cover.region_begin[node]);
+      region_end.push_back(cover.region_end[node]);
+    }
+    result.append_level(counts, spheres);
+    counts.clear();
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t node : level) {
+      removed += ends[node];
+      counts.push_back(ends[node] != 0 ? 0 : tree.child_count[node]);
+      for (std::uint32_t c = 0; c < counts.back(); ++c) next.push_back(tree.first_child[node] + c);
+    }
+    level = std::move(next);
+  }
+  if (removed == 0) return 0;
+  built.tree = std::move(result);
+  cover.region_begin = std::move(region_begin);
+  cover.region_end = std::move(region_end);
+  BuildReport& report = built.report;
+  report.level_seconds.resize(std::min(report.level_seconds.size(), built.tree.level_count()));
+  report.early_leaves = 0;
+  for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
+    report.early_leaves += built.tree.is_leaf(i);
+  return removed;
+}
+
+}  // namespace morula::detail
