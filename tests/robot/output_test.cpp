@@ -505,15 +505,15 @@ TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
       EXPECT_EQ(pair["proven"], e.reason == IgnoreReason::apart);
       EXPECT_DOUBLE_EQ(pair["meets_below"], e.reason == IgnoreReason::apart ? 0 : 3.0 / 150'000);
     }
-    const std::string both = "link1=\"" + name(e.a) + "\" link2=\"" + name(e.b) + "\" reason=\"" + e.word +
-                             "\" detail=\"" + e.detail;
+    const std::string both =
+        "link1=\"" + name(e.a) + "\" link2=\"" + name(e.b) + "\" reason=\"" + e.word + "\" detail=\"" + e.detail;
     EXPECT_NE(srdf.find(both), std::string::npos) << srdf;
     const std::size_t at = mjcf.find("<exclude body1=\"" + name(e.a) + "\" body2=\"" + name(e.b) + "\"/>");
     ASSERT_NE(at, std::string::npos);
     EXPECT_EQ(text_before(mjcf, at, "<!--", "-->").find(e.detail), 1u);
   }
-  EXPECT_EQ(self_collision["overlapping"],
-            json::parse("[{\"links\": [\"" + name(2) + "\", \"" + name(3) + "\"], \"rest_distance\": 0.25, \"share\": 0.5}]"));
+  EXPECT_EQ(self_collision["overlapping"], json::parse("[{\"links\": [\"" + name(2) + "\", \"" + name(3) +
+                                                       "\"], \"rest_distance\": 0.25, \"share\": 0.5}]"));
   for (const char* format : {"curobo", "curobo-0.7", "xrdf-1", "xrdf-2"}) {
     const std::string text = fitted.text(format);
     for (const Expected& e : all) {
@@ -522,7 +522,8 @@ TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
       ASSERT_NE(at, std::string::npos) << format;
       const std::size_t comment = text.rfind(line, at);
       ASSERT_NE(comment, std::string::npos) << format << " " << line;
-      EXPECT_NE(text.substr(comment, text.find('\n', comment) - comment).find("\"" + name(e.b) + "\""), std::string::npos)
+      EXPECT_NE(text.substr(comment, text.find('\n', comment) - comment).find("\"" + name(e.b) + "\""),
+                std::string::npos)
           << text;
     }
   }
@@ -530,8 +531,9 @@ TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
   for (const char* format : {"curobo", "curobo-0.7", "xrdf-1", "xrdf-2", "srdf", "vamp", "mjcf", "json"}) {
     bool is_said = false;
     for (const robot::OutputFile& file : fitted.files(format)) {
-      is_said = is_said || file.bytes.find("150000 sampled configurations (seed 1): each of these meets in less than 2e-05") !=
-                               std::string::npos;
+      is_said = is_said ||
+                file.bytes.find("150000 sampled configurations (seed 1): each of these meets in less than 2e-05") !=
+                    std::string::npos;
     }
     EXPECT_TRUE(is_said) << format;
   }

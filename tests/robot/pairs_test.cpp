@@ -10,9 +10,9 @@
 #include <morula/geometry/random.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <numbers>
+#include <support/scratch_folder.hpp>
 
 #include "robot/fit/pair_search.hpp"
-#include <support/scratch_folder.hpp>
 
 namespace morula::test {
 namespace {
@@ -118,8 +118,7 @@ TEST(IgnoredPairs, a_contact_in_few_configurations_is_found) {
   for (const double share : {1e-2, 1e-4, 1e-6, 1e-9}) {
     const Maker made = pendulum(share);
     for (const std::uint64_t seed : {1, 2, 3}) {
-      const robot::SelfCollision found =
-          robot::find_ignored(made.robot, made.spheres, {.samples = 1000, .seed = seed});
+      const robot::SelfCollision found = robot::find_ignored(made.robot, made.spheres, {.samples = 1000, .seed = seed});
       EXPECT_EQ(fate(made.robot, found, "arm", "post"), "tested") << share;
     }
   }
@@ -212,7 +211,7 @@ TEST(IgnoredPairs, joints_that_follow_others_move_with_them) {
     made.ball(right, {}, 0.45);
     return fate(made.robot, robot::find_ignored(made.robot, made.spheres, {.samples = 500}), "left", "right");
   };
-  EXPECT_EQ(fingers(-1), "tested");   // they come to 0.8 of each other
+  EXPECT_EQ(fingers(-1), "tested");    // they come to 0.8 of each other
   EXPECT_EQ(fingers(-0.7), "proven");  // 2 - 1.02 is left, more than 0.9
   EXPECT_EQ(fingers(1), "proven");
 }
@@ -226,14 +225,14 @@ TEST(IgnoredPairs, over_joints_of_unknown_or_absurd_range_are_tested) {
            "<link name='post'><collision><origin xyz='0 0 1'/><geometry><box size='.2 .2 2'/></geometry></collision>"
            "</link><joint name='s' type='prismatic'><parent link='base'/><child link='slide'/>"
            "<origin xyz='-3 0 1'/><axis xyz='1 0 0'/>" +
-           limit +
-           "</joint><joint name='p' type='fixed'><parent link='base'/><child link='post'/></joint></robot>";
+           limit + "</joint><joint name='p' type='fixed'><parent link='base'/><child link='post'/></joint></robot>";
   };
   const auto sdf = [](const std::string& limit) {
     return "<sdf version='1.7'><model name='r'><link name='base'><collision name='c'><geometry><box><size>1 1 .1</size>"
            "</box></geometry></collision></link><link name='slide'><pose>-3 0 1 0 0 0</pose><collision name='c'>"
            "<geometry><box><size>.2 .2 .2</size></box></geometry></collision></link><link name='post'>"
-           "<pose>0 0 1 0 0 0</pose><collision name='c'><geometry><box><size>.2 .2 2</size></box></geometry></collision>"
+           "<pose>0 0 1 0 0 0</pose><collision name='c'><geometry><box><size>.2 .2 "
+           "2</size></box></geometry></collision>"
            "</link><joint name='p' type='fixed'><parent>base</parent><child>post</child></joint>"
            "<joint name='s' type='prismatic'><parent>base</parent><child>slide</child><axis><xyz>1 0 0</xyz>" +
            limit + "</axis></joint></model></sdf>";
@@ -259,8 +258,9 @@ TEST(IgnoredPairs, over_joints_of_unknown_or_absurd_range_are_tested) {
                             "<limit lower='-1e16' upper='-1e15'/>", "<limit lower='-1e7' upper='1e7'/>"}) {
     check("r.urdf", urdf(limit), "tested");
   }
-  for (const char* limit : {"", "<limit><lower>-1e16</lower><upper>1e16</upper></limit>",
-                            "<limit><lower>-1</lower></limit>", "<limit><lower>-1e9</lower><upper>1e9</upper></limit>"}) {
+  for (const char* limit :
+       {"", "<limit><lower>-1e16</lower><upper>1e16</upper></limit>", "<limit><lower>-1</lower></limit>",
+        "<limit><lower>-1e9</lower><upper>1e9</upper></limit>"}) {
     check("r.sdf", sdf(limit), "tested");
   }
   for (const char* range : {"", "range='-1e16 1e16'", "limited='false' range='-1 1'"}) {
@@ -419,10 +419,12 @@ struct RandomChain {
     const std::size_t of_post = joints / 3;
     for (std::size_t i = 0; i < joints; ++i) {
       std::size_t& at = i < of_post ? post : end;
-      const double middle = random.uniform(-2, 2), half = random.uniform() < 0.3 ? random.uniform(1.6, 3) : random.uniform(0.1, 1);
+      const double middle = random.uniform(-2, 2),
+                   half = random.uniform() < 0.3 ? random.uniform(1.6, 3) : random.uniform(0.1, 1);
       const std::string name = "j" + std::to_string(i);
-      at = random.uniform() < 0.25 ? made.slide(at, name, vector(1), normalized(vector(1)), middle - half, middle + half)
-                                   : made.turn(at, name, vector(1), normalized(vector(1)), middle - half, middle + half);
+      at = random.uniform() < 0.25
+               ? made.slide(at, name, vector(1), normalized(vector(1)), middle - half, middle + half)
+               : made.turn(at, name, vector(1), normalized(vector(1)), middle - half, middle + half);
     }
     end = made.fix(end, "end", vector(1));
     post = made.fix(post, "post", vector(1));
@@ -433,7 +435,8 @@ struct RandomChain {
     return morula::distance(poses[end].translation, poses[post].translation);
   }
 
-  /// The least distance of the centers that a search of its own finds: random points, each improved along single joints.
+  /// The least distance of the centers that a search of its own finds: random points, each improved along single
+  /// joints.
   double least(Random& random) const {
     double best = std::numeric_limits<double>::infinity();
     const auto& joints = made.robot.joints;
@@ -508,9 +511,7 @@ TEST(ProveApart, one_box_reaches_to_the_ends_of_every_range) {
   constexpr double radius = 0.01;
   for (const double missing : {-1e-4, 1e-4}) {
     SCOPED_TRACE(missing);
-    const auto expect = [&](const robot::Verdict found) {
-      EXPECT_EQ(found == robot::Verdict::apart, missing > 0);
-    };
+    const auto expect = [&](const robot::Verdict found) { EXPECT_EQ(found == robot::Verdict::apart, missing > 0); };
     const double apart = 2 * radius + missing;
     for (const double half : {0.3, 1.0, 1.5}) {
       Maker made;
@@ -528,8 +529,8 @@ TEST(ProveApart, one_box_reaches_to_the_ends_of_every_range) {
     expect(verdict(made, cart, post, {}, {0, 0, -2 - apart}, radius));
     // One after the other: the arm is straight at the end of its range.
     Maker two;
-    const std::size_t upper = two.turn(0, "upper", {}, {0, 0, 1}), lower = two.turn(upper, "lower", {1, 0, 0}, {0, 0, 1}),
-                      far = two.fix(0, "far", {});
+    const std::size_t upper = two.turn(0, "upper", {}, {0, 0, 1}),
+                      lower = two.turn(upper, "lower", {1, 0, 0}, {0, 0, 1}), far = two.fix(0, "far", {});
     expect(verdict(two, lower, far, {0.5, 0, 0}, {0, 1.5 + apart, 0}, radius));
   }
 }

@@ -54,7 +54,7 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
 
 /// A joint of a chain where it stands.
 struct PlacedJoint {
-  Vec3 point, axis;     ///< a point of its axis, and its direction
+  Vec3 point, axis;  ///< a point of its axis, and its direction
   const ChainJoint* joint = nullptr;
 };
 /// Places the joints of a branch, in the axes of the common link; returns the pose of the branch's link.

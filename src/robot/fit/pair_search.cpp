@@ -38,7 +38,8 @@ Sphere swept(Sphere ball, std::span<const Sweep> sweeps) {
 /// A link's nodes with their balls, made where they are asked for.
 class SweptGroup {
  public:
-  explicit SweptGroup(const SphereGroup& group) : group_(group), balls_(group.nodes.size()), made_(group.nodes.size()) {}
+  explicit SweptGroup(const SphereGroup& group)
+      : group_(group), balls_(group.nodes.size()), made_(group.nodes.size()) {}
 
   void begin(const RigidTransform& at, std::span<const Sweep> sweeps) {
     at_ = at;

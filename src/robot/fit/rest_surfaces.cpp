@@ -97,7 +97,8 @@ double RestSurfaces::distance(std::size_t a, std::size_t b) const {
   const auto between = [](const Placed& p, const Placed& q) {
     double least = std::numeric_limits<double>::infinity();
     for (const Sphere& s : p.balls) {
-      for (const Sphere& t : q.balls) least = std::min(least, morula::distance(s.center, t.center) - s.radius - t.radius);
+      for (const Sphere& t : q.balls)
+        least = std::min(least, morula::distance(s.center, t.center) - s.radius - t.radius);
     }
     for (const auto& [x, y] : {std::pair(&p, &q), std::pair(&q, &p)}) {
       for (const Sphere& s : x->balls) {

@@ -20,12 +20,12 @@ namespace morula::robot {
 namespace {
 
 // How much work each step may do. Limits are counts, not times: results have to be the same everywhere.
-constexpr std::size_t first_samples = 1000;          // in which every pair is tested, and its overlaps are counted
-constexpr std::size_t configurations_a_chunk = 64;   // of parallel loops
-constexpr std::size_t boxes_of_a_proof = 30'000;     // some 0.1 s where all of them are looked at
-constexpr std::size_t most_rounds_of_samples = 8;    // times the number asked for
+constexpr std::size_t first_samples = 1000;               // in which every pair is tested, and its overlaps are counted
+constexpr std::size_t configurations_a_chunk = 64;        // of parallel loops
+constexpr std::size_t boxes_of_a_proof = 30'000;          // some 0.1 s where all of them are looked at
+constexpr std::size_t most_rounds_of_samples = 8;         // times the number asked for
 constexpr std::size_t most_sphere_tests = 2'000'000'000;  // some 10 s of one thread
-constexpr double nearly_every = 0.95;                // of the first samples
+constexpr double nearly_every = 0.95;                     // of the first samples
 
 /// Two links with spheres, by their places among these.
 struct Pair {
@@ -189,8 +189,8 @@ class Finder {
       const std::vector<RigidTransform> poses = link_poses(robot_, configuration(k));
       for (std::size_t i = 0; i < tested.size();) {
         const Pair& pair = pairs_[tested[i]];
-        const bool met = groups_meet(groups_[pair.a], poses[link(pair.a)], groups_[pair.b], poses[link(pair.b)],
-                                     result.tests);
+        const bool met =
+            groups_meet(groups_[pair.a], poses[link(pair.a)], groups_[pair.b], poses[link(pair.b)], result.tests);
         if (met && all && result.counts[i]++ == 0) result.met.push_back(tested[i]);
         if (met && !all) {
           result.met.push_back(tested[i]);
@@ -286,17 +286,18 @@ class Finder {
                       fmt::join(at_rest, ", ")));
     }
     if (!often.empty()) {
-      texts.push_back(fmt::format("spheres overlap in nearly every configuration, in the share in brackets: {}; these "
-                                  "pairs are tested. If they need no test, list them in an SRDF (--srdf)",
-                                  fmt::join(often, ", ")));
+      texts.push_back(
+          fmt::format("spheres overlap in nearly every configuration, in the share in brackets: {}; these "
+                      "pairs are tested. If they need no test, list them in an SRDF (--srdf)",
+                      fmt::join(often, ", ")));
     }
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const Joint& joint = robot_.joints[i];
       if (!ranges_.usable[i] && joint.moves()) {
-        texts.push_back(fmt::format("joint {} has {}: every pair of links that it moves against each other is tested, "
-                                    "unless the surfaces touch at rest",
-                                    joint.name,
-                                    joint.range_known ? "a range far larger than the robot" : "no known range"));
+        texts.push_back(
+            fmt::format("joint {} has {}: every pair of links that it moves against each other is tested, "
+                        "unless the surfaces touch at rest",
+                        joint.name, joint.range_known ? "a range far larger than the robot" : "no known range"));
       }
     }
     return texts;

@@ -151,8 +151,9 @@ struct UrdfReader {
   void limits(const XMLElement& at, Joint& joint) {
     const XMLElement* limit = at.FirstChildElement("limit");
     const bool needs_range = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
-    joint.range_known = !needs_range || (limit != nullptr && (limit->FindAttribute("lower") != nullptr ||
-                                                              limit->FindAttribute("upper") != nullptr));
+    joint.range_known =
+        !needs_range ||
+        (limit != nullptr && (limit->FindAttribute("lower") != nullptr || limit->FindAttribute("upper") != nullptr));
     if (limit != nullptr) {
       joint.lower = xml.number(*limit, "lower", 0);
       joint.upper = xml.number(*limit, "upper", 0);
@@ -198,7 +199,8 @@ Robot read_urdf(const Xml& xml, const ReadOptions& options) {
     reader.robot.notes.push_back(fmt::format("<robot> has no name and is called {}, as its file", reader.robot.name));
   }
   const auto each = [&](const char* element, const auto& read) {
-    for (const XMLElement* at = xml.root().FirstChildElement(element); at != nullptr; at = at->NextSiblingElement(element))
+    for (const XMLElement* at = xml.root().FirstChildElement(element); at != nullptr;
+         at = at->NextSiblingElement(element))
       read(*at);
   };
   for (const XMLElement* at = xml.root().FirstChildElement(); at != nullptr; at = at->NextSiblingElement()) {

@@ -24,8 +24,8 @@ std::string sphere_lines(const Description& d, const std::string& indent) {
 /// Comments that say why each partner of a link is ignored: YAML has no other place for it.
 std::string reason_lines(const Description& d, const std::string& indent, const std::string& link) {
   std::string text;
-  for (const IgnoreReason reason : {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest,
-                                    IgnoreReason::apart, IgnoreReason::never}) {
+  for (const IgnoreReason reason :
+       {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest, IgnoreReason::apart, IgnoreReason::never}) {
     std::vector<std::string> others;
     for (const IgnoredPair& pair : d.self_collision.ignored) {
       if (pair.reason != reason || d.robot.links[pair.a].name != link) continue;

@@ -80,8 +80,8 @@ class Mjcf {
     root->InsertEndChild(document.NewComment(fmt::format(" {} ", ignored_note(d_)).c_str()));
     XMLElement* contact = add_element(root, "contact");
     // MuJoCo refuses attributes that it does not know: the reasons are comments.
-    for (const IgnoreReason reason : {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest,
-                                      IgnoreReason::apart, IgnoreReason::never}) {
+    for (const IgnoreReason reason :
+         {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest, IgnoreReason::apart, IgnoreReason::never}) {
       add_excludes(contact, reason);
     }
     XMLElement* equality = add_element(root, "equality");

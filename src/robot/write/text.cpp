@@ -117,10 +117,11 @@ std::string ignored_note(const Description& d) {
       "configuration",
       count(IgnoreReason::given), count(IgnoreReason::adjacent), count(IgnoreReason::rest), count(IgnoreReason::apart));
   if (d.self_collision.samples == 0) return text + "; no configurations were sampled";
-  return text + fmt::format(", {} apart in each of {} sampled configurations (seed {}): each of these meets in less than "
-                            "{:.2g} of all configurations, with 95 % confidence, which is no proof",
-                            count(IgnoreReason::never), d.self_collision.samples, d.options.seed,
-                            d.self_collision.never_bound());
+  return text + fmt::format(
+                    ", {} apart in each of {} sampled configurations (seed {}): each of these meets in less than "
+                    "{:.2g} of all configurations, with 95 % confidence, which is no proof",
+                    count(IgnoreReason::never), d.self_collision.samples, d.options.seed,
+                    d.self_collision.never_bound());
 }
 
 std::string reason_text(const Description& d, IgnoreReason reason) {
