@@ -63,7 +63,7 @@ def test_what_is_printed_is_short(arm, spheres, ignored):
     )
     link = spheres.links[0]
     assert repr(link) == f"LinkSpheres(link={link.link}, spheres=<{link.spheres.shape}>, inner=<(0, 4)>, notes=<{len(link.notes)}>)"
-    assert repr(ignored) == f"SelfCollision(ignored=<{len(ignored.ignored)}>, samples=200, pairs={ignored.pairs})"
+    assert repr(ignored) == f"SelfCollision(ignored=<{len(ignored.ignored)}>, samples={ignored.samples}, pairs={ignored.pairs})"
     # All of it is in the dict.
     assert arm.to_dict()["joints"][0]["name"] == arm.joints[0].name and len(spheres.to_dict()["links"]) == len(spheres.links)
 
@@ -165,7 +165,8 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
     robot = morula.robot.SphereRobot(arm, spheres, ignored)
     assert robot.links == [link.link for link in spheres.links] and robot.sphere_count == spheres.sphere_count
     left_out = {frozenset((p.a, p.b)) for p in ignored.ignored}
-    assert {p.reason for p in ignored.ignored} <= {"given", "adjacent", "rest", "never"} and ignored.samples == 200
+    assert {p.reason for p in ignored.ignored} <= {"given", "adjacent", "rest", "apart", "never"} and ignored.samples >= 200
+    assert ignored.never_bound == 3 / ignored.samples
     generator = numpy.random.default_rng(8)
     lower = numpy.array([arm.joints[j].lower for j in arm.own])
     upper = numpy.array([arm.joints[j].upper for j in arm.own])

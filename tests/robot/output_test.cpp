@@ -451,8 +451,8 @@ TEST(RobotOutput, an_srdf_keeps_what_was_given_and_says_what_its_pairs_rest_on) 
   const std::string text = fitted.text("srdf");
   EXPECT_NE(text.find("<group name=\"all\"/>"), std::string::npos);
   EXPECT_EQ(text.find("9 9 9"), std::string::npos);
-  EXPECT_NE(text.find("each of 50 sampled configurations (seed 1), which proves nothing about others"),
-            std::string::npos);
+  const std::string sampled = std::to_string(fitted.self_collision.samples);
+  EXPECT_NE(text.find("apart in each of " + sampled + " sampled configurations (seed 1)"), std::string::npos);
   std::multiset<std::set<std::string>> pairs;
   const std::regex pattern("<disable_collisions link1=\"([^\"]*)\" link2=\"([^\"]*)\"");
   for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it)
@@ -464,6 +464,82 @@ TEST(RobotOutput, an_srdf_keeps_what_was_given_and_says_what_its_pairs_rest_on) 
     expected.insert({fitted.robot.links[pair.a].name, fitted.robot.links[pair.b].name});
   }
   EXPECT_EQ(std::set<std::set<std::string>>(pairs.begin(), pairs.end()), expected);
+}
+
+/// The text between the last `open` before `at` and the `close` after that.
+std::string text_before(const std::string& text, std::size_t at, const std::string& open, const std::string& close) {
+  const std::size_t begin = text.rfind(open, at) + open.size();
+  return text.substr(begin, text.find(close, begin) - begin);
+}
+
+TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
+  Fitted fitted(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
+  ASSERT_EQ(fitted.spheres.links.size(), 4u);
+  const auto link = [&](std::size_t i) { return fitted.spheres.links[i].link; };
+  const auto name = [&](std::size_t i) { return fitted.robot.links[link(i)].name; };
+  using robot::IgnoreReason;
+  struct Expected {
+    std::size_t a, b;
+    IgnoreReason reason;
+    const char *word, *detail;
+  };
+  const std::vector<Expected> all{
+      {0, 1, IgnoreReason::apart, "Never", "apart in every configuration, proven"},
+      {0, 2, IgnoreReason::never, "Never", "apart in 150000 sampled configurations, meets in less than 2e-05 of all"},
+      {0, 3, IgnoreReason::adjacent, "Adjacent", "neighbors"},
+      {1, 2, IgnoreReason::rest, "Default", "surfaces touch at rest"},
+      {1, 3, IgnoreReason::given, "User", "given"}};
+  fitted.self_collision = {};
+  fitted.self_collision.samples = 150'000;
+  for (const Expected& e : all) fitted.self_collision.ignored.push_back({link(e.a), link(e.b), e.reason});
+  fitted.self_collision.overlapping = {{link(2), link(3), 0.25, 0.5}};
+
+  const json self_collision = json::parse(fitted.text("json"))["self_collision"];
+  ASSERT_EQ(self_collision["ignored"].size(), all.size());
+  const std::string srdf = fitted.text("srdf"), mjcf = fitted.text("mjcf");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Expected& e = all[i];
+    SCOPED_TRACE(e.detail);
+    const json& pair = self_collision["ignored"][i];
+    EXPECT_EQ(pair["links"], json({name(e.a), name(e.b)}));
+    EXPECT_EQ(pair["reason"], e.word);
+    EXPECT_EQ(pair.contains("meets_below"), e.word == std::string("Never"));
+    if (pair.contains("meets_below")) {
+      EXPECT_EQ(pair["proven"], e.reason == IgnoreReason::apart);
+      EXPECT_DOUBLE_EQ(pair["meets_below"], e.reason == IgnoreReason::apart ? 0 : 3.0 / 150'000);
+    }
+    const std::string both =
+        "link1=\"" + name(e.a) + "\" link2=\"" + name(e.b) + "\" reason=\"" + e.word + "\" detail=\"" + e.detail;
+    EXPECT_NE(srdf.find(both), std::string::npos) << srdf;
+    const std::size_t at = mjcf.find("<exclude body1=\"" + name(e.a) + "\" body2=\"" + name(e.b) + "\"/>");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_EQ(text_before(mjcf, at, "<!--", "-->").find(e.detail), 1u);
+  }
+  EXPECT_EQ(self_collision["overlapping"], json::parse("[{\"links\": [\"" + name(2) + "\", \"" + name(3) +
+                                                       "\"], \"rest_distance\": 0.25, \"share\": 0.5}]"));
+  for (const char* format : {"curobo", "curobo-0.7", "xrdf-1", "xrdf-2"}) {
+    const std::string text = fitted.text(format);
+    for (const Expected& e : all) {
+      const std::string line = std::string("# ") + e.detail;
+      const std::size_t at = text.find("\"" + name(e.a) + "\": [\"", text.find("ignore"));
+      ASSERT_NE(at, std::string::npos) << format;
+      const std::size_t comment = text.rfind(line, at);
+      ASSERT_NE(comment, std::string::npos) << format << " " << line;
+      EXPECT_NE(text.substr(comment, text.find('\n', comment) - comment).find("\"" + name(e.b) + "\""),
+                std::string::npos)
+          << text;
+    }
+  }
+  // Every file that lists pairs begins with what the list proves.
+  for (const char* format : {"curobo", "curobo-0.7", "xrdf-1", "xrdf-2", "srdf", "vamp", "mjcf", "json"}) {
+    bool is_said = false;
+    for (const robot::OutputFile& file : fitted.files(format)) {
+      is_said = is_said ||
+                file.bytes.find("150000 sampled configurations (seed 1): each of these meets in less than 2e-05") !=
+                    std::string::npos;
+    }
+    EXPECT_TRUE(is_said) << format;
+  }
 }
 
 TEST(RobotOutput, masses_of_simulators_are_the_robots_own) {

@@ -130,10 +130,17 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
                                 o.geometry == "visual" ? "collision" : "visual"));
   }
   const double fit_seconds = watch.lap();
-  const robot::SelfCollision self_collision =
-      robot::find_ignored(robot, spheres, {.samples = o.samples, .seed = o.seed, .given = std::move(given)}, workers);
+  const robot::SelfCollision self_collision = [&] {
+    Progress progress("testing pairs of links");
+    return robot::find_ignored(robot, spheres,
+                               {.samples = o.samples,
+                                .seed = o.seed,
+                                .given = std::move(given),
+                                .stop = interrupt.token(),
+                                .progress = [&](double share) { progress.update(share); }},
+                               workers);
+  }();
   const double pairs_seconds = watch.lap();
-  if (interrupt.requested()) throw BuildStopped();
 
   robot::OutputOptions output{.folder = o.output,
                               .tool_frames = o.tools,
@@ -169,6 +176,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   std::vector<std::string> notes = robot.notes;
   notes.insert(notes.end(), spheres.notes.begin(), spheres.notes.end());
   for (const robot::LinkSpheres& link : spheres.links) notes.insert(notes.end(), link.notes.begin(), link.notes.end());
+  notes.insert(notes.end(), self_collision.notes.begin(), self_collision.notes.end());
   if (o.tools.empty())
     notes.push_back(fmt::format("the tool is taken to be {}; --tool LINK says otherwise", robot::guess_tool(robot)));
   const int exit_code = spheres.covered() ? exit_done : exit_check_failed;

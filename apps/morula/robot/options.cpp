@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t spheres_of_a_link = 16, most_pair_samples = 20'000;
+constexpr std::size_t spheres_of_a_link = 16, most_pair_samples = 100'000'000;
 
 std::vector<std::string> output_format_names() {
   std::vector<std::string> names;
@@ -231,7 +231,8 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
                  "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and to which the new one adds")
       ->type_name("FILE");
-  add_option(command, "--samples", o.samples, "Configurations to look for links that never meet; 0: none")
+  add_option(command, "--samples", o.samples,
+             "Fewest configurations to look for links that never meet; 0: only what is proven")
       ->type_name("N")
       ->transform(whole_number(0, most_pair_samples))
       ->capture_default_str();

@@ -100,22 +100,39 @@ std::string ignored_text(const robot::SelfCollision& self_collision) {
   };
   std::vector<std::string> parts;
   if (count(IgnoreReason::given) > 0) parts.push_back(fmt::format("{} given", count(IgnoreReason::given)));
-  parts.push_back(counted(count(IgnoreReason::adjacent), "neighbour"));
+  parts.push_back(counted(count(IgnoreReason::adjacent), "neighbor"));
   parts.push_back(fmt::format("{} touching at rest", count(IgnoreReason::rest)));
+  parts.push_back(fmt::format("{} proven apart", count(IgnoreReason::apart)));
   if (self_collision.samples > 0) {
-    parts.push_back(
-        fmt::format("{} never met in {}", count(IgnoreReason::never), counted(self_collision.samples, "sample")));
+    parts.push_back(fmt::format("{} apart in {} (each meets in less than {:.2g} of all, 95 %)",
+                                count(IgnoreReason::never), counted(self_collision.samples, "sample"),
+                                self_collision.never_bound()));
   }
   return fmt::format("{} of {}: {}", self_collision.ignored.size(), counted(self_collision.pairs, "pair"),
                      fmt::join(parts, ", "));
 }
 
 Json ignored_json(const robot::Robot& robot, const robot::SelfCollision& self_collision) {
-  Json ignored = Json::array();
+  const auto names = [&](std::size_t a, std::size_t b) { return Json{robot.links[a].name, robot.links[b].name}; };
+  Json ignored = Json::array(), overlapping = Json::array();
   for (const robot::IgnoredPair& pair : self_collision.ignored) {
-    ignored.push_back({{"links", {robot.links[pair.a].name, robot.links[pair.b].name}}, {"reason", name(pair.reason)}});
+    Json json{{"links", names(pair.a, pair.b)}, {"reason", name(pair.reason)}};
+    if (pair.reason == IgnoreReason::apart || pair.reason == IgnoreReason::never) {
+      const bool proven = pair.reason == IgnoreReason::apart;
+      json["proven"] = proven;
+      json["meets_below"] = proven ? 0.0 : self_collision.never_bound();
+    }
+    ignored.push_back(std::move(json));
   }
-  return {{"samples", self_collision.samples}, {"pairs", self_collision.pairs}, {"ignored", ignored}};
+  for (const robot::OverlappingPair& pair : self_collision.overlapping) {
+    overlapping.push_back({{"links", names(pair.a, pair.b)},
+                           {"rest_distance", pair.rest_distance ? Json(*pair.rest_distance) : Json(nullptr)},
+                           {"share", pair.share}});
+  }
+  return {{"samples", self_collision.samples},
+          {"pairs", self_collision.pairs},
+          {"ignored", ignored},
+          {"overlapping", overlapping}};
 }
 
 }  // namespace morula::cli

@@ -17,7 +17,7 @@ std::vector<std::string> clip_lines(const robot::Robot& robot, const robot::Robo
 /// "120 inner spheres, each proven to be inside its link, fill 0.012 of 0.016, the volume of the links".
 std::string inner_text(const robot::RobotSpheres& spheres);
 Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres);
-/// "12 of 55 pairs: 10 neighbours, 2 never met in 2000 samples".
+/// "12 of 55 pairs: 10 neighbors, 2 proven apart, …".
 std::string ignored_text(const robot::SelfCollision& self_collision);
 Json ignored_json(const robot::Robot& robot, const robot::SelfCollision& self_collision);
 

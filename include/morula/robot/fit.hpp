@@ -76,6 +76,7 @@ struct LinkSpheres {
 struct RobotSpheres {
   std::vector<LinkSpheres> links;  ///< those with shapes and not left out, in the robot's order
   std::vector<std::string> notes;  ///< about links that are not among them
+  bool visual = false;             ///< the spheres cover the visual shapes, not those of collision
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;

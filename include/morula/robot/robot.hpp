@@ -65,7 +65,10 @@ struct Joint {
   RigidTransform origin{};                  ///< of the child in the parent, at 0
   Vec3 axis{1, 0, 0};                       ///< unit, in the child
   double lower = 0, upper = 0;              ///< radians or mesh units; of a continuous joint −π and π
-  double velocity = 0, effort = 0;          ///< 0: not given
+  /// False where the file gives a joint that turns or slides no usable range: it is held at 0, and the real one may
+  /// stand anywhere.
+  bool range_known = true;
+  double velocity = 0, effort = 0;  ///< 0: not given
   std::optional<Mimic> mimic{};
   int line = 0;
 

@@ -89,6 +89,7 @@ void bind_robot_description(nb::module_& m) {
           "child", [](const Joint& j) { return index_or_none(j.child); }, "A link.")
       .field("origin", &Joint::origin, doc::Joint_origin)
       .field("axis", &Joint::axis, doc::Joint_axis)
+      .field("range_known", &Joint::range_known, doc::Joint_range_known)
       .field("lower", &Joint::lower, doc::Joint_lower)
       .field("upper", &Joint::upper, doc::Joint_lower)
       .field("velocity", &Joint::velocity, doc::Joint_velocity)

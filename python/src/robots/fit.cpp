@@ -71,6 +71,7 @@ void bind_robot_fit(nb::module_& m) {
   Record<RobotSpheres>(m, "RobotSpheres", "Spheres for a robot.")
       .field("links", &RobotSpheres::links, doc::RobotSpheres_links)
       .field("notes", &RobotSpheres::notes, doc::RobotSpheres_notes)
+      .field("visual", &RobotSpheres::visual, doc::RobotSpheres_visual)
       .property("inner_count", [](const RobotSpheres& r) { return r.inner_count(); })
       .property("sphere_count", [](const RobotSpheres& r) { return r.sphere_count(); })
       .property(

@@ -31,28 +31,44 @@ void bind_robot_self_collision(nb::module_& m) {
                 return "adjacent";
               case robot::IgnoreReason::rest:
                 return "rest";
+              case robot::IgnoreReason::apart:
+                return "apart";
               case robot::IgnoreReason::never:
                 break;
             }
             return "never";
           },
-          "given, adjacent, rest or never.");
+          "given, adjacent, rest, apart (proven) or never (sampled).");
+  using robot::OverlappingPair;
+  Record<OverlappingPair>(m, "OverlappingPair", doc::OverlappingPair)
+      .property(
+          "a", [](const OverlappingPair& p) { return index_or_none(p.a); }, doc::OverlappingPair_a)
+      .property(
+          "b", [](const OverlappingPair& p) { return index_or_none(p.b); }, doc::OverlappingPair_a)
+      .field("rest_distance", &OverlappingPair::rest_distance, doc::OverlappingPair_rest_distance)
+      .field("share", &OverlappingPair::share, doc::OverlappingPair_share)
+      .shown({"a", "b", "rest_distance", "share"});
   Record<SelfCollision>(m, "SelfCollision", "Pairs of links that a planner need not test against each other.")
       .field("ignored", &SelfCollision::ignored, doc::SelfCollision_ignored)
       .field("samples", &SelfCollision::samples, doc::SelfCollision_samples)
       .field("pairs", &SelfCollision::pairs, doc::SelfCollision_pairs)
+      .field("overlapping", &SelfCollision::overlapping, doc::SelfCollision_overlapping)
+      .field("notes", &SelfCollision::notes, doc::SelfCollision_notes)
+      .property(
+          "never_bound", [](const SelfCollision& s) { return s.never_bound(); }, doc::SelfCollision_never_bound)
       .shown({"ignored", "samples", "pairs"});
   m.def(
       "find_ignored",
       [](const robot::Robot& robot, const robot::RobotSpheres& spheres, std::size_t samples, std::uint64_t seed,
          const std::vector<std::array<std::string, 2>>& given, Threads* workers) {
         return without_gil([&] {
-          return robot::find_ignored(robot, spheres, {samples, seed, given}, CallWorkers(workers));
+          return robot::find_ignored(robot, spheres, {.samples = samples, .seed = seed, .given = given},
+                                     CallWorkers(workers));
         });
       },
-      nb::arg("robot"), nb::arg("spheres"), nb::kw_only(), nb::arg("samples") = 2000, nb::arg("seed") = 1,
+      nb::arg("robot"), nb::arg("spheres"), nb::kw_only(), nb::arg("samples") = 100000, nb::arg("seed") = 1,
       nb::arg("given") = std::vector<std::array<std::string, 2>>{}, nb::arg("workers") = nb::none(),
-      nb::sig("def find_ignored(robot: Robot, spheres: RobotSpheres, *, samples: int = 2000, seed: int = 1, "
+      nb::sig("def find_ignored(robot: Robot, spheres: RobotSpheres, *, samples: int = 100000, seed: int = 1, "
               "given: collections.abc.Sequence[collections.abc.Sequence[str]] = [], workers: morula._morula.Workers | "
               "None = None) -> SelfCollision"),
       with_arguments("Which pairs of links need not be tested against each other.",

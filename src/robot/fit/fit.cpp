@@ -124,6 +124,7 @@ class Fitter {
   }
 
   void read_surfaces() {
+    result_.visual = o_.visual;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       const Link& link = robot_.links[i];
       if (shapes_of(link).empty() || o_.left_out.count(link.name) != 0) continue;

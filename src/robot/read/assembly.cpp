@@ -59,6 +59,7 @@ void Assembly::carry(std::size_t parent, std::size_t child, const RigidTransform
     joint.kind = m.kind;
     joint.axis = m.axis;
     joint.lower = m.lower, joint.upper = m.upper;
+    joint.range_known = m.range_known;
     joint.velocity = m.velocity, joint.effort = m.effort;
     joint.line = m.line;
     joint.parent = carrier;

@@ -19,6 +19,7 @@ struct Movement {
   Vec3 axis{0, 0, 1};  ///< unit, in the child's axes
   Vec3 anchor{};       ///< where the axis passes, in the child
   double lower = 0, upper = 0;
+  bool range_known = true;  ///< as Joint::range_known
   double velocity = 0, effort = 0;
   double reference = 0;  ///< the value at which the child stands at its pose
   int line = 0;

@@ -412,6 +412,7 @@ class SdfReader {
       m.lower = -std::numbers::pi, m.upper = std::numbers::pi;
     } else if (open) {
       m.lower = m.upper = 0;
+      m.range_known = false;
       robot().notes.push_back(fmt::format("joint {} (line {}) has no limits and is taken to stay at 0", name, m.line));
     } else if (m.lower > m.upper) {
       xml_.fail(at, fmt::format("joint {} has a lower limit above its upper one", name));

@@ -153,12 +153,16 @@ struct UrdfReader {
 
   void limits(const XMLElement& at, Joint& joint) {
     const XMLElement* limit = at.FirstChildElement("limit");
+    const bool needs_range = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
+    joint.range_known =
+        !needs_range ||
+        (limit != nullptr && (limit->FindAttribute("lower") != nullptr || limit->FindAttribute("upper") != nullptr));
     if (limit != nullptr) {
       joint.lower = xml.number(*limit, "lower", 0);
       joint.upper = xml.number(*limit, "upper", 0);
       joint.velocity = xml.number(*limit, "velocity", 0);
       joint.effort = xml.number(*limit, "effort", 0);
-    } else if (joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic) {
+    } else if (needs_range) {
       robot.notes.push_back(
           fmt::format("joint {} (line {}) has no limits and is taken to stay at 0", joint.name, joint.line));
     }

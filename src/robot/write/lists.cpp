@@ -164,8 +164,7 @@ std::vector<OutputFile> write_json(const Description& d) {
   Json links = Json::array(), ignored = Json::array();
   for (const LinkSpheres& link : d.spheres.links) links.push_back(link_json(d, link));
   for (const IgnoredPair& pair : d.self_collision.ignored) {
-    ignored.push_back(
-        {{"links", {d.robot.links[pair.a].name, d.robot.links[pair.b].name}}, {"reason", name(pair.reason)}});
+    ignored.push_back(ignored_pair_json(d.robot, d.self_collision, pair));
   }
   const Json json{{"format", "morula robot spheres"},
                   {"format_version", 1},
@@ -178,7 +177,9 @@ std::vector<OutputFile> write_json(const Description& d) {
                     {"seed", d.options.seed},
                     {"pairs", d.self_collision.pairs},
                     {"note", ignored_note(d)},
-                    {"ignored", ignored}}}};
+                    {"notes", d.self_collision.notes},
+                    {"ignored", ignored},
+                    {"overlapping", overlapping_json(d.robot, d.self_collision)}}}};
   return {{"spheres.json", json_text(json)}};
 }
 

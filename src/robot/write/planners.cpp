@@ -21,12 +21,30 @@ std::string sphere_lines(const Description& d, const std::string& indent) {
   return text;
 }
 
+/// Comments that say why each partner of a link is ignored: YAML has no other place for it.
+std::string reason_lines(const Description& d, const std::string& indent, const std::string& link) {
+  std::string text;
+  for (const IgnoreReason reason :
+       {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest, IgnoreReason::apart, IgnoreReason::never}) {
+    std::vector<std::string> others;
+    for (const IgnoredPair& pair : d.self_collision.ignored) {
+      if (pair.reason != reason || d.robot.links[pair.a].name != link) continue;
+      others.push_back(quoted(d.robot.links[pair.b].name));
+    }
+    if (others.empty()) continue;
+    text += fmt::format("{}# {}: {}\n", indent, reason_text(d, reason), fmt::join(others, ", "));
+  }
+  return text;
+}
+
 std::string ignore_lines(const Description& d, const std::string& indent, const std::string& key) {
   const auto ignored = ignored_by_link(d);
   if (ignored.empty()) return fmt::format("{}{}: {{}}\n", indent, key);
   std::string text = fmt::format("{}{}:\n", indent, key);
-  for (const auto& [link, others] : ignored)
+  for (const auto& [link, others] : ignored) {
+    text += reason_lines(d, indent + "  ", link);
     text += fmt::format("{}  {}: {}\n", indent, quoted(link), quoted_list(others));
+  }
   return text;
 }
 

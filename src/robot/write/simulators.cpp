@@ -68,10 +68,10 @@ class Mjcf {
     add_body(add_element(root, "worldbody"), d_.robot.root);
     root->InsertEndChild(document.NewComment(fmt::format(" {} ", ignored_note(d_)).c_str()));
     XMLElement* contact = add_element(root, "contact");
-    for (const IgnoredPair& pair : d_.self_collision.ignored) {
-      XMLElement* exclude = add_element(contact, "exclude");
-      set(exclude, "body1", body_name(pair.a));
-      set(exclude, "body2", body_name(pair.b));
+    // MuJoCo refuses attributes that it does not know: the reasons are comments.
+    for (const IgnoreReason reason :
+         {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest, IgnoreReason::apart, IgnoreReason::never}) {
+      add_excludes(contact, reason);
     }
     XMLElement* equality = add_element(root, "equality");
     for (const Joint& joint : d_.robot.joints) {
@@ -89,6 +89,21 @@ class Mjcf {
   std::string body_name(std::size_t link) const {
     const std::string& own = d_.robot.links[link].name;
     return own == "world" ? "world_link" : own;
+  }
+
+  void add_excludes(XMLElement* contact, IgnoreReason reason) const {
+    bool is_first = true;
+    for (const IgnoredPair& pair : d_.self_collision.ignored) {
+      if (pair.reason != reason) continue;
+      if (is_first) {
+        const std::string text = fmt::format(" {} ", reason_text(d_, reason));
+        contact->InsertEndChild(contact->GetDocument()->NewComment(text.c_str()));
+      }
+      is_first = false;
+      XMLElement* exclude = add_element(contact, "exclude");
+      set(exclude, "body1", body_name(pair.a));
+      set(exclude, "body2", body_name(pair.b));
+    }
   }
 
   void add_body(XMLElement* parent, std::size_t link) {

@@ -112,12 +112,53 @@ std::string ignored_note(const Description& d) {
     return std::count_if(d.self_collision.ignored.begin(), d.self_collision.ignored.end(),
                          [&](const IgnoredPair& pair) { return pair.reason == reason; });
   };
-  std::string text = fmt::format("Ignored pairs: {} given, {} neighbours, {} that touch at rest",
-                                 count(IgnoreReason::given), count(IgnoreReason::adjacent), count(IgnoreReason::rest));
+  std::string text = fmt::format(
+      "Ignored pairs: {} given, {} neighbors, {} whose surfaces touch at rest, {} proven to be apart in every "
+      "configuration",
+      count(IgnoreReason::given), count(IgnoreReason::adjacent), count(IgnoreReason::rest), count(IgnoreReason::apart));
   if (d.self_collision.samples == 0) return text + "; no configurations were sampled";
-  return text +
-         fmt::format(", {} apart in each of {} sampled configurations (seed {}), which proves nothing about others",
-                     count(IgnoreReason::never), d.self_collision.samples, d.options.seed);
+  return text + fmt::format(
+                    ", {} apart in each of {} sampled configurations (seed {}): each of these meets in less than "
+                    "{:.2g} of all configurations, with 95 % confidence, which is no proof",
+                    count(IgnoreReason::never), d.self_collision.samples, d.options.seed,
+                    d.self_collision.never_bound());
+}
+
+std::string reason_text(const Description& d, IgnoreReason reason) {
+  switch (reason) {
+    case IgnoreReason::given:
+      return "given";
+    case IgnoreReason::adjacent:
+      return "neighbors";
+    case IgnoreReason::rest:
+      return "surfaces touch at rest";
+    case IgnoreReason::apart:
+      return "apart in every configuration, proven";
+    case IgnoreReason::never:
+      break;
+  }
+  return fmt::format("apart in {} sampled configurations, meets in less than {:.2g} of all (95 %)",
+                     d.self_collision.samples, d.self_collision.never_bound());
+}
+
+Json ignored_pair_json(const Robot& robot, const SelfCollision& self_collision, const IgnoredPair& pair) {
+  Json json{{"links", {robot.links[pair.a].name, robot.links[pair.b].name}}, {"reason", name(pair.reason)}};
+  if (pair.reason == IgnoreReason::apart || pair.reason == IgnoreReason::never) {
+    const bool proven = pair.reason == IgnoreReason::apart;
+    json["proven"] = proven;
+    json["meets_below"] = proven ? 0.0 : self_collision.never_bound();
+  }
+  return json;
+}
+
+Json overlapping_json(const Robot& robot, const SelfCollision& self_collision) {
+  Json list = Json::array();
+  for (const OverlappingPair& pair : self_collision.overlapping) {
+    list.push_back({{"links", {robot.links[pair.a].name, robot.links[pair.b].name}},
+                    {"rest_distance", pair.rest_distance ? Json(*pair.rest_distance) : Json(nullptr)},
+                    {"share", pair.share}});
+  }
+  return list;
 }
 
 }  // namespace morula::robot

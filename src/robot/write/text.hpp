@@ -40,8 +40,15 @@ std::vector<std::string> tool_frames(const Description& description);
 std::vector<std::string> own_joint_names(const Robot& robot);
 /// Partners of every link that has some, by name, each pair once.
 std::map<std::string, std::vector<std::string>> ignored_by_link(const Description& description);
-/// "Never: apart in all of 2000 configurations …": what the list proves and what not.
+/// "Ignored pairs: 2 given, …": how many for which reason, what is proven, and the bound of what is not.
 std::string ignored_note(const Description& description);
+/// "surfaces touch at rest": why a pair is ignored; of a sampled one also the bound.
+std::string reason_text(const Description& description, IgnoreReason reason);
+/// The links, the reason, and for `apart` and `never` whether it is proven and the share of configurations, with 95 %
+/// confidence, below which they meet.
+Json ignored_pair_json(const Robot& robot, const SelfCollision& self_collision, const IgnoredPair& pair);
+/// Tested pairs whose spheres overlap at rest or nearly always.
+Json overlapping_json(const Robot& robot, const SelfCollision& self_collision);
 
 std::vector<OutputFile> write_curobo(const Description&);
 std::vector<OutputFile> write_curobo_old(const Description&);

@@ -209,6 +209,7 @@ std::string srdf_text(const Description& d) {
     set(at, "link1", a);
     set(at, "link2", b);
     set(at, "reason", std::string(name(pair.reason)));
+    set(at, "detail", reason_text(d, pair.reason));  // readers take the attributes that they know
   }
   return xml_text(document, d);
 }

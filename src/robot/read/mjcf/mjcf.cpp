@@ -274,6 +274,7 @@ class MjcfReader {
         files_.fail(at, fmt::format("range=\"{} {}\" of joint {} is empty", range[0], range[1], name));
     } else if (slides) {
       m.kind = Joint::Kind::prismatic;
+      m.range_known = false;
       robot().notes.push_back(fmt::format("joint {} (line {}) has no limits and is taken to stay at 0", name, m.line));
     } else {
       m.kind = Joint::Kind::continuous;
