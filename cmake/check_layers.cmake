@@ -30,7 +30,7 @@ set(height_scene 9)
 set(height_grains 9)
 set(height_c 9)
 set(height_page 9)
-set(height_robot 9)
+set(height_robot 10)  # surfaces tell which links touch at rest
 set(height_study 10)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
