@@ -189,17 +189,24 @@ TEST(Finished, is_of_all_contacts_also_when_those_of_an_interrupted_query_were_t
   Random random(5);
   Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
   b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
-  CollideOptions options{.budget = 200, .surfaces = true, .exact = true};
-  ContactQuery query(options);
-  query.add(*a.collider, *b.collider);
-  ASSERT_FALSE(query.start().finished);
-  query.take_contacts();
-  options.budget = {};
-  query.set_options(options);
-  ASSERT_TRUE(query.resume().finished);
-  EXPECT_EQ(nodes_of(query.contacts()), nodes_of(collide(*a.collider, *b.collider)));
-  EXPECT_EQ(query.contacts().surfaces.size(), query.contacts().contacts.size());
-  EXPECT_EQ(facets_of(query.contacts().crossings), facets_of(brute_force::crossings(*a.collider, *b.collider)));
+  const auto crossings = facets_of(brute_force::crossings(*a.collider, *b.collider));
+  const auto nodes = nodes_of(collide(*a.collider, *b.collider));
+  int cut = 0;
+  for (int budget = 200; budget < 20000; budget += budget / 4) {
+    CollideOptions options{.budget = budget, .surfaces = true, .exact = true};
+    ContactQuery query(options);
+    query.add(*a.collider, *b.collider);
+    const bool finished = query.start().finished;
+    const Contacts taken = query.take_contacts();
+    cut += !finished && taken.finished_count > 0 ? 1 : 0;
+    options.budget = {};
+    query.set_options(options);
+    ASSERT_TRUE(query.resume().finished);
+    EXPECT_EQ(nodes_of(query.contacts()), nodes);
+    EXPECT_EQ(query.contacts().surfaces.size(), query.contacts().contacts.size());
+    EXPECT_EQ(facets_of(query.contacts().crossings), crossings);
+  }
+  EXPECT_GT(cut, 3);
 }
 
 struct LazyBodies : ::testing::Test {
