@@ -3,7 +3,7 @@
 #include "scene/pair_front.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <limits>
 
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/pairs/descent.hpp"
@@ -19,13 +19,21 @@ constexpr std::size_t descent_tests = 4;
 }  // namespace
 
 void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider& b) {
+  if (query_) {
+    query_->clear();
+    query_->add(a, b);
+  }
   id_a_ = id_a, id_b_ = id_b;
-  query_.clear();
-  query_.add(a, b);
   a_ = &a, b_ = &b;
-  has_front_ = is_current_ = roots_overlap_ = is_descended_ = false;
+  has_front_ = is_current_ = roots_overlap_ = carrying_was_dear_ = false;
+  forget_extras();
   tests_to_finish_.reset();
   in_vain_ = 0;
+}
+
+void PairFront::forget_extras() {
+  surfaces_.clear();
+  crossings_.clear();
 }
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
@@ -38,20 +46,27 @@ CollideOptions PairFront::options_for(const SceneOptions& options, const Budget&
 
 void PairFront::look(const SceneOptions& options) {
   const TreePair trees(*a_, *b_, options.margin, options.level.value_or(leaf_level));
-  is_current_ = false;
+  part();
   roots_overlap_ = trees.overlaps(0, 0);
   if (!roots_overlap_) return;
   overlap_share_ = detail::overlap_share(trees.placed(), trees.sphere_a(0), trees.sphere_b(0));
   describe(trees.placed(), trees.sphere_a(0), trees.sphere_b(0), coarse_);
 }
 
+void PairFront::part() {
+  roots_overlap_ = is_current_ = extras_are_due = false;
+  forget_extras();
+}
+
 // A front is what a pair needs that takes more tests than it can have at a time. Most take few, and are done three to
 // four times as soon depth-first, without one.
 bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const {
-  if (options.surfaces || options.exact || is_current_ || (carries() && !(by_time && carrying_was_dear_))) return false;
-  // Where nothing is known, as many as a round gives at least.
-  const std::optional<std::size_t> expected = tests_expected();
-  return expected ? *expected <= most_tests : most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
+  if (is_current_ || (carries() && !(by_time && carrying_was_dear_))) return false;
+  if (const std::optional<std::size_t> expected = tests_expected()) return *expected <= most_tests;
+  // Where nothing is known: with surfaces or crossings, which are those of finished contacts alone, only what cannot be
+  // stopped; else as many as a round gives at least.
+  if (options.surfaces || options.exact) return a_->tree().node_count() * b_->tree().node_count() <= most_tests;
+  return most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
 }
 
 std::optional<std::size_t> PairFront::tests_expected() const {
@@ -78,8 +93,8 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
       },
       most_tests);
   if (done.finished) {
-    is_current_ = is_descended_ = true;
-    has_front_ = extras_are_due = false;
+    is_current_ = extras_are_due = true;
+    has_front_ = false;
     tests_to_finish_ = done.tests;
     in_vain_ = 0;
   } else {
@@ -90,6 +105,8 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
 }
 
 std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time) {
+  const bool goes_on = is_current_ && has_front_;
+  if (!most_tests && !goes_on) return descend(options, std::numeric_limits<std::size_t>::max()).tests;
   std::size_t spent = 0;
   if (most_tests) {
     const std::size_t most = *most_tests * (by_time ? descent_tests : 1);
@@ -100,64 +117,52 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
       *most_tests -= spent;
     }
   }
-  CollideOptions asked = options_for(options, most_tests ? Budget(*most_tests) : Budget());
-  if (!most_tests) asked.surfaces = options.surfaces, asked.exact = options.exact;
-  query_.set_options(std::move(asked));
-  is_descended_ = false;
-  ContactStatus status;
-  if (is_current_ && has_front_) {
-    status = query_.resume();
-    if (status) tests_of_front_ += status.pair_tests;
-  } else if (!most_tests) {
-    status = query_.run();
-    has_front_ = false;
-  } else {
-    const bool carried = carries();
-    if (carried) {
-      status = query_.carry();
-      carrying_was_dear_ = descent_tests * status.pair_tests > tests_of_front_;
-    }
-    if (!carried || !status) {
-      status = query_.start();
-      tests_of_front_ = status.pair_tests;
-    }
-    has_front_ = static_cast<bool>(status);
-  }
-  if (status.finished) tests_to_finish_ = has_front_ ? tests_of_front_ : status.pair_tests;
-  is_current_ = static_cast<bool>(status);
-  extras_are_due = is_current_ && most_tests.has_value();
+  const ContactStatus status = refine_front(options, most_tests ? Budget(*most_tests) : Budget());
+  if (status.finished) tests_to_finish_ = tests_of_front_;
+  has_front_ = is_current_ = extras_are_due = static_cast<bool>(status);
+  forget_extras();
   return spent + status.pair_tests;
 }
 
-void PairFront::add_extras(const SceneOptions& options, const Budget& budget) {
-  CollideOptions asked = options_for(options, has_front_ ? budget : Budget());
-  asked.surfaces = options.surfaces, asked.exact = options.exact;
-  if (options.clock) asked.clock = std::cref(options.clock);
-  query_.set_options(std::move(asked));
-  is_descended_ = false;
-  if (has_front_) {
-    query_.resume();
-  } else {
-    query_.run();
+ContactStatus PairFront::refine_front(const SceneOptions& options, const Budget& budget) {
+  if (!query_) {
+    query_ = std::make_unique<ContactQuery>();
+    query_->add(*a_, *b_);
   }
-  // A pair that rests goes on with its surfaces in the next update, where time ended them.
-  extras_are_due = options.surfaces && query_.contacts().surfaces.size() < query_.contacts().finished_count;
+  query_->set_options(options_for(options, budget));
+  if (is_current_ && has_front_) {
+    const ContactStatus status = query_->resume();
+    if (status) tests_of_front_ += status.pair_tests;
+    return status;
+  }
+  if (carries()) {
+    const ContactStatus status = query_->carry();
+    carrying_was_dear_ = descent_tests * status.pair_tests > tests_of_front_;
+    if (status) return status;
+  }
+  const ContactStatus status = query_->start();
+  tests_of_front_ = status.pair_tests;
+  return status;
 }
 
 std::span<const Contact> PairFront::contacts() const {
   if (!roots_overlap_) return {};
   if (!is_current_) return std::span(&coarse_, 1);
-  return is_descended_ ? std::span<const Contact>(descended_) : query_.contacts().contacts;
+  return has_front_ ? std::span<const Contact>(query_->contacts().contacts) : descended_;
 }
 
-std::span<const ContactSurface> PairFront::surfaces() const {
-  if (!roots_overlap_ || !is_current_ || is_descended_) return {};
-  return query_.contacts().surfaces;
+std::size_t PairFront::finished_count() const {
+  if (!roots_overlap_ || !is_current_) return 0;
+  return has_front_ ? query_->contacts().finished_count : descended_.size();
 }
 
-std::span<const Crossing> PairFront::crossings() const {
-  if (!roots_overlap_ || !is_current_ || is_descended_) return {};
-  return query_.contacts().crossings;
+void PairFront::give_back() {
+  part();
+  has_front_ = false;
+  query_.reset();
+  std::vector<Contact>().swap(descended_);
+  std::vector<ContactSurface>().swap(surfaces_);
+  std::vector<Crossing>().swap(crossings_);
 }
 
 }  // namespace morula::detail

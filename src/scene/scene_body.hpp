@@ -5,6 +5,8 @@
 
 #include <morula/scene/scene.hpp>
 
+#include "collide/facets/leaf_surfaces.hpp"
+
 namespace morula::detail {
 
 /// What tells whether a body has moved.
@@ -24,7 +26,8 @@ struct SceneBody {
   bool is_to_be_read = false;      ///< in the next update, though it is static or asleep; counts as moved then
   bool has_moved = false;          ///< in this update
   BodyStamp stamp{};
-  Sphere around{};  ///< the ball that the box is around
+  Sphere around{};       ///< the ball that the box is around
+  FacetShares shares{};  ///< of the collider, once surfaces were asked for
 
   bool is_looked_at() const {
     return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));

@@ -83,7 +83,8 @@ SceneStatus SceneState::touch_found(const Shape& shape, const TouchOptions& touc
       if (!touch.clear) touches.push_back({id_of(place), &touch});
     }
   } catch (...) {
-    touches.clear();  // some of them would look like all
+    // Some of them would look like all, and a query may be half made.
+    touches.clear(), touch_queries.clear();
     throw;
   }
   return {};

@@ -8,6 +8,7 @@
 #include <morula/scene/scene.hpp>
 #include <string_view>
 
+#include "scene/pair_extras.hpp"
 #include "scene/pair_front.hpp"
 #include "scene/scene_body.hpp"
 
@@ -84,6 +85,8 @@ struct SceneState {
   void refine_by_time(std::chrono::nanoseconds deadline, Workers& workers);
   void note_first_round(std::int64_t spent, std::int64_t pairs);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
+  void follow_shares(Workers& workers);
+  void give_back_parted();
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;
 
@@ -92,7 +95,10 @@ struct SceneState {
   std::vector<std::size_t> used_, shares_;
   std::vector<std::uint32_t> order_;
   std::vector<std::size_t> looked_at_;
+  std::vector<std::uint32_t> places_;
+  ExtrasPool extras_;
   std::size_t next_to_forget_ = 0;
+  std::uint32_t updates_to_give_back_ = 0;  ///< since memory was given back last
   std::size_t tests_done_ = 0;
   std::vector<BodyRead> read_;
   std::vector<double> values_;

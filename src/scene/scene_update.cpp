@@ -20,6 +20,8 @@ constexpr std::size_t most_expected = 2048;
 // With fewer tests than one block of eight by eight nodes a round is not worth it.
 constexpr std::size_t least_budget = 64;
 constexpr std::size_t fewest_parted_fronts = 64;
+// After so many updates, parted pairs give back their memory, at most twice as many: those that come and go keep it.
+constexpr std::uint32_t updates_kept = 32;
 // Roots that only just overlap share nothing, or by rounding less than that, and would wait for ever.
 constexpr double least_share = 0x1p-10;
 
@@ -74,6 +76,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
 void SceneState::end(const Near& pair) {
   if (pair.front == nullptr) return;
   PairFront* const front = pair.front;
+  front->has_rested = false;
   if (bodies[pair.a].collider == nullptr || bodies[pair.b].collider == nullptr) {
     spare_fronts.push_back(front);
   } else {
@@ -316,24 +319,46 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
     if (pairs > 0) expected = 2 * spent / pairs;
     if (share == quantum) note_first_round(spent, pairs);
     for (const std::size_t used : used_) tests_done_ += used;
-    std::erase_if(work_, [](const PairFront* front) { return front->is_finished(); });
+    // Where there was time and nothing was done, nothing can be.
+    for (std::size_t i = 0; i < work_.size(); ++i)
+      if (work_[i]->is_finished() || (used_[i] == 0 && !is_late)) work_[i] = nullptr;
+    std::erase(work_, nullptr);
   }
+}
+
+// The shares of a body serve all of its pairs, so they are there before pairs are looked at side by side.
+void SceneState::follow_shares(Workers& workers) {
+  places_.clear();
+  for (const PairFront* front : chosen_)
+    for (const std::uint32_t place : {front->id_a().place, front->id_b().place})
+      if (const SceneBody& body = bodies[place]; body.collider->has_surface() && !body.shares.is_of(*body.collider))
+        places_.push_back(place);
+  std::sort(places_.begin(), places_.end());
+  places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
+  workers.run(places_.size(), [&](std::size_t i) {
+    SceneBody& body = bodies[places_[i]];
+    body.shares.follow(*body.collider);
+  });
 }
 
 void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers) {
   chosen_.clear();
   for (const Near& pair : near)
-    if (pair.front != nullptr && pair.front->extras_are_due) chosen_.push_back(pair.front);
+    if (pair.front != nullptr && pair.front->extras_are_due && pair.front->finished_count() > 0)
+      chosen_.push_back(pair.front);
   const bool by_time = options.budget.is_time();
   if (by_time)
     std::stable_sort(chosen_.begin(), chosen_.end(),
                      [](const PairFront* x, const PairFront* y) { return x->importance > y->importance; });
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
+  if (options.surfaces) follow_shares(used_workers);
+  const auto is_late = [&] { return by_time && now() >= deadline; };
   used_workers.run(chosen_.size(), [&](std::size_t i) {
-    if (!by_time) return chosen_[i]->add_extras(options, 0);
-    const std::chrono::nanoseconds left = deadline - now();
     // Crossings are on top of any budget.
-    if (left.count() > 0 || options.exact) chosen_[i]->add_extras(options, std::max(left, std::chrono::nanoseconds(0)));
+    if (!options.exact && is_late()) return;
+    PairFront& front = *chosen_[i];
+    const ExtrasPool::Loan extras(extras_);
+    front.add_extras(options, bodies[front.id_a().place].shares, bodies[front.id_b().place].shares, *extras, is_late);
   });
 }
 
@@ -350,7 +375,7 @@ void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneS
     const std::chrono::nanoseconds begun = now();
     refine_by_time(options.surfaces ? begun + (deadline - begun) / 2 : deadline, workers);
   }
-  if (options.surfaces || options.exact || extras_anew) add_extras(start + budget.time() - to_publish_, workers);
+  if (options.surfaces || options.exact) add_extras(start + budget.time() - to_publish_, workers);
   status.pair_tests = tests_done_;
 }
 
@@ -376,12 +401,27 @@ void SceneState::publish(SceneStatus& status) {
                          .began = !stays,
                          .finished = front.is_finished(),
                          .contacts = front.contacts(),
-                         .surfaces = front.surfaces(),
-                         .crossings = front.crossings()});
+                         .surfaces = options.surfaces ? front.surfaces() : std::span<const ContactSurface>(),
+                         .crossings = options.exact ? front.crossings() : std::span<const Crossing>()});
   }
   ended.insert(ended.end(), before, touching.end());
   std::sort(ended.begin(), ended.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
   status.finished = status.open_pairs == 0;
+}
+
+// Parted pairs may come back, so they keep what they have until they have been seen here twice.
+void SceneState::give_back_parted() {
+  if (++updates_to_give_back_ < updates_kept) return;
+  updates_to_give_back_ = 0;
+  for (PairFront* const front : spare_fronts)
+    if (std::exchange(front->has_rested, true)) front->give_back();
+  std::erase_if(parted_fronts, [&](PairFront* front) {
+    if (!std::exchange(front->has_rested, true)) return false;
+    front->give_back();
+    front->unbind();
+    spare_fronts.push_back(front);
+    return true;
+  });
 }
 
 SceneStatus SceneState::update(Workers& workers) {
@@ -402,7 +442,9 @@ void SceneState::start_over() noexcept {
   published.clear(), ended.clear();
   near.clear(), next_near.clear(), work_.clear(), chosen_.clear();
   parted_fronts.clear(), spare_fronts.clear(), fronts.clear();
-  next_to_forget_ = 0;
+  extras_.forget();
+  for (SceneBody& body : bodies) body.shares = {};
+  next_to_forget_ = updates_to_give_back_ = 0;
   first_round_of_pair_ = 0;
   to_publish_ = {};
   everything_anew = is_interrupted = true;
@@ -416,6 +458,7 @@ SceneStatus SceneState::update_once(Workers& workers) {
   published.clear(), ended.clear();
   broad.update();
   list_near();
+  give_back_parted();
   look_at_roots(workers);
   refine(start, workers, status);
   const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);

@@ -281,6 +281,49 @@ TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {
   EXPECT_TRUE(scene.pairs().empty());
 }
 
+TEST(Scene, masks_have_to_fit_on_both_sides) {
+  Thing a(test::icosphere(1)), b(test::icosphere(1));
+  Scene scene;
+  const BodyId id_a = scene.add(a.collider), id_b = scene.add(b.collider);
+  // Of group 1 or 2, with 1, 2 or both: the pair is there where both want it, whoever comes first.
+  for (std::uint32_t all = 0; all < 4 * 16; ++all) {
+    const std::uint32_t of_a = 1 + all % 2, of_b = 1 + all / 2 % 2, with_a = all / 4 % 4, with_b = all / 16;
+    scene.set_masks(id_a, of_a, with_a);
+    scene.set_masks(id_b, of_b, with_b);
+    ASSERT_TRUE(scene.update());
+    const bool a_wants = of_b == (of_b & with_a), b_wants = of_a == (of_a & with_b);
+    EXPECT_EQ(scene.pairs().size(), a_wants && b_wants ? 1u : 0u) << of_a << with_a << of_b << with_b;
+  }
+}
+
+// Whatever was kept of the pair while it was apart is about a collider that may be gone.
+TEST(Scene, a_body_replaced_while_apart_comes_back_as_what_it_is_now) {
+  for (const bool limited : {false, true}) {
+    Thing a(test::icosphere(2, 0.6)), b(test::icosphere(2, 0.6)), ball(test::icosphere(1, 0.2));
+    SceneOptions options;
+    if (limited) options.budget = 400;
+    Scene scene(options);
+    const BodyId id_a = scene.add(a.collider), id_b = scene.add(b.collider);
+    b.collider.place({.translation = {0.4, 0.1, 0}});
+    for (int frame = 0; frame < 20; ++frame) ASSERT_TRUE(scene.update());
+    ASSERT_GT(scene.find(id_a, id_b)->contacts.size(), 10u);
+    b.collider.place({.translation = {50, 0, 0}});
+    ASSERT_TRUE(scene.update());
+    ASSERT_TRUE(scene.pairs().empty());
+    ball.collider.place({.translation = {50, 0, 0}});
+    scene.replace(id_b, ball.collider);
+    ASSERT_TRUE(scene.update());
+    ball.collider.place({.translation = {0.6, 0.1, 0}});
+    for (int frame = 0; frame < 20; ++frame) ASSERT_TRUE(scene.update());
+    const ScenePair* pair = scene.find(id_a, id_b);
+    ASSERT_NE(pair, nullptr) << "the collider before is far away";
+    ASSERT_TRUE(pair->finished);
+    EXPECT_EQ(nodes_of(pair->contacts), nodes_of(collide(a.collider, ball.collider).contacts));
+    for (const Crossed& crossing : test::crossings_by_force(a.collider, ball.collider))
+      EXPECT_TRUE(is_within(crossing, *pair, a.collider, ball.collider));
+  }
+}
+
 TEST(Scene, a_pair_that_a_filter_refuses_is_asked_about_once) {
   Thing a(test::icosphere(1)), b(test::icosphere(1));
   std::size_t asked = 0;

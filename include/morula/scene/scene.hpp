@@ -112,7 +112,8 @@ struct SceneTouch {
 /// are while update() runs.
 ///
 /// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
-/// every pair had as many contacts.
+/// every pair had as many contacts, unless a pair has been parted for 32 updates: it gives its memory back then.
+/// docs/scene.md says what a pair holds.
 class Scene {
  public:
   /// Throws std::invalid_argument, naming the option: a negative or infinite margin, a negative budget.

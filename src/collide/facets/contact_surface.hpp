@@ -17,6 +17,8 @@ class SurfaceScratch {
   /// Begins a batch: placements, positions and spheres stay as they are until the next. Both colliders current. The
   /// same collider may be both. Allocates when the bodies are others than before, or more is read than ever before.
   void start(const Collider& a, const Collider& b);
+  /// The same with shares that others keep, until the next batch: several scratches may take them from one place.
+  void start(const Collider& a, const FacetShares& shares_a, const Collider& b, const FacetShares& shares_b);
   /// Of one of the two.
   LeafSurfaces& of(const Collider& collider) {
     assert(&collider == sides_[0].collider() || &collider == sides_[1].collider());

@@ -60,32 +60,35 @@ float largest(const FacetColumns& facets) {
 
 }  // namespace
 
-void LeafSurfaces::take_shares() {
-  const SphereTree& tree = collider_->tree();
-  const Cover& cover = collider_->cover();
-  const std::uint32_t* const first = collider_->facets(0).data();
-  share_.assign(collider_->facets(0).size(), 0);
+bool FacetShares::is_of(const Collider& collider) const {
+  return !(ownership_ != collider.pose().ownership || dealing_ != collider.pose().dealing ||
+           share_.size() != collider.facets(0).size());
+}
+
+void FacetShares::follow(const Collider& collider) {
+  if (is_of(collider)) return;
+  const SphereTree& tree = collider.tree();
+  const Cover& cover = collider.cover();
+  const std::uint32_t* const first = collider.facets(0).data();
+  share_.assign(collider.facets(0).size(), 0);
   for (std::uint32_t leaf = 0; leaf < tree.node_count(); ++leaf) {
     if (!tree.is_leaf(leaf)) continue;
-    const std::span<const std::uint32_t> facets = collider_->facets(leaf);
+    const std::span<const std::uint32_t> facets = collider.facets(leaf);
     for (std::uint32_t patch = cover.region_begin[leaf]; patch < cover.region_end[leaf]; ++patch) {
       const std::uint32_t facet = cover.patch_facet[patch];
       const auto entry = std::lower_bound(facets.begin(), facets.end(), facet) - facets.begin();
       share_[static_cast<std::size_t>(facets.data() - first + entry)] +=
-          static_cast<float>(share_of(collider_->mesh_facets()[facet], cover, patch));
+          static_cast<float>(share_of(collider.mesh_facets()[facet], cover, patch));
     }
   }
+  ownership_ = collider.pose().ownership;
+  dealing_ = collider.pose().dealing;
 }
 
-void LeafSurfaces::start(const Collider& collider) {
+void LeafSurfaces::start(const Collider& collider, const FacetShares& shares) {
   collider_ = &collider;
+  share_ = shares.data();
   const std::size_t nodes = collider.tree().node_count();
-  if (ownership_ != collider.pose().ownership || dealing_ != collider.pose().dealing ||
-      share_.size() != collider.facets(0).size()) {
-    take_shares();
-    ownership_ = collider.pose().ownership;
-    dealing_ = collider.pose().dealing;
-  }
   if (stamp_.size() < nodes) stamp_.resize(nodes, now_), leaf_.resize(nodes);
   if (++now_ == 0) {
     std::fill(stamp_.begin(), stamp_.end(), 0);
@@ -106,7 +109,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   if (stamp_[node] == now_) return leaf;
   stamp_[node] = now_;
   const std::span<const std::uint32_t> facets = collider_->facets(node);
-  const float* const share = share_.data() + (facets.data() - collider_->facets(0).data());
+  const float* const share = share_ + (facets.data() - collider_->facets(0).data());
   leaf = {};
   leaf.begin = static_cast<std::uint32_t>(used_);
   leaf.size = static_cast<std::uint32_t>(facets.size());

@@ -13,11 +13,29 @@
 
 namespace morula::detail {
 
+/// The share of each facet of each leaf that the leaf owns, in the order of the collider's lists. The same for all
+/// questions about a body, as long as its leaves own what they do.
+class FacetShares {
+ public:
+  bool is_of(const Collider& collider) const;
+  /// Linear in patches where they are of another ownership, else constant.
+  void follow(const Collider& collider);
+  const float* data() const { return share_.data(); }
+
+ private:
+  std::uint64_t ownership_ = 0, dealing_ = 0;
+  std::vector<float> share_;
+};
+
 class LeafSurfaces {
  public:
-  /// Forgets all leaves, not the memory. Once per ownership: the share of each facet that leaves own. Linear in patches
-  /// then, constant afterwards.
-  void start(const Collider& collider);
+  /// Forgets all leaves, not the memory. shares: the collider's, which stay until the next start.
+  void start(const Collider& collider, const FacetShares& shares);
+  /// The same with shares of its own: linear in patches once per ownership, constant afterwards.
+  void start(const Collider& collider) {
+    own_shares_.follow(collider);
+    start(collider, own_shares_);
+  }
   const Collider* collider() const { return collider_; }
 
   struct Leaf {
@@ -42,11 +60,9 @@ class LeafSurfaces {
   }
 
  private:
-  void take_shares();
-
   const Collider* collider_ = nullptr;
-  std::uint64_t ownership_ = 0, dealing_ = 0;
-  std::vector<float> share_;  // of each facet of each leaf, in the order of the collider's lists
+  FacetShares own_shares_;
+  const float* share_ = nullptr;  // of each facet of each leaf
   std::vector<std::uint32_t> stamp_;
   std::vector<Leaf> leaf_;
   std::uint32_t now_ = 0;

@@ -147,14 +147,16 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
 
   // Where the pairs below were opened in the previous frame.
   const auto place_of = [&](std::uint32_t a, std::uint32_t b) {
-    return (b - slot.below_b.first) * std::uint32_t{max_branching} + (a - slot.below_a.first);
+    return (b - slot.below_b.first) * slot.below_a.count + (a - slot.below_a.first);
   };
   const auto each_before = [&](const auto& f) {
     if (pair.before == none) return;
     for (std::uint32_t i = opened_before_[pair.before].first_below; i != none; i = opened_before_[i].next_beside)
       f(i, before_of_child_[place_of(opened_before_[i].a, opened_before_[i].b)]);
   };
-  before_of_child_.resize(std::size_t{max_branching} * max_branching, none);
+  // As large as the largest block: a table for any branching is most of what a query of small bodies holds.
+  const std::size_t block = std::size_t{slot.below_a.count} * slot.below_b.count;
+  if (before_of_child_.size() < block) before_of_child_.resize(block, none);
   each_before([](std::uint32_t i, std::uint32_t& place) { place = i; });
   any_overlapping(slot.below_a, slot.below_b, masks, [&](std::uint32_t a, std::uint32_t b) {
     admit({0, 0, pair.pair, a, b, pair.depth + 1, opened, before_of_child_[place_of(a, b)]}, run);
@@ -215,7 +217,7 @@ void FrontWalk::test_round(Run& run) {
   const auto test_slots = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (!round_[i].knows_verdicts)
-        test(run.options, round_[i], round_[i].below_b, round_masks_.data() + i * max_branching);
+        test(run.options, round_[i], round_[i].below_b, round_masks_.data() + round_[i].first_mask);
   };
   if (to_test > slots_per_chunk && run.workers.thread_count() > 1) {
     parallel_for(run.workers, round_.size(), slots_per_chunk, test_slots);
@@ -248,13 +250,15 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
   result.contacts.resize(kept);
   if (result.surfaces.size() > kept)
     result.surfaces.erase(result.surfaces.begin() + static_cast<std::ptrdiff_t>(kept), result.surfaces.end());
-  round_masks_.resize(round_size * max_branching);
   aside_.clear();
   std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
   test_roots(run);
   while (!front.waiting.empty() && !run.meter.out_of_time()) {
     ask_to_go_on();
     fill_round(run);
+    std::size_t mask_count = 0;
+    for (Slot& slot : round_) slot.first_mask = std::exchange(mask_count, mask_count + slot.below_b.count);
+    if (round_masks_.size() < mask_count) round_masks_.resize(mask_count);
     if (!run.meter.by_time()) {
       test_round(run);
     } else if (!test_in_time(run)) {
@@ -262,7 +266,7 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
     }
     for (std::size_t i = 0; i < round_.size(); ++i) {
       Slot& slot = round_[i];
-      const std::uint64_t* masks = round_masks_.data() + i * max_branching;
+      const std::uint64_t* masks = round_masks_.data() + slot.first_mask;
       if (slot.knows_verdicts) {
         const Front::Opened& before = opened_before_[slot.pair.before];
         slot.clearance = before.clearance;

@@ -41,6 +41,7 @@ class FrontWalk {
     NodeRange below_a, below_b;
     bool knows_verdicts;  // from the previous frame
     double clearance;
+    std::size_t first_mask = 0;  // in round_masks_
     std::uint32_t tests() const { return knows_verdicts ? 0 : below_a.count * below_b.count; }
   };
   struct Run {

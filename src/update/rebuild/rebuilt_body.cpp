@@ -224,7 +224,7 @@ void RebuiltBody::State::change_to(Epoch& next) noexcept {
 }
 
 void RebuiltBody::State::stay_at_rest() noexcept {
-  next_pose.reset();
+  next_pose = std::nullopt;  // of a motion that is over
   job->request_stop();
   estimator.give_up();
   report.looseness = owned.home().looseness_at_build;

@@ -520,10 +520,25 @@ TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
   const auto refused = [](CoveredTree built) {
     EXPECT_THROW(RebuiltBody(limb(), built, known_only), std::invalid_argument);
   };
+  const auto words_of = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "not refused";
+  };
   CoveredTree built = home_with_poses();
-  built.poses[0].positions.pop_back();
-  EXPECT_FALSE(validate(limb(), built).empty());
-  refused(built);
+  const std::string name = built.poses[0].name;
+  // Before a body is made of it, so the words name the pose, and none of its positions is read.
+  for (const bool fewer : {true, false}) {
+    built = home_with_poses();
+    std::vector<Vec3>& positions = built.poses[0].positions;
+    fewer ? positions.pop_back() : positions.push_back({});
+    EXPECT_FALSE(validate(limb(), built).empty());
+    EXPECT_EQ(words_of([&] { RebuiltBody(limb(), built, known_only); }),
+              "rebuild: the known pose \"" + name + "\" is not one of this mesh");
+  }
   built = home_with_poses();
   built.poses[0].built = nullptr;
   EXPECT_FALSE(validate(limb(), built).empty());
@@ -532,8 +547,15 @@ TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
   built.poses[0].positions[0].x += 0.5;  // no longer those that the tree was made for
   EXPECT_FALSE(validate(limb(), built).empty());
   refused(built);
-  std::vector<NamedPose> poses{{"short", std::vector<Vec3>(2)}};
-  EXPECT_THROW(add_known_poses(limb(), built, poses), std::invalid_argument);
+  built = home_with_poses();
+  const std::size_t count = limb().vertex_count();
+  for (const std::size_t given : {std::size_t{2}, count + 1}) {
+    std::vector<NamedPose> poses = frames_of_stretch(1);
+    poses.push_back({"other", std::vector<Vec3>(given)});
+    EXPECT_EQ(words_of([&] { add_known_poses(limb(), built, poses); }), "known poses: \"other\" has " +
+                                                                            std::to_string(given) + " positions for " +
+                                                                            std::to_string(count) + " vertices");
+  }
   EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.looser_by = 1}), std::invalid_argument);
   EXPECT_THROW(principal_strains(limb(), 1), std::invalid_argument);
 }

@@ -173,6 +173,25 @@ TEST(RebuiltBody, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   EXPECT_EQ(body.report().finished, 0u);
 }
 
+// To look ahead takes three poses. A motion that is over after one of them leaves nothing behind that the next waits
+// for.
+TEST(RebuiltBody, poses_of_a_motion_that_came_to_rest_are_not_waited_for) {
+  std::size_t jobs = 0;
+  RebuildOptions options{.rebuild_every = 1, .look_ahead_frames = 2, .thread = RebuildThread::host};
+  options.executor = [&](const Job&) { ++jobs; };
+  RebuiltBody body(limb(), limb_tree(), options);
+  for (const int frames : {1, 2, 3, 4}) {
+    for (int frame = 1; frame <= frames; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 10.0)));
+    EXPECT_TRUE(body.is_rebuilding());
+    EXPECT_EQ(jobs, 0u);
+    ASSERT_TRUE(body.update(limb().positions));
+    EXPECT_FALSE(body.is_rebuilding());
+    ASSERT_TRUE(body.update(limb().positions));
+  }
+  for (int frame = 1; frame <= 8; ++frame) ASSERT_TRUE(body.update(stretched_limb(frame / 10.0)));
+  EXPECT_EQ(jobs, 1u) << "poses at frames 1, 3 and 5";
+}
+
 TEST(RebuiltBody, pauses_between_rebuilds_as_long_as_the_share_says) {
   RebuildOptions options{.rebuild_every = 1, .look_ahead_frames = 0, .processor_share = 1e-9};
   options.thread = RebuildThread::host;
