@@ -355,8 +355,10 @@ void add_batch(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder of results: trees, table.csv, table.jsonl, cost.csv")
       ->required()
       ->type_name("FOLDER");
-  add_repeatable(*command, "--root", o->roots, "DIR",
-                 "Folder, besides the manifest's own, in which its meshes may lie; may be repeated");
+  add_option(*command, "--root", o->roots,
+             "Folder, besides the manifest's own, in which its meshes may lie; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   add_option(*command, "--jobs", o->jobs, "Processes at once; all processors when not given")
       ->type_name("N")
       ->transform(whole_number(1, 1024));

@@ -277,8 +277,10 @@ void add_collide(CLI::App& app, Run& run) {
   add_side(*command, o->b, "B");
   add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/scene.md")
       ->type_name("FILE");
-  add_repeatable(*command, "--root", o->roots, "DIR",
-                 "Folder, besides the scene file's own, in which files that it names may lie; may be repeated");
+  add_option(*command, "--root", o->roots,
+             "Folder, besides the scene file's own, in which files that it names may lie; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   add_flag(*command, "--self", o->with_self,
            "Facets of a body that cross each other, and those of A and B; no spheres");
   add_option(*command, "--within", o->within,
