@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <generators/driver/equal_children.hpp>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -41,7 +42,9 @@ std::vector<Named> round_and_flat_bodies() {
 std::vector<std::uint32_t> useless_divisions(const SphereTree& tree) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t node = 1; node < tree.node_count(); ++node)
-    if (tree.child_count[node] == 0 && tree.spheres[node].radius >= 0.999 * tree.spheres[tree.parent[node]].radius)
+    if (const Sphere& parent = tree.spheres[tree.parent[node]];
+        tree.child_count[node] == 0 && tree.spheres[node].radius >= 0.999 * parent.radius &&
+        distance(tree.spheres[node].center, parent.center) <= 0.001 * parent.radius)
       found.push_back(tree.parent[node]);
   return found;
 }
@@ -87,6 +90,24 @@ INSTANTIATE_TEST_SUITE_P(Long, EqualChildrenBy, testing::ValuesIn(test::slow_met
 TEST(EqualChildren, are_in_no_default_tree_of_a_ball) {
   const CoveredTree built = build(test::icosphere(2));
   EXPECT_EQ(built.tree.node_count(), 1u);
+}
+
+// An exchange may give a leaf so much that it is as large as its parent, but not the same sphere.
+TEST(EqualChildren, elsewhere_are_children) {
+  CoveredTree built;
+  built.tree.branching = 2;
+  built.tree.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 1}});
+  built.tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{{{0.1, 0, 0}, 1}, {{0, 0, 0}, 0.5}});
+  built.cover.region_begin = {0, 0, 1};
+  built.cover.region_end = {2, 1, 2};
+  CoveredTree same = built;
+  EXPECT_EQ(detail::remove_equal_children(built, true), 0u);
+  EXPECT_EQ(built.tree.node_count(), 3u);
+  same.tree.spheres[1].center = {0.0005, 0, 0};
+  EXPECT_EQ(detail::remove_equal_children(same, false), 0u);
+  EXPECT_EQ(detail::remove_equal_children(same, true), 1u);
+  EXPECT_EQ(same.tree.node_count(), 1u);
+  EXPECT_EQ(same.cover.region_end, std::vector<std::uint32_t>{2});
 }
 
 // A ball that is one sphere at rest has parts as soon as it is stretched.

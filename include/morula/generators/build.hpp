@@ -112,8 +112,8 @@ int automatic_depth(std::size_t facet_count, int branching);
 /// spheres contain their regions: certify() holds for every tree that is returned, wherever the mesh is.
 ///
 /// A region that cannot be told apart further, or does not get tighter by division, ends in a leaf above the last
-/// level; so does a node with a child as large as itself. Same bits for any number of workers, unless a time limit ends
-/// it. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes (require_usable,
+/// level; so does a node with a child that is the same sphere. Same bits for any number of workers, unless a time limit
+/// ends it. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes (require_usable,
 /// require_usable_scale) and options out of range, before any work; BuildStopped.
 CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
 

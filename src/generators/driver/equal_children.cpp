@@ -7,17 +7,19 @@
 namespace morula::detail {
 namespace {
 
-// A sphere of this share of the radius or more takes in what the whole takes in, to a third of a percent.
-constexpr double as_large = 0.999;
+// Such a child takes in what the node takes in, to half a percent.
+bool is_equal(const Sphere& child, const Sphere& node) {
+  constexpr double share = 0.001;
+  return child.radius >= (1 - share) * node.radius && distance(child.center, node.center) <= share * node.radius;
+}
 
 // Flags of the nodes that become leaves. Children have higher numbers than their parents.
 std::vector<std::uint8_t> nodes_with_equal_children(const SphereTree& tree, bool root_too) {
   std::vector<std::uint8_t> ends(tree.node_count());
   for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > (root_too ? 0u : 1u);) {
     if (tree.is_leaf(node)) continue;
-    const double least = as_large * tree.spheres[node].radius;
     for (std::uint32_t c = tree.first_child[node]; c < tree.first_child[node] + tree.child_count[node]; ++c)
-      if ((tree.is_leaf(c) || ends[c] != 0) && tree.spheres[c].radius >= least) ends[node] = 1;
+      if ((tree.is_leaf(c) || ends[c] != 0) && is_equal(tree.spheres[c], tree.spheres[node])) ends[node] = 1;
   }
   return ends;
 }
