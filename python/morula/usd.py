@@ -41,7 +41,7 @@ def mesh_paths(path: str | os.PathLike[str]) -> list[str]:
 
 
 def read_mesh(path: str | os.PathLike[str], prim: str | None = None) -> _morula.Mesh:
-    """A mesh in the coordinates of the world, at its first time; polygons are cut into triangles.
+    """A mesh in the coordinates of the world, at its first time; polygons are cut into triangles as read_mesh cuts them.
 
     prim: its place in the file; not needed where there is one mesh. A subdivision surface is read as its control mesh.
     ValueError for a mesh that is none, or that is not there, with those that are.
@@ -49,8 +49,8 @@ def read_mesh(path: str | os.PathLike[str], prim: str | None = None) -> _morula.
     stage = _open(path)
     mesh = _one_mesh(path, stage, prim)
     times = _times_of(mesh)
-    faces = _faces(path, mesh)
-    return _morula.Mesh(_positions(path, mesh, times[0]), faces)
+    points = _positions(path, mesh, times[0])
+    return _morula.Mesh(points, _faces(path, mesh, points))
 
 
 def read_motion(
@@ -63,9 +63,9 @@ def read_motion(
     """
     stage = _open(path)
     mesh = _one_mesh(path, stage, prim)
-    faces = _faces(path, mesh)
     times = _times_of(mesh)
     frames = [_positions(path, mesh, time) for time in times]
+    faces = _faces(path, mesh, frames[0])
     for time, frame in zip(times, frames):
         if len(frame) != len(frames[0]):
             raise ValueError(f"{path}: {mesh.GetPath()} has {len(frames[0])} points at first and {len(frame)} at time {time.GetValue()}")
@@ -239,8 +239,8 @@ def _positions(path: str | os.PathLike[str], mesh: Any, time: Any) -> NDArray[nu
     return numpy.ascontiguousarray(local @ matrix[:3, :3] + matrix[3, :3])
 
 
-def _faces(path: str | os.PathLike[str], mesh: Any) -> NDArray[numpy.int64]:
-    """Triangles that face outwards in the world."""
+def _faces(path: str | os.PathLike[str], mesh: Any, points: NDArray[numpy.float64]) -> NDArray[numpy.int64]:
+    """Triangles that face outwards in the world. points: at the first time, by which polygons are cut."""
     for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()):
         if len(attribute.GetTimeSamples()) > 1 and any(
             list(attribute.Get(time)) != list(attribute.Get(attribute.GetTimeSamples()[0])) for time in attribute.GetTimeSamples()
@@ -258,8 +258,12 @@ def _faces(path: str | os.PathLike[str], mesh: Any) -> NDArray[numpy.int64]:
     triangles = []
     for size in numpy.unique(counts[kept]):
         at = begin[kept & (counts == size)]
-        for k in range(1, size - 1):
-            triangles.append(numpy.stack([indices[at], indices[at + k], indices[at + k + 1]], axis=1))
+        if size < 3:
+            continue
+        corners = indices[at[:, None] + numpy.arange(size)]
+        cut = _morula._cut_polygons(points, int(size), corners.ravel()).facets
+        # All first facets come first, then all second ones.
+        triangles.append(cut.reshape(len(at), size - 2, 3).transpose(1, 0, 2).reshape(-1, 3).astype(numpy.int64))
     faces = numpy.concatenate(triangles) if triangles else numpy.empty((0, 3), numpy.int64)
     left = mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded
     time = _times_of(mesh)[0]

@@ -3,6 +3,7 @@
 // Files: meshes, trees, spheres of frames, motions, modes, skins, balls.
 #include <morula/morula.hpp>
 
+#include "geometry/polygon.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "motion.hpp"
@@ -26,8 +27,36 @@ void bind_io(nb::module_& m) {
   m.def("readable_mesh_extensions", &readable_mesh_extensions, doc::readable_mesh_extensions);
   m.def(
       "read_mesh",
-      [](const Path& path) { return std::make_shared<Mesh>(without_gil([&] { return read_mesh(path); })); },
-      nb::arg("path"), doc::read_mesh);
+      [](const Path& path) {
+        MeshInfo info;
+        auto mesh = std::make_shared<Mesh>(without_gil([&] { return read_mesh(path, info); }));
+        const std::string name = static_cast<const std::filesystem::path&>(path).string();
+        for (const std::string& note : info.notes)
+          if (PyErr_WarnEx(PyExc_UserWarning, (name + ": " + note).c_str(), 1) != 0) throw nb::python_error();
+        return mesh;
+      },
+      nb::arg("path"),
+      (std::string(doc::read_mesh) + " A part of the file that is not in the mesh is a UserWarning.").c_str());
+  m.def(
+      "_cut_polygons",
+      [](nb::handle points, std::uint32_t sides, nb::handle corners) {
+        auto mesh = std::make_shared<Mesh>();
+        mesh->positions = points_of(points, "points");
+        const std::vector<std::uint32_t> indices = indices_of(corners, "corners");
+        if (sides < 3 || indices.size() % sides != 0)
+          throw std::invalid_argument("corners: a multiple of the sides, 3 or more, is needed");
+        for (const std::uint32_t v : indices)
+          if (v >= mesh->vertex_count()) throw std::invalid_argument("corners: there is no point " + std::to_string(v));
+        mesh->facets.resize(indices.size() / sides * (sides - 2));
+        detail::PolygonCutter cutter;
+        for (std::size_t i = 0; i < indices.size() / sides; ++i)
+          cutter.cut(mesh->positions, std::span(indices).subspan(i * sides, sides),
+                     std::span(mesh->facets).subspan(i * (sides - 2), sides - 2));
+        return mesh;
+      },
+      nb::arg("points"), nb::arg("sides"), nb::arg("corners"),
+      "Polygons of so many sides each, corner by corner, as facets of a mesh: as many for each, one polygon after "
+      "another.");
   m.def(
       "write_mesh",
       [](const Path& path, MeshGiven given, nb::handle at) {

@@ -5,6 +5,7 @@
 import collections
 import json
 import struct
+import warnings
 import xml.etree.ElementTree
 
 import numpy
@@ -289,3 +290,16 @@ def test_rigid_transforms_turn():
     numpy.testing.assert_allclose(turn.turn((1, 0, 0)), (0, 1, 0), atol=1e-15)
     numpy.testing.assert_allclose(turn.turn_back((0, 1, 0)), (1, 0, 0), atol=1e-15)
     assert morula.deviation_from_rigid(turn) < morula.largest_rigid_deviation
+
+
+def test_parts_of_a_file_that_are_not_read_are_warnings(tmp_path):
+    path = tmp_path / "odd.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert morula.read_mesh(path).facet_count == 1
+        path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nface 1 2 3\n")
+        with pytest.raises(UserWarning, match=r"odd\.obj: 1 statement that OBJ does not know"):
+            morula.read_mesh(path)
+    with pytest.warns(UserWarning, match="on line 5"):
+        assert morula.read_mesh(path).facet_count == 1

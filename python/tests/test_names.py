@@ -31,7 +31,7 @@ ELSEWHERE = {
     "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",
     "VtpArray": "write_vtp", "VtpData": "write_vtp", "PvdEntry": "write_pvd", "MeshFileKind": "file_formats",
-    "mesh_file_kinds": "file_formats", "PosedTree": "PosedSpheres", "Method": "all_methods",
+    "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "PosedTree": "PosedSpheres", "Method": "all_methods",
     "Reduction": "all_reductions", "Optimiser": "all_optimisers", "Quality": "all_qualities", "Rule": "all_rules",
     "Axis": "Bend", "method_from_name": "all_methods", "quality_from_name": "all_qualities",
     "reduction_from_name": "all_reductions", "optimiser_from_name": "all_optimisers", "rule_from_name": "all_rules",

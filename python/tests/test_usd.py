@@ -117,6 +117,20 @@ def test_polygons_transforms_and_orientation_of_others(tmp_path):
         assert morula.signed_volume(morula.usd.read_mesh(path)) == pytest.approx(volume), (mirror, left)
 
 
+def test_concave_polygons_have_their_area(tmp_path):
+    path = tmp_path / "ell.usda"
+    outline = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]  # an L of area 5, in the plane of y and z
+    for first in range(6):
+        stage = Usd.Stage.CreateInMemory()
+        mesh = UsdGeom.Mesh.Define(stage, "/ell")
+        mesh.CreatePointsAttr([(7, y, z) for y, z in outline])
+        mesh.CreateFaceVertexCountsAttr([6])
+        mesh.CreateFaceVertexIndicesAttr([(first + k) % 6 for k in range(6)])
+        stage.GetRootLayer().Export(str(path))
+        read = morula.usd.read_mesh(path)
+        assert read.facet_count == 4 and morula.surface_area(read) == pytest.approx(5)
+
+
 def test_holes_are_left_out_and_one_of_several_is_named(tmp_path):
     path = tmp_path / "two.usda"
     stage = Usd.Stage.CreateNew(str(path))

@@ -43,7 +43,7 @@ bool is_ball_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t longest_header = std::uintmax_t{1} << 18;
   try {
     const std::string start = read_part(path, 0, std::min(size_of_file(path), longest_header));
-    TextScanner in(path, start);
+    TextScanner in = ply_scanner(path, start);
     return holds_balls(read_ply_header(in));
   } catch (const FileError&) {
     return false;

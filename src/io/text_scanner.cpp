@@ -10,22 +10,33 @@
 #include "io/whole_file.hpp"
 
 namespace morula::detail {
-namespace {
 
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+char line_end_of(std::string_view text) {
+  return text.find('\n') == text.npos && text.find('\r') != text.npos ? '\r' : '\n';
 }
 
-}  // namespace
+bool begins_with_old_nonfinite(std::string_view text) {
+  if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+  if (!text.starts_with("1.#")) return false;
+  text.remove_prefix(3);
+  return text.starts_with("IND") || text.starts_with("INF") || text.starts_with("QNAN") || text.starts_with("SNAN");
+}
+
+bool TextScanner::is_blank(char c) const {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || (c == '\r' && syntax_.line_end != '\r');
+}
 
 bool TextScanner::ends_word(char c) const {
-  return is_blank(c) || c == '\n' || c == syntax_.comment || (c == '\\' && syntax_.backslash_joins);
+  return is_blank(c) || c == syntax_.line_end || c == syntax_.comment || (c == '\\' && syntax_.backslash_joins);
 }
 
 TextScanner::TextScanner(std::filesystem::path path, std::string_view text, Syntax syntax)
     : path_(std::move(path)), syntax_(syntax) {
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (text.substr(0, byte_order_mark.size()) == byte_order_mark) text.remove_prefix(byte_order_mark.size());
+  if (syntax_.line_end == '\0') syntax_.line_end = line_end_of(text);
+  // No comments: nothing that is not a line end already ends a word.
+  if (syntax_.comment == '\n') syntax_.comment = syntax_.line_end;
   at_ = text.data();
   end_ = at_ + text.size();
 }
@@ -61,14 +72,14 @@ bool TextScanner::at_line_end() {
     } else if (*at_ == '\\' && syntax_.backslash_joins) {
       const char* next = at_ + 1;
       while (next < end_ && is_blank(*next)) ++next;
-      if (next < end_ && *next != '\n') return false;
+      if (next < end_ && *next != syntax_.line_end) return false;
       if (next < end_) {
         ++next;
         ++line_;
       }
       at_ = next;
     } else {
-      return *at_ == '\n' || *at_ == syntax_.comment;
+      return *at_ == syntax_.line_end || *at_ == syntax_.comment;
     }
   }
   return true;
@@ -92,6 +103,8 @@ template <class Value>
 Value TextScanner::value(std::string_view what, const char* kind) {
   if (at_line_end()) fail("the line ends where " + std::string(what) + " should be");
   const char* const begin = at_;
+  if (begins_with_old_nonfinite({at_, bytes_left()}))
+    fail(std::string(what) + " is not finite; remove or repair it where the file was made");
   // from_chars takes no plus; "+-1" must not slip through.
   if (*at_ == '+' && at_ + 1 < end_ && at_[1] != '-') ++at_;
   Value result{};
@@ -123,7 +136,7 @@ std::uint64_t TextScanner::count(std::string_view what) {
 }
 
 std::string_view TextScanner::after_line() const {
-  const void* newline = at_ == end_ ? nullptr : std::memchr(at_, '\n', bytes_left());
+  const void* newline = at_ == end_ ? nullptr : std::memchr(at_, syntax_.line_end, bytes_left());
   if (!newline) return {};
   const char* next = static_cast<const char*>(newline) + 1;
   return {next, static_cast<std::size_t>(end_ - next)};

@@ -11,13 +11,21 @@
 
 namespace morula::detail {
 
+/// Carriage return where a text has these and no line feed, as old Macintoshes wrote it; else line feed.
+char line_end_of(std::string_view text);
+
+/// Does the text begin with a number that is none, as old Visual C++ writes it: 1.#IND, -1.#INF, 1.#QNAN, …?
+bool begins_with_old_nonfinite(std::string_view text);
+
 /// Stands before the first line; next_line() steps onto it. Words are separated by blanks; carriage returns are blanks,
-/// so all line ends work. Every complaint is a FileError "FILE:LINE: what is wrong; remedy".
+/// unless they alone end lines, so all line ends work. Every complaint is a FileError "FILE:LINE: what is wrong;
+/// remedy".
 class TextScanner {
  public:
   struct Syntax {
     char comment = '\n';           ///< starts a comment that lasts to the end of the line; '\n': there are none
     bool backslash_joins = false;  ///< a backslash at the end of a line continues it on the next
+    char line_end = '\0';          ///< '\0': as line_end_of() has it
   };
 
   /// text must outlive the scanner.
@@ -51,6 +59,7 @@ class TextScanner {
   [[noreturn]] void fail_at(std::size_t line, const std::string& problem) const;
 
  private:
+  bool is_blank(char c) const;
   bool ends_word(char c) const;
   template <class Value>
   Value value(std::string_view what, const char* kind);

@@ -7,6 +7,8 @@
 #include <morula/io/mesh_file.hpp>
 #include <system_error>
 
+#include "io/first_bytes.hpp"
+
 namespace morula::detail {
 namespace fs = std::filesystem;
 
@@ -48,6 +50,7 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
   if (!in)
     throw FileError(name + ": reading stopped after " + std::to_string(offset) + " + " + std::to_string(in.gcount()) +
                     " bytes; the disk failed, or another program is writing the file");
+  if (offset == 0 && is_lfs_pointer(bytes)) throw FileError(name + ": " + std::string(lfs_remedy));
   return bytes;
 }
 

@@ -128,5 +128,28 @@ TEST(InfoCommand, a_mesh_that_is_not_the_trees_own_is_refused) {
   EXPECT_EQ(bench.run("info bar.obj --mesh other.obj").exit_code, 2);
 }
 
+TEST(InfoCommand, says_how_polygons_were_cut_and_what_was_left_out) {
+  const Workbench bench;
+  // A dart that no fan about its first corner fills, a bow tie, and a word that OBJ does not know.
+  bench.write("odd.obj",
+              "v 1 1 0\nv 0 4 0\nv 0 0 0\nv 4 0 0\nv 0 0 1\nv 1 1 1\nv 1 0 1\nv 0 1 1\n"
+              "f 2 3 4 1\nf 5 6 7 8\nface 1 2 3\n");
+  const CommandResult text = bench.require("info odd.obj");
+  EXPECT_NE(text.out.find("polygons  2, cut into facets; 1 concave, cut by ears; 1 crosses itself\n"),
+            std::string::npos)
+      << text.out;
+  EXPECT_NE(text.out.find("- 1 statement that OBJ does not know is left out"), std::string::npos) << text.out;
+  const auto json = bench.require("info odd.obj --json").json();
+  EXPECT_EQ(json["polygons"], 2);
+  EXPECT_EQ(json["concave_polygons"], 1);
+  EXPECT_EQ(json["crossing_polygons"], 1);
+  EXPECT_EQ(json["bent_polygons"], 0);
+  // Other commands say so on stderr.
+  const CommandResult convert = bench.require("convert odd.obj even.obj");
+  EXPECT_NE(convert.err.find("note: odd.obj: 1 statement that OBJ does not know"), std::string::npos) << convert.err;
+  EXPECT_NE(convert.err.find("note: odd.obj: 1 face crosses itself"), std::string::npos) << convert.err;
+  EXPECT_EQ(bench.require("info even.obj").out.find("polygons"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace morula::test

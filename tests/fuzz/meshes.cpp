@@ -23,21 +23,24 @@ void require_round_trip(const Mesh& mesh) {
     if (format.write == nullptr || !format.keeps_vertices) continue;
     const std::string bytes = format.write(mesh);
     const std::string name = "again" + std::string(format.extension);
-    require(same_bits(mesh_of_bytes(name, bytes), mesh), "a mesh that was written reads back as another one");
+    MeshReading reading;
+    require(same_bits(mesh_of_bytes(name, bytes, reading), mesh), "a mesh that was written reads back as another one");
   }
 }
 
 void try_mesh(const std::string& name, std::string_view bytes) {
   Mesh mesh;
+  MeshReading reading;
   const MemoryMeter memory;
   try {
-    mesh = mesh_of_bytes(name, bytes);
+    mesh = mesh_of_bytes(name, bytes, reading);
   } catch (const FileError& error) {
     memory.require_modest(bytes.size());
     require_good_message(error.what(), name);
     return;
   }
   memory.require_modest(bytes.size());
+  for (const std::string& note : reading.info.notes) require_good_message(note, {});
   require_usable(mesh);
   for (const Vec3& p : mesh.positions) require(is_finite(p), "a mesh was read that is not finite");
   require_round_trip(mesh);

@@ -97,6 +97,25 @@ void add_meshes(Seeds seeds) {
     for (const std::string& bytes : {text, big, solid + "endsolid a\n", binary}) seeds.add(bytes);
   }
   seeds.add("0v 0 0 0 1\nv +1 0 0\nv 1 \\\n1 0\nv 0 1 0 # c\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1 3//1 -1\n");
+  // Concave polygons, one that crosses itself, one that touches itself; faces before their vertices.
+  seeds.add(
+      "0f 2 3 4 1\nf 1 3 2 4\nf 1 2 3 4 1 5 6 7\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n");
+  seeds.add("0v 0 0 0\rv 1 0 0\rv 0 1 0\rfo 1 2 3\rsurf 0 1 0 1 1\rcall x\rF 1 2 3\r");
+  seeds.add("1OFF 4 1\n6\n0 0\n0\n1 0 0 1 1 0\n0 1 0\n4 0 1\n2 3\n");
+  seeds.add("1OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2");
+  seeds.add(
+      "2ply\rformat ascii 1.0\relement vertex 4\rproperty float x\rproperty float y\rproperty float z\relement "
+      "tristrips "
+      "1\rproperty list int int vertex_indices\rend_header\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r8 0 1 3 2 -1 0 1 2\r");
+  seeds.add("3\xef\xbb\xbfsolid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nend loop\nend facet\n");
+  seeds.add("3" + stl_bytes(specimen_mesh()) + std::string(3, '\0'));
+  test::GltfMaker extended = test::tetrahedron();
+  extended.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", {{"TRANSLATION", 0}}}};
+  extended.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+  seeds.add("4" + extended.text());
+  for (const char* const foreign :
+       {"version https://git-lfs.github.com/spec/v1\n", "<!-- --><html>", "\xff\xfev", "{\"asset\": 1}"})
+    seeds.add(std::string("1") + foreign);
   seeds.add("1STCNOFF4 1 0\n0 0 0 1 1\n1 0 0 1 1\n1 1 0 1 1\n0 1 0 1 1\n4 0 1 2 3 255 0 0\n");
 }
 

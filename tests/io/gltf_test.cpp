@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
@@ -502,6 +503,82 @@ TEST(Gltf, binary_files_that_were_cut_short_are_refused) {
       } catch (const FileError&) {
       }
     }
+}
+
+// What a reader says of the tetrahedron when it was changed so.
+std::vector<std::string> notes_of(const std::function<void(GltfMaker&)>& change) {
+  const ScratchFolder folder;
+  GltfMaker file = tetrahedron();
+  change(file);
+  MeshInfo info;
+  EXPECT_EQ(read_mesh(folder.file("a.glb", file.glb()), info).facet_count(), 4u);
+  return info.notes;
+}
+
+TEST(Gltf, says_what_extensions_show_or_move) {
+  EXPECT_TRUE(notes_of([](GltfMaker&) {}).empty());
+  const auto instances = notes_of([](GltfMaker& file) {
+    file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 0;
+    file.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  });
+  ASSERT_EQ(instances.size(), 1u);
+  EXPECT_EQ(instances[0].find("1 node shows its mesh many times by EXT_mesh_gpu_instancing"), 0u) << instances[0];
+  const auto channel = [](const std::string& pointer) {
+    return Json{{"sampler", 0},
+                {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}};
+  };
+  const auto pointers = notes_of([&](GltfMaker& file) {
+    const int times = file.floats({0, 1}, "SCALAR"), values = file.floats({0, 0, 0, 1, 1, 1}, "VEC3");
+    file.push(
+        "animations",
+        {{"samplers", {{{"input", times}, {"output", values}}}},
+         {"channels",
+          {channel("/nodes/0/translation"), channel("/meshes/0/weights"), channel("/materials/0/emissiveFactor")}}});
+  });
+  ASSERT_EQ(pointers.size(), 1u);
+  EXPECT_EQ(pointers[0].find("2 channels of animations move what KHR_animation_pointer points at"), 0u) << pointers[0];
+  const auto unknown = notes_of([](GltfMaker& file) {
+    for (const char* list : {"nodes", "meshes"}) file.json[list][0]["extensions"]["XYZ_fur"] = Json::object();
+    file.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    file.json["nodes"][0]["extensions"]["EXT_mesh_features"] = Json::object();
+    file.json["extensions"]["CESIUM_RTC"]["center"] = {1, 2, 3};
+  });
+  ASSERT_EQ(unknown.size(), 2u);
+  EXPECT_EQ(unknown[0].find("the extension 'CESIUM_RTC' is used in 1 place"), 0u) << unknown[0];
+  EXPECT_EQ(unknown[1].find("the extension 'XYZ_fur' is used in 2 places"), 0u) << unknown[1];
+}
+
+TEST(Gltf, counts_nodes_that_are_in_no_scene) {
+  const auto notes = notes_of([](GltfMaker& file) {
+    for (int i = 0; i < 2; ++i) file.push("nodes", {{"mesh", 0}});
+    file.push("scenes", {{"nodes", {2}}});
+  });
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].find("2 nodes with meshes are not in the default scene"), 0u) << notes[0];
+}
+
+TEST(Gltf, packed_primitives_are_read_where_their_plain_data_are_there) {
+  const auto pack = [](GltfMaker& file) {
+    file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = 0;
+    file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+  };
+  EXPECT_TRUE(notes_of(pack).empty());
+  const ScratchFolder folder;
+  for (const int accessor : {0, 1}) {
+    GltfMaker file = tetrahedron();
+    pack(file);
+    // Full of zeros, as glTF has it, but for the extension.
+    file.json["accessors"][static_cast<std::size_t>(accessor)].erase("bufferView");
+    const auto path = folder.file("a.gltf", file.text());
+    expect_file_error(path, 0, "KHR_draco_mesh_compression alone", [&] { read_mesh(path); });
+  }
+}
+
+TEST(Gltf, version_1_is_named) {
+  const ScratchFolder folder;
+  const auto path = folder.file("a.gltf", R"({"asset":{"version":"1.0"},"scene":"s","scenes":{"s":{"nodes":["n"]}},)"
+                                          R"("nodes":{"n":{"meshes":["m"]}},"meshes":{"m":{"primitives":[]}}})");
+  expect_file_error(path, 0, "is not glTF version 2 but '1.0'", [&] { read_mesh(path); });
 }
 
 }  // namespace

@@ -219,7 +219,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
 
   Stopwatch watch;
   Seconds seconds{};
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   const std::optional<Motion> motion = open_motion(o, mesh);
   seconds.read = watch.lap();
   options.stop = interrupt.token();

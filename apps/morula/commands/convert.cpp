@@ -33,6 +33,7 @@ struct ConvertArguments {
   std::string sph_origin = "none";
   std::optional<std::size_t> frame, level;
   std::string index_map;
+  std::size_t animation = MotionOptions{}.animation;
   double frames_per_second = MotionOptions{}.frames_per_second;
   bool nested = false, used_only = false, sofa = false;
   unsigned threads = 0;
@@ -53,6 +54,11 @@ int report(const ConvertArguments& o, const std::string& line, const BuildReport
   return exit_done;
 }
 
+bool is_pattern(const std::string& path) {
+  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos &&
+         !std::filesystem::exists(path);
+}
+
 int convert_mesh(const ConvertArguments& o) {
   require_mesh_output(o.output);
   if (!o.index_map.empty()) {
@@ -60,7 +66,7 @@ int convert_mesh(const ConvertArguments& o) {
     require_output_place(o.index_map);
     require_not_input(o.index_map, {o.input, o.output});
   }
-  Mesh mesh = read_mesh(o.input);
+  Mesh mesh = load_mesh(o.input);
   if (o.used_only) {
     UsedVertices used = used_vertices(mesh);
     mesh = std::move(used.mesh);
@@ -89,22 +95,27 @@ int write_leaves(const ConvertArguments& o, std::span<const Sphere> balls) {
   return report(o, fmt::format("{}: {} without a tree", o.output, counted(balls.size(), "ball")), nullptr);
 }
 
-/// Frames from one kind of file to another.
-int convert_motion(const ConvertArguments& o) {
+bool is_motion_file(const std::string& ending) {
+  return ending == ".npy" || ending == ".pc2" || ending == ".mdd";
+}
+
+/// Frames from one kind of file to another. A mesh is its own where none is named.
+int convert_motion(const ConvertArguments& o, FileKind kind) {
   const std::string ending = extension(o.output);
-  const bool is_file = ending == ".npy" || ending == ".pc2" || ending == ".mdd";
+  const bool is_file = is_motion_file(ending);
   if (!is_file && !ending.empty()) {
     throw UsageError(fmt::format("{}: motions are written as .npy, .pc2, .mdd, or into a folder", o.output));
   }
-  if (o.mesh.empty()) throw UsageError(fmt::format("{}: a motion needs its mesh: add --mesh MESH", o.input));
+  const std::string mesh_path = o.mesh.empty() && kind == FileKind::mesh && !is_pattern(o.input) ? o.input : o.mesh;
+  if (mesh_path.empty()) throw UsageError(fmt::format("{}: a motion needs its mesh: add --mesh MESH", o.input));
   if (is_file) {
     require_output_place(o.output);
   } else {
     require_folder_place(o.output);
-    require_not_input_folder(o.output, {o.input, o.mesh});
+    require_not_input_folder(o.output, {o.input, mesh_path});
   }
-  const Mesh mesh = read_mesh(o.mesh);
-  const Motion motion(o.input, mesh);
+  const Mesh mesh = load_mesh(mesh_path);
+  const Motion motion(o.input, mesh, {.frames_per_second = o.frames_per_second, .animation = o.animation});
   MotionWriter writer(o.output, mesh, motion.frame_count());
   for (std::size_t i = 0; i < motion.frame_count(); ++i) writer.write(motion.frame(i));
   writer.finish();
@@ -119,7 +130,7 @@ int write_sofa(const ConvertArguments& o) {
   require_output_place(o.output);
   if (extension(o.output) != ".sph") throw UsageError(fmt::format("{}: SOFA loads spheres from .sph", o.output));
   std::optional<Mesh> mesh;
-  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  if (!o.mesh.empty()) mesh = load_mesh(o.mesh);
   const SphereTree tree =
       o.frame ? read_frame(o) : read_tree(o.input, parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr)).tree;
   const std::size_t level = o.level.value_or(tree.level_count() - 1);
@@ -135,7 +146,7 @@ int write_sofa(const ConvertArguments& o) {
 int write_scene(const ConvertArguments& o) {
   require_output_place(o.output);
   std::optional<Mesh> mesh;
-  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  if (!o.mesh.empty()) mesh = load_mesh(o.mesh);
   const bool is_motion = file_kind(o.input) == FileKind::sphere_frames;
   std::optional<SphereFrames> given;
   if (is_motion) given.emplace(o.input);
@@ -172,7 +183,7 @@ int convert_tree(const ConvertArguments& o) {
   }
   if (to_balls && file_kind(o.input) == FileKind::balls) return write_leaves(o, read_balls(o.input));
   std::optional<Mesh> mesh;
-  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  if (!o.mesh.empty()) mesh = load_mesh(o.mesh);
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
   TreeFile file = o.frame ? TreeFile{read_frame(o), std::nullopt, {}} : read_tree(o.input, reading);
   if (o.nested && to_balls) throw UsageError(fmt::format("{}: balls have no parents: leave out --nested", o.output));
@@ -217,14 +228,16 @@ int convert_command(const ConvertArguments& o) {
   if (o.level && !o.sofa && !writes_scene(o)) {
     throw UsageError("--level belongs to --sofa and .glb: other formats hold all levels");
   }
-  if (o.used_only && kind != FileKind::mesh) throw UsageError("--used-only belongs to meshes");
+  const bool to_motion = kind == FileKind::mesh && (extension(o.output).empty() || is_motion_file(extension(o.output)));
+  if (o.used_only && (kind != FileKind::mesh || to_motion)) throw UsageError("--used-only belongs to meshes");
   switch (kind) {
     case FileKind::mesh:
+      if (o.nested) throw UsageError(fmt::format("{} is a mesh: --nested is for trees, leave it out", o.input));
+      if (to_motion) return convert_motion(o, kind);
       if (const std::string ending = extension(o.output);
           ending == ".morula" || ending == ".sph" || ending == ".json" || ending == ".npz") {
         throw UsageError(fmt::format("{} is a mesh and {} a tree: morula build makes trees", o.input, o.output));
       }
-      if (o.nested) throw UsageError(fmt::format("{} is a mesh: --nested is for trees, leave it out", o.input));
       return convert_mesh(o);
     case FileKind::sphere_frames:
       if (!o.frame && !writes_scene(o) && SphereFrames(o.input).frame_count() > 1) {
@@ -237,7 +250,7 @@ int convert_command(const ConvertArguments& o) {
       return convert_tree(o);
     case FileKind::motion:
     case FileKind::folder:
-      return convert_motion(o);
+      return convert_motion(o, kind);
     default:
       throw UsageError(fmt::format("{}: {}", o.input, known_kinds()));
   }
@@ -248,17 +261,21 @@ int convert_command(const ConvertArguments& o) {
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<ConvertArguments>();
   CLI::App* command = add_command(app, "convert", "Convert between mesh formats, tree formats, or motions");
-  add_option(*command, "IN", o->input,
-             "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh")
+  add_option(
+      *command, "IN", o->input,
+      "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh; of a mesh "
+      "its animation, or itself as one frame, where OUT is a motion")
       ->required()
       ->type_name("");
-  add_option(*command, "OUT", o->output,
-             "Mesh (" + writable_mesh_list() +
-                 ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves, .glb a scene to look at")
+  add_option(
+      *command, "OUT", o->output,
+      "Mesh (" + writable_mesh_list() +
+          ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves, .glb a scene to look at; of a "
+          "motion .npy, .pc2, .mdd or a folder")
       ->required()
       ->type_name("");
   add_option(*command, "--mesh", o->mesh,
-             "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula")
+             "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula; or that of a motion")
       ->type_name("MESH");
   add_option(*command, "--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
       ->type_name("N")
@@ -272,7 +289,11 @@ void add_convert(CLI::App& app, Run& run) {
   add_option(*command, "--level", o->level, "With --sofa, and of a .glb: which level; without it the leaves")
       ->type_name("N")
       ->transform(whole_number());
-  add_option(*command, "--fps", o->frames_per_second, "Of a .glb: frames a second")
+  add_option(*command, "--animation", o->animation, "Of a glTF motion: which animation, counted from 0")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  add_option(*command, "--fps", o->frames_per_second, "Of a .glb, and of a glTF motion: frames a second")
       ->type_name("X")
       ->transform(number_above_zero())
       ->capture_default_str();

@@ -101,7 +101,7 @@ int deform_command(const DeformArguments& o, const CLI::App& command) {
     require_frames_not_input(o.output, o.frames, ending, {o.mesh});
     require_no_strangers(o.output, o.frames, ending, read);
   }
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   const std::vector<double> parameters = frame_parameters(o.frames, !o.one_way);
   // The full amount first: what cannot be deformed that far is refused before anything is written.
   deform(mesh, deformations, *std::max_element(parameters.begin(), parameters.end()));

@@ -41,7 +41,7 @@ std::optional<study::NamedMesh> real_body() {
   for (const char* file : {"bunny00.off", "elephant.off"}) {
     const std::filesystem::path path = *corpus / file;
     if (!std::filesystem::is_regular_file(path)) continue;
-    study::NamedMesh body{path.stem().string(), read_mesh(path)};
+    study::NamedMesh body{path.stem().string(), load_mesh(path)};
     if (inspect(body.mesh).has_volume()) return body;
   }
   return std::nullopt;

@@ -73,11 +73,24 @@ std::string repair_line(const std::string& file, const MeshReport& r) {
   return fmt::format("morula repair {} -o OUT {}", file, fmt::join(gains, ", "));
 }
 
+/// How polygons became facets.
+std::string polygon_line(const MeshInfo& file) {
+  std::string text = fmt::format("{}, cut into facets", file.polygons);
+  if (file.concave_polygons > 0) text += fmt::format("; {} concave, cut by ears", file.concave_polygons);
+  if (file.crossing_polygons > 0)
+    text += fmt::format("; {} {}", file.crossing_polygons,
+                        file.crossing_polygons == 1 ? "crosses itself" : "cross themselves");
+  if (file.bent_polygons > 0) text += fmt::format("; {} far from flat", file.bent_polygons);
+  return text;
+}
+
 int mesh_info(const InfoArguments& o) {
   if (!o.mesh.empty()) throw UsageError("--mesh belongs to a tree file, and this is a mesh: leave it out");
-  const Mesh mesh = read_mesh(o.file);
+  MeshInfo file;
+  const Mesh mesh = read_mesh(o.file, file);
   const MeshReport r = inspect(mesh);
   std::vector<std::string> notes = consequences(r);
+  notes.insert(notes.begin(), file.notes.begin(), file.notes.end());
   if (std::string line = repair_line(o.file, r); !line.empty()) notes.push_back(std::move(line));
   if (o.json) {
     const auto vector = [](const Vec3& v) { return Json{v.x, v.y, v.z}; };
@@ -85,6 +98,10 @@ int mesh_info(const InfoArguments& o) {
                 {"kind", "mesh"},
                 {"vertices", r.vertex_count},
                 {"facets", r.facet_count},
+                {"polygons", file.polygons},
+                {"concave_polygons", file.concave_polygons},
+                {"crossing_polygons", file.crossing_polygons},
+                {"bent_polygons", file.bent_polygons},
                 {"mesh_hash", hash_text(mesh_hash(mesh))},
                 {"components", r.component_count},
                 {"closed", r.closed},
@@ -107,6 +124,7 @@ int mesh_info(const InfoArguments& o) {
     fmt::print("{}, {}\n\n", mesh_line(o.file, mesh), counted(r.component_count, "component"));
     fmt::print("box       {} x {} x {}, diagonal {}\n", figure(size.x), figure(size.y), figure(size.z),
                figure(r.box.diagonal()));
+    if (file.polygons > 0) fmt::print("polygons  {}\n", polygon_line(file));
     fmt::print("area      {}\n", figure(r.area));
     fmt::print("volume    {}\n", r.has_volume() ? figure(r.volume) : "n/a");
     fmt::print("closed    {}\noriented  {}\nmanifold  {}\n\n", r.closed ? "yes" : "no", r.oriented ? "yes" : "no",
@@ -188,7 +206,7 @@ Json tree_json(const InfoArguments& o, const TreeFile& file) {
 
 int tree_info(const InfoArguments& o) {
   std::optional<Mesh> mesh;
-  if (!o.mesh.empty()) mesh = read_mesh(o.mesh);
+  if (!o.mesh.empty()) mesh = load_mesh(o.mesh);
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
   const TreeFile file = read_tree(o.file, reading);
   const std::vector<std::string> faults = o.check ? check_tree(o, file, mesh) : std::vector<std::string>{};

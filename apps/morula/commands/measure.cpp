@@ -218,7 +218,7 @@ int measure_command(const MeasureArguments& o) {
     require_csv_not_input(o);
   }
   Workers workers = make_workers(o.threads);
-  const Mesh rest = read_mesh(o.mesh);
+  const Mesh rest = load_mesh(o.mesh);
   const MeasureOptions options = measure_options(o, rest);
   const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
   if (!o.csv.empty()) {

@@ -55,7 +55,7 @@ int medial_command(const MedialArguments& o) {
   Workers workers = make_workers(o.threads);
 
   Stopwatch watch;
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   const double read_seconds = watch.lap();
   const MedialBalls medial = medial_balls(o, mesh, workers);
   const double balls_seconds = watch.lap();

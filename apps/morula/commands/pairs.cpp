@@ -54,7 +54,7 @@ struct Found {
 };
 
 Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& rest_path) {
-  Mesh mesh = read_mesh(path);
+  Mesh mesh = load_mesh(path);
   if (mesh.facets != rest.facets || mesh.positions.size() != rest.positions.size())
     throw UsageError(fmt::format("{} and {} are not the same mesh: vertices or facets differ", rest_path, path));
   return mesh;
@@ -200,7 +200,7 @@ int pairs_command(const PairsArguments& o) {
     require_not_input(o.output, {o.from, o.to, o.rest});
   }
   Workers workers = make_workers(o.threads);
-  const Mesh from = read_mesh(o.from);
+  const Mesh from = load_mesh(o.from);
   const Mesh to = o.to.empty() ? Mesh{} : read_pose(o.to, from, o.from);
   SurfaceTree tree(o.rest.empty() ? from : read_pose(o.rest, from, o.from));
   const PositionView from_view(from.positions), to_view(to.positions);

@@ -74,7 +74,7 @@ void print_text(const RepairArguments& o, const RepairedMesh& repaired, const Me
 int repair_command(const RepairArguments& o) {
   require_mesh_output(o.output);
   require_not_input(o.output, {o.mesh});
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   RepairOptions options{.remove_degenerate = o.remove_degenerate, .orient = !o.no_orient, .cap_edges = o.cap};
   options.merge_distance = o.no_merge ? std::nullopt : std::optional(o.merge);
   const RepairedMesh repaired = repair(mesh, options);

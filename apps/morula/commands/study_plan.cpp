@@ -25,13 +25,13 @@ namespace fs = std::filesystem;
 /// The corpus meshes with an inside, up to a size, and those that were asked for.
 void add_bodies(const StudyOptions& o, study::Plan& plan) {
   plan.bodies = o.bodies;
-  for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), read_mesh(path)});
+  for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), load_mesh(path)});
   if (o.corpus) {
     const std::vector<fs::path> paths = scenes::corpus_meshes();
     if (paths.empty()) throw UsageError("--corpus: there are no corpus meshes; fetch them with scripts/corpus");
     for (const fs::path& path : paths) {
       try {
-        study::NamedMesh body{path.stem().string(), read_mesh(path)};
+        study::NamedMesh body{path.stem().string(), load_mesh(path)};
         if (body.mesh.facet_count() <= o.max_facets && inspect(body.mesh).has_volume())
           plan.bodies.push_back(std::move(body));
       } catch (const FileError&) {  // the corpus has broken files too
@@ -60,7 +60,7 @@ std::size_t body_of(study::Plan& plan, const std::string& mesh, const fs::path& 
     if (plan.bodies[i].name == mesh) return i;
   for (const fs::path& path : scenes::corpus_meshes()) {
     if (path.stem() != mesh) continue;
-    plan.bodies.push_back({mesh, read_mesh(path)});
+    plan.bodies.push_back({mesh, load_mesh(path)});
     return plan.bodies.size() - 1;
   }
   throw UsageError(

@@ -19,6 +19,7 @@
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
+#include "shared/files.hpp"
 #include "shared/options.hpp"
 #include "shared/plots.hpp"
 #include "shared/progress.hpp"
@@ -295,7 +296,7 @@ int update_command(const UpdateArguments& given) {
   require_plot_output(o.plot, {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin,
                                o.files.transforms, o.output});
   Workers workers = make_workers(o.threads);
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   Frames frames(o.files, mesh);
   options.modes = frames.take_modes();
   options.skin = frames.take_skin();

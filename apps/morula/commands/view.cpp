@@ -163,7 +163,7 @@ int view_command(const ViewArguments& o) {
 
   PageContent content;
   content.study = read_study(o.study);
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   const bool as_given = shows_given_spheres(o);
   if (as_given && o.rule_given) {
     throw UsageError(

@@ -123,7 +123,7 @@ int clump_unless_stopped(const ClumpArguments& o, const Interrupt& interrupt) {
   require_not_input(o.output, {o.mesh});
   Workers workers = make_workers(o.threads);
   Stopwatch watch;
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   const double read_seconds = watch.lap();
   options.stop = interrupt.token();
   const Clump clump = [&] {

@@ -224,7 +224,7 @@ int paraview_command(const ParaviewArguments& o) {
   require_folder_place(o.output);
   require_not_input_folder(o.output, {o.mesh, o.tree, o.motion, o.contacts});
   Workers workers = make_workers(o.threads);
-  const Mesh mesh = read_mesh(o.mesh);
+  const Mesh mesh = load_mesh(o.mesh);
   std::optional<Motion> motion;
   if (!o.motion.empty()) {
     motion.emplace(o.motion, mesh, MotionOptions{.frames_per_second = o.frames_per_second, .animation = 0});

@@ -18,6 +18,7 @@
 #include <system_error>
 
 #include "shared/command.hpp"
+#include "shared/console.hpp"
 
 namespace morula::cli {
 namespace {
@@ -55,6 +56,13 @@ FileKind file_kind(const fs::path& path) {
   if (ending == ".npy" || ending == ".pc2" || ending == ".mdd") return FileKind::motion;
   if (mesh_kind(ending) != nullptr) return FileKind::mesh;
   return FileKind::unknown;
+}
+
+Mesh load_mesh(const fs::path& path) {
+  MeshInfo info;
+  Mesh mesh = read_mesh(path, info);
+  for (const std::string& text : info.notes) note("{}: {}", path.string(), text);
+  return mesh;
 }
 
 std::string known_kinds() {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <morula/geometry/mesh.hpp>
 #include <set>
 #include <string>
 #include <string_view>
@@ -16,6 +17,9 @@ enum class FileKind { mesh, tree, balls, sphere_frames, motion, folder, unknown 
 FileKind file_kind(const std::filesystem::path& path);
 /// Lower case, with the dot.
 std::string extension(const std::filesystem::path& path);
+
+/// read_mesh, with what is to be said of the file as notes.
+Mesh load_mesh(const std::filesystem::path& path);
 
 /// The forms of a motion, for help texts: "folder of meshes, glob such as "out/frame*.obj", one mesh, .npy, …, or the
 /// animation of .gltf or .glb". From the table of file formats.

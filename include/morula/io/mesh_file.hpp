@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace morula {
 
@@ -18,14 +19,27 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads OBJ, OFF, PLY (ascii, little and big endian), STL (ascii, binary) or glTF 2.0 (.gltf, .glb), chosen by
-/// extension.
+/// Facts about a mesh file that its mesh does not show.
+struct MeshInfo {
+  std::size_t polygons = 0;           ///< faces of more than three corners
+  std::size_t concave_polygons = 0;   ///< polygons that facets about the first corner would leave; ears are cut off
+  std::size_t crossing_polygons = 0;  ///< polygons that cross themselves; facets about the first corner all the same
+  /// Polygons that no plane fits: corners are more than a tenth of the polygon's diagonal apart along its normal.
+  std::size_t bent_polygons = 0;
+  std::vector<std::string> notes;  ///< parts of the file that are not in the mesh, and doubts about it, as text
+};
+
+/// Reads OBJ, OFF, PLY (ascii, little and big endian), STL (ascii, binary), glTF 2.0 (.gltf, .glb), VTK (.vtk, .vtp,
+/// .vtu) or Gmsh (.msh), chosen by extension.
 ///
-/// Polygons become triangle fans. STL has no vertices: bitwise equal corners become one (exact welding), in order of
-/// first use. Texture coordinates, normals, colours, materials and groups are ignored.
+/// Convex polygons become triangle fans about their first corner, concave ones are cut by ears. STL has no vertices:
+/// bitwise equal corners become one (exact welding), in order of first use. Texture coordinates, normals, colors,
+/// materials and groups are ignored.
 /// Throws FileError: unknown extension, unreadable, truncated or malformed file, non-finite coordinates, indices out of
 /// range, no facets.
 Mesh read_mesh(const std::filesystem::path& path);
+/// The same, with what a user may have to know about the file.
+Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info);
 
 /// Writes OBJ, OFF or PLY (binary, doubles) by extension, in any pose: `{positions, mesh.facets}`; text with as many
 /// digits as reading back needs to give the same bits. Written whole or not at all.

@@ -135,6 +135,12 @@ class Reader {
     }
     for (const std::uint32_t node : order)
       if (document_.nodes[node].mesh != none) document_.drawn.push_back(node);
+    const auto has_mesh = [](const Node& node) { return node.mesh != none; };
+    const auto all = static_cast<std::size_t>(std::count_if(document_.nodes.begin(), document_.nodes.end(), has_mesh));
+    if (const std::size_t others = all - document_.drawn.size(); others > 0)
+      document_.notes.push_back(std::to_string(others) +
+                                (others == 1 ? " node with a mesh is" : " nodes with meshes are") +
+                                " not in the default scene and left out");
   }
 
   using Attributes = std::vector<std::pair<std::string, int>>;
@@ -368,7 +374,9 @@ class Reader {
 
 Document read_document(const fs::path& path, std::string_view bytes) {
   const LoadedModel loaded = load_model(path, bytes);
-  return Reader(path, loaded.model, loaded.bytes).read();
+  Document document = Reader(path, loaded.model, loaded.bytes).read();
+  document.notes.insert(document.notes.begin(), loaded.notes.begin(), loaded.notes.end());
+  return document;
 }
 
 }  // namespace morula::gltf

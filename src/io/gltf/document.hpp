@@ -68,6 +68,7 @@ struct Document {
   std::vector<std::uint32_t> parents_first;  ///< all nodes, each after its parent
   std::vector<std::uint32_t> drawn;          ///< nodes of the scene with a mesh, in the scene's order
   std::vector<std::vector<Channel>> animations;
+  std::vector<std::string> notes;  ///< what the file shows and the document does not
 
   [[noreturn]] void fail(const std::string& problem) const;
 };

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <nlohmann/json.hpp>
@@ -65,6 +66,119 @@ bool is_harmless(std::string_view extension) {
          std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
 }
 
+// Extensions of nodes and meshes that say nothing of where the surface is.
+bool is_metadata(std::string_view extension) {
+  constexpr std::array<std::string_view, 14> names{
+      "EXT_structural_metadata",
+      "EXT_mesh_features",
+      "EXT_instance_features",
+      "KHR_audio_emitter",
+      "KHR_node_hoverability",
+      "KHR_node_selectability",
+      "MOZ_hubs_components",
+      "VRM",
+      "VRMC_vrm",
+      "AGI_articulations",
+      "EXT_lights_image_based",
+      "FB_geometry_metadata",
+      "KHR_animation_pointer",
+      "KHR_draco_mesh_compression"};  // the last two are looked at by themselves
+  return is_harmless(extension) || std::find(names.begin(), names.end(), extension) != names.end();
+}
+
+// How often each other extension is used, wherever it is.
+void count_extensions(const Json& value, std::map<std::string, std::size_t>& uses) {
+  if (value.is_object()) {
+    const auto own = value.find("extensions");
+    if (own != value.end() && own->is_object())
+      for (const auto& [name, content] : own->items())
+        if (!is_metadata(name)) ++uses[name];
+  }
+  if (value.is_structured())
+    for (const auto& [key, part] : value.items())
+      if (key != "extensions" && key != "extras") count_extensions(part, uses);
+}
+
+// The extension of an object, or null.
+const Json* extension_of(const Json& owner, const char* name) {
+  if (!owner.is_object()) return nullptr;
+  const auto all = owner.find("extensions");
+  if (all == owner.end() || !all->is_object()) return nullptr;
+  const auto found = all->find(name);
+  return found == all->end() ? nullptr : &*found;
+}
+
+// Empty where there is none.
+const Json& list_in(const Json& owner, const char* key) {
+  static const Json empty = Json::array();
+  if (!owner.is_object()) return empty;
+  const auto found = owner.find(key);
+  return found == owner.end() || !found->is_array() ? empty : *found;
+}
+
+// Channels whose pointer leads to nodes or to weights of meshes; others move colors.
+std::size_t count_pointers(const Json& kept) {
+  std::size_t count = 0;
+  for (const Json& animation : list_in(kept, "animations"))
+    for (const Json& channel : list_in(animation, "channels")) {
+      if (!channel.is_object() || !channel.contains("target")) continue;
+      const Json* const pointer = extension_of(channel["target"], "KHR_animation_pointer");
+      if (!pointer || !pointer->is_object() || !pointer->contains("pointer") || !(*pointer)["pointer"].is_string())
+        continue;
+      const auto target = (*pointer)["pointer"].get<std::string>();
+      if (target.starts_with("/nodes/") || target.starts_with("/meshes/")) ++count;
+    }
+  return count;
+}
+
+// Does an accessor have data of its own, without the extension that packs them?
+bool has_plain_data(const Json& kept, const Json& index) {
+  const Json& accessors = list_in(kept, "accessors");
+  if (!index.is_number_unsigned() || index.get<std::size_t>() >= accessors.size()) return true;
+  const Json& accessor = accessors[index.get<std::size_t>()];
+  return accessor.contains("bufferView") || accessor.contains("sparse");
+}
+
+// An accessor without data is full of zeros, which is not what a packed primitive shows.
+bool is_packed_alone(const Json& kept, const Json& primitive) {
+  if (!extension_of(primitive, "KHR_draco_mesh_compression")) return false;
+  if (primitive.contains("indices") && !has_plain_data(kept, primitive["indices"])) return true;
+  const auto attributes = primitive.find("attributes");
+  return attributes != primitive.end() && attributes->is_object() && attributes->contains("POSITION") &&
+         !has_plain_data(kept, (*attributes)["POSITION"]);
+}
+
+bool has_packed_primitive(const Json& kept) {
+  for (const Json& mesh : list_in(kept, "meshes"))
+    for (const Json& primitive : list_in(mesh, "primitives"))
+      if (is_packed_alone(kept, primitive)) return true;
+  return false;
+}
+
+std::string times(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+// What the file shows, or moves, by extensions that are not read.
+std::vector<std::string> notes_of(const Json& all, const Json& kept) {
+  std::map<std::string, std::size_t> uses;
+  count_extensions(kept, uses);
+  if (extension_of(all, "CESIUM_RTC")) ++uses["CESIUM_RTC"];
+  std::vector<std::string> notes;
+  for (const auto& [name, count] : uses)
+    notes.push_back(
+        name == "EXT_mesh_gpu_instancing"
+            ? times(count, "node shows its mesh", "nodes show their meshes") +
+                  " many times by EXT_mesh_gpu_instancing, which is not read: once each is there; write the "
+                  "instances as nodes"
+            : "the extension " + in_quotes(name) + " is used in " + times(count, "place", "places") +
+                  " and not read: what it adds, hides or moves is as without it");
+  if (const std::size_t count = count_pointers(kept); count > 0)
+    notes.push_back(times(count, "channel of an animation moves", "channels of animations move") +
+                    " what KHR_animation_pointer points at, which is not read: it stands still");
+  return notes;
+}
+
 // What is neither shape nor motion goes, wherever it is.
 void strip(Json& value) {
   if (value.is_object())
@@ -91,7 +205,7 @@ Json parsed(const Container& file) {
   }
 }
 
-Json cut_down(const Container& file) {
+Json cut_down(const Container& file, std::vector<std::string>& notes) {
   const auto fail = [&](const std::string& problem) { throw FileError(file.path.string() + ": " + problem); };
   Json all = parsed(file), kept;
   if (!all.is_object()) fail("is JSON, but no glTF: that is an object");
@@ -100,6 +214,16 @@ Json cut_down(const Container& file) {
       if (!extension.is_string() || !is_harmless(extension.get<std::string>()))
         fail("requires the extension " + in_quotes(extension.is_string() ? extension.get<std::string>() : "?") +
              ", which is not read; write the file without it (uncompressed)");
+  // Version 1 has objects where version 2 has lists.
+  if (const auto asset = all.find("asset"); asset != all.end() && asset->is_object()) {
+    const auto version = asset->find("version");
+    if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
+      fail("is not glTF version 2" +
+           (version != asset->end() && version->is_string() ? " but " + in_quotes(version->get<std::string>()) : "") +
+           "; convert it to that");
+  } else {
+    fail("has no \"asset\" with the version; that is no glTF");
+  }
   for (const char* const key :
        {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "skins", "animations"}) {
     const auto member = all.find(key);
@@ -111,14 +235,12 @@ Json cut_down(const Container& file) {
         if (!item.is_object()) fail("\"" + std::string(key) + "\" holds something that is not an object");
     kept[key] = std::move(*member);
   }
+  if (has_packed_primitive(kept))
+    fail(
+        "has primitives that are there by KHR_draco_mesh_compression alone, which is not read; write the file without "
+        "it (uncompressed)");
+  notes = notes_of(all, kept);
   strip(kept);
-  if (const auto asset = kept.find("asset"); asset != kept.end() && asset->is_object()) {
-    const auto version = asset->find("version");
-    if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
-      fail("is not glTF version 2; write it as that");
-  } else {
-    fail("has no \"asset\" with the version; that is no glTF");
-  }
   // tinygltf asks for what glTF leaves out.
   if (kept.contains("skins"))
     for (Json& skin : kept["skins"])
@@ -194,8 +316,8 @@ Callbacks callbacks_for(Container& file) {
   return callbacks;
 }
 
-morula_tinygltf::Model decoded(Container& file) {
-  Json json = cut_down(file);
+morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes) {
+  Json json = cut_down(file, notes);
   // The chunk may be up to three bytes longer than its buffer.
   if (json.contains("buffers"))
     for (Json& buffer : json["buffers"]) {
@@ -237,7 +359,8 @@ morula_tinygltf::Model decoded(Container& file) {
 
 LoadedModel load_model(const fs::path& path, std::string_view bytes) {
   Container file = opened(path, bytes);
-  LoadedModel loaded{decoded(file), 0};
+  LoadedModel loaded{};
+  loaded.model = decoded(file, loaded.notes);
   loaded.bytes = file.json.size();
   for (const morula_tinygltf::Buffer& buffer : loaded.model.buffers) loaded.bytes += buffer.data.size();
   return loaded;

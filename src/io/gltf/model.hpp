@@ -4,7 +4,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/gltf/tinygltf.hpp"
 
@@ -12,7 +14,8 @@ namespace morula::gltf {
 
 struct LoadedModel {
   morula_tinygltf::Model model;
-  std::size_t bytes;  ///< of the text and of all buffers
+  std::size_t bytes;               ///< of the text and of all buffers
+  std::vector<std::string> notes;  ///< extensions that are used and not read
 };
 
 /// bytes: of a .gltf or a .glb, told apart by how they begin. Buffers beside the file are read. Throws FileError.

@@ -36,13 +36,13 @@ std::span<const Face> faces_of(CellShape shape) {
   }
 }
 
-struct OpenFace {
+}  // namespace
+
+struct CellSurface::OpenFace {
   std::array<std::uint32_t, 4> key;       // sorted
   std::array<std::uint32_t, 4> vertices;  // outward
-  std::size_t place;
+  std::size_t place, solid;
 };
-
-}  // namespace
 
 bool vtk_cell_type(std::uint64_t number, CellType& type) {
   switch (number) {
@@ -99,11 +99,13 @@ bool vtk_cell_type(std::uint64_t number, CellType& type) {
 }
 
 void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
+  const std::size_t cell = cells_++;
   switch (type.shape) {
     case CellShape::none:
       return;
     case CellShape::polygon: {
       const std::size_t count = type.corners == 0 ? corners.size() : type.corners;
+      if (count > 3) polygons_.push_back({surface_.size(), count, cell});
       for (std::size_t k = 2; k < count; ++k) surface_.push_back({corners[0], corners[k - 1], corners[k]});
       return;
     }
@@ -128,10 +130,19 @@ void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
   }
 }
 
-std::vector<Facet> CellSurface::facets(std::span<const Vec3> points) const {
-  if (solids_.empty()) return surface_;
+std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, PolygonReader& polygons) {
+  std::vector<std::uint32_t> corners;
+  for (const Polygon& polygon : polygons_) {
+    corners_of_fan(std::span(surface_).subspan(polygon.first, polygon.corners - 2), corners);
+    polygons.cut(points, corners, surface_, polygon.first, {polygon.cell, 0});
+  }
+  return surface_;
+}
+
+std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const Vec3> points) const {
   std::vector<OpenFace> faces;
-  for (const Solid& solid : solids_) {
+  for (std::size_t number = 0; number < solids_.size(); ++number) {
+    const Solid& solid = solids_[number];
     const std::uint32_t* const c = corners_.data() + solid.first;
     // A solid whose corners are mirrored has its faces the wrong way round: its volume, by its faces, tells.
     const std::span<const Face> table = faces_of(solid.shape);
@@ -143,7 +154,7 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points) const {
       }
     }
     for (const Face& face : table) {
-      OpenFace open{{no_vertex, no_vertex, no_vertex, no_vertex}, {}, faces.size()};
+      OpenFace open{{no_vertex, no_vertex, no_vertex, no_vertex}, {}, faces.size(), number};
       const std::size_t count = face[3] == none ? 3 : 4;
       for (std::size_t k = 0; k < count; ++k) open.key[k] = c[face[k]];
       open.vertices = open.key;
@@ -152,6 +163,43 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points) const {
       faces.push_back(open);
     }
   }
+  return faces;
+}
+
+// Files usually list the faces of their solids' surface again, as polygons; those that are none of these faces, nor
+// half of one, are shells of their own.
+void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& reading) const {
+  if (surface_.empty()) return;
+  std::vector<std::array<std::uint32_t, 3>> parts;
+  for (const OpenFace& face : faces) {
+    parts.push_back({face.key[0], face.key[1], face.key[2]});
+    if (face.key[3] == no_vertex) continue;
+    parts.push_back({face.key[0], face.key[1], face.key[3]});
+    parts.push_back({face.key[0], face.key[2], face.key[3]});
+    parts.push_back({face.key[1], face.key[2], face.key[3]});
+  }
+  std::sort(parts.begin(), parts.end());
+  std::size_t shells = 0;
+  for (const Facet& facet : surface_) {
+    std::array<std::uint32_t, 3> key{facet[0], facet[1], facet[2]};
+    std::sort(key.begin(), key.end());
+    if (!std::binary_search(parts.begin(), parts.end(), key)) ++shells;
+  }
+  if (shells > 0)
+    reading.info.notes.push_back(counted(shells, "triangle") + " of shells beside the solids " +
+                                 (shells == 1 ? "lies on no face of them and is" : "lie on no face of them and are") +
+                                 " left out; save the shells as a file of their own");
+}
+
+std::vector<Facet> CellSurface::facets(std::span<const Vec3> points, MeshReading& reading) {
+  PolygonReader polygons(reading);
+  if (solids_.empty()) {
+    std::vector<Facet> facets = cut_surface(points, polygons);
+    polygons.finish("cell");
+    return facets;
+  }
+  std::vector<OpenFace> faces = faces_of_solids(points);
+  count_shells(faces, reading);
   std::sort(faces.begin(), faces.end(),
             [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
   std::vector<OpenFace> single;
@@ -166,8 +214,11 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points) const {
   for (const OpenFace& face : single) {
     const auto& v = face.vertices;
     facets.push_back({v[0], v[1], v[2]});
-    if (v[3] != no_vertex) facets.push_back({v[0], v[2], v[3]});
+    if (v[3] == no_vertex) continue;
+    facets.push_back({v[0], v[2], v[3]});
+    polygons.cut(points, v, facets, facets.size() - 2, {face.solid, 0});
   }
+  polygons.finish("solid");
   return facets;
 }
 

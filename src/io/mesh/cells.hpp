@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "io/mesh/reading.hpp"
+
 namespace morula::detail {
 
 /// What a surface is made of. Corners are numbered as VTK numbers them, as Gmsh does, too; higher orders give their
@@ -27,16 +29,28 @@ class CellSurface {
   /// corners: of one cell, indices of points that are there.
   void add(CellType type, std::span<const std::uint32_t> corners);
   bool has_solids() const { return !solids_.empty(); }
-  /// Of solids, the faces that only one of them has, outward, in the order of the solids: what else is in the file lies
-  /// on or in them. Without solids, all polygons and strips. Vertices keep their numbers.
-  std::vector<Facet> facets(std::span<const Vec3> points) const;
+  /// Of solids, the faces that only one of them has, outward, in the order of the solids; polygons and strips beside
+  /// them lie on their faces, or are left out and counted. Without solids, all polygons and strips. Vertices keep their
+  /// numbers.
+  std::vector<Facet> facets(std::span<const Vec3> points, MeshReading& reading);
 
  private:
   struct Solid {
     CellShape shape;
     std::size_t first;  // in corners_
   };
+  struct Polygon {
+    std::size_t first, corners;  // in surface_, as facets about the first corner; how many
+    std::size_t cell;
+  };
+  struct OpenFace;
+  std::vector<Facet> cut_surface(std::span<const Vec3> points, PolygonReader& polygons);
+  std::vector<OpenFace> faces_of_solids(std::span<const Vec3> points) const;
+  void count_shells(std::span<const OpenFace> faces, MeshReading& reading) const;
+
+  std::size_t cells_ = 0;
   std::vector<Facet> surface_;
+  std::vector<Polygon> polygons_;  // of more than three corners
   std::vector<Solid> solids_;
   std::vector<std::uint32_t> corners_;
 };

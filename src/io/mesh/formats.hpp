@@ -14,6 +14,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/mesh/reading.hpp"
+
 namespace morula::detail {
 
 /// Positions of one frame after the other, out of one file.
@@ -30,13 +32,16 @@ class FrameSource {
 
 /// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages, and for
 /// what a file names beside itself.
-using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes);
+using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading);
 using MeshBytes = std::string(const MeshView& mesh);
 using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::path& path, const MotionOptions& options);
 
 ReadMesh read_obj, read_off, read_ply, read_stl, read_gltf, read_vtk, read_vtp, read_vtu, read_gmsh;
 MeshBytes obj_text, off_text, ply_bytes, stl_bytes, vtp_bytes;
 OpenFrames open_gltf_frames;
+
+/// The size is that of a binary STL with as many facets as its header counts.
+bool is_exactly_binary_stl(std::string_view bytes);
 
 /// The balls of a PLY. Throws FileError, also where it holds none.
 std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::string_view bytes);
@@ -69,27 +74,11 @@ const MeshFormat* mesh_format(std::string_view extension);
 /// Of a format in which frames may be written.
 bool is_frame_extension(std::string_view extension);
 
+/// As read_mesh.
+Mesh read_mesh_as(const std::filesystem::path& path, MeshReading& reading);
 /// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
-Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes);
+Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading);
 /// The bytes of a file with this extension, which must be writable.
 std::string mesh_bytes(std::string_view extension, const MeshView& mesh);
-
-/// A polygon's corners one after another become a fan of facets about the first.
-class FanBuilder {
- public:
-  explicit FanBuilder(std::vector<Facet>& facets) : facets_(facets) {}
-  void add(std::uint32_t vertex) {
-    if (corners_ == 0) first_ = vertex;
-    if (corners_ >= 2) facets_.push_back({first_, previous_, vertex});
-    previous_ = vertex;
-    ++corners_;
-  }
-  std::size_t corners() const { return corners_; }
-
- private:
-  std::vector<Facet>& facets_;
-  std::uint32_t first_ = 0, previous_ = 0;
-  std::size_t corners_ = 0;
-};
 
 }  // namespace morula::detail

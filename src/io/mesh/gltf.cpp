@@ -86,9 +86,10 @@ void require_no_morphing(const Document& document, const Timeline& timeline) {
 
 }  // namespace
 
-Mesh read_gltf(const fs::path& path, std::string_view bytes) {
+Mesh read_gltf(const fs::path& path, std::string_view bytes, MeshReading& reading) {
   const Document document = gltf::read_document(path, bytes);
   if (document.drawn.empty()) document.fail("its scene has no mesh");
+  reading.info.notes = document.notes;
   Mesh mesh{gltf::bound(document, gltf::at_rest(document)), gltf::joined(document).facets};
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     if (!is_finite(mesh.positions[v]))

@@ -15,7 +15,7 @@ namespace {
 
 }  // namespace
 
-Mesh read_gltf(const std::filesystem::path& path, std::string_view) {
+Mesh read_gltf(const std::filesystem::path& path, std::string_view, MeshReading&) {
   fail(path);
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "io/byte_reader.hpp"
 #include "io/mesh/cells.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/mesh/mixed_reader.hpp"
@@ -44,11 +45,21 @@ bool element_type(std::int64_t number, ElementType& type) {
   return false;
 }
 
+// MuJoCo's meshes have the same extension: counts of vertices, normals, places in a texture and facets, then these.
+bool has_size_of_mujoco_mesh(std::string_view bytes) {
+  constexpr std::size_t head = 16;
+  if (bytes.size() < head) return false;
+  const auto count = [&](std::size_t i) { return std::uint64_t{load<std::uint32_t>(bytes.data() + 4 * i)}; };
+  return head + 12 * (count(0) + count(1) + count(3)) + 8 * count(2) == bytes.size();
+}
+
 class GmshReader {
  public:
-  GmshReader(const std::filesystem::path& path, std::string_view bytes) : in_(path, bytes) {}
+  GmshReader(const std::filesystem::path& path, std::string_view bytes)
+      : in_(path, bytes), is_mujoco_(has_size_of_mujoco_mesh(bytes)) {}
 
-  Mesh read() {
+  Mesh read(MeshReading& reading) {
+    if (is_mujoco_) in_.fail("is a mesh of MuJoCo, which its robots are read with; save it as OBJ or STL");
     if (in_.line() != "$MeshFormat") in_.fail("a Gmsh file begins with a line '$MeshFormat'");
     read_format();
     bool has_nodes = false, has_elements = false;
@@ -71,7 +82,7 @@ class GmshReader {
     }
     if (!has_nodes) in_.fail("the file ends before a section '$Nodes'; it was cut short");
     if (!has_elements) in_.fail("the file ends before a section '$Elements'; it was cut short");
-    mesh_.facets = cells_.facets(mesh_.positions);
+    mesh_.facets = cells_.facets(mesh_.positions, reading);
     return std::move(mesh_);
   }
 
@@ -264,6 +275,7 @@ class GmshReader {
   }
 
   MixedReader in_;
+  bool is_mujoco_;
   bool is_new_ = false, is_4_0_ = false;
   Mesh mesh_;
   CellSurface cells_;
@@ -273,8 +285,8 @@ class GmshReader {
 
 }  // namespace
 
-Mesh read_gmsh(const std::filesystem::path& path, std::string_view bytes) {
-  return GmshReader(path, bytes).read();
+Mesh read_gmsh(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  return GmshReader(path, bytes).read(reading);
 }
 
 }  // namespace morula::detail

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/io/mesh_file.hpp>
 
+#include "io/first_bytes.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/number_text.hpp"
 #include "io/whole_file.hpp"
@@ -11,10 +12,10 @@ namespace morula {
 using namespace detail;
 namespace {
 
-void require_sound(const std::filesystem::path& path, const Mesh& mesh) {
+void require_sound(const std::filesystem::path& path, const Mesh& mesh, const MeshInfo& info) {
   if (mesh.facets.empty())
-    throw FileError(path.string() + ": has " + std::to_string(mesh.vertex_count()) +
-                    " vertices but no facets; points and lines alone have no surface");
+    throw FileError(path.string() + ": has " + std::to_string(mesh.vertex_count()) + " vertices but no facets; " +
+                    (info.notes.empty() ? "points and lines alone have no surface" : info.notes.front()));
   try {
     require_usable(mesh);
   } catch (const std::invalid_argument& problem) {
@@ -25,17 +26,35 @@ void require_sound(const std::filesystem::path& path, const Mesh& mesh) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
+  MeshReading reading;
+  return read_mesh_as(path, reading);
+}
+
+Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info) {
+  MeshReading reading;
+  Mesh mesh = read_mesh_as(path, reading);
+  info = std::move(reading.info);
+  return mesh;
+}
+
+Mesh detail::read_mesh_as(const std::filesystem::path& path, MeshReading& reading) {
   const StandardFloats standard;
   const std::string extension = lower_extension(path);
   if (mesh_format(extension) == nullptr)
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no known mesh format; name a file with one of " + readable_mesh_extensions());
-  return mesh_of_bytes(path, read_whole(path));
+  return mesh_of_bytes(path, read_whole(path), reading);
 }
 
-Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes) {
-  Mesh mesh = mesh_format(lower_extension(path))->read(path, bytes);
-  require_sound(path, mesh);
+Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  const std::string extension = lower_extension(path);
+  // Eighty bytes of anything begin a binary STL.
+  if (extension != ".stl" || !is_exactly_binary_stl(bytes)) {
+    if (const std::string foreign = foreign_content(bytes, extension); !foreign.empty())
+      throw FileError(path.string() + ": " + foreign);
+  }
+  Mesh mesh = mesh_format(extension)->read(path, bytes, reading);
+  require_sound(path, mesh, reading.info);
   return mesh;
 }
 

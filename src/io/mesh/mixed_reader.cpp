@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
+#include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 
 namespace morula::detail {
@@ -19,8 +21,11 @@ bool is_blank(char c) {
 
 }  // namespace
 
+MixedReader::MixedReader(std::filesystem::path path, std::string_view bytes)
+    : path_(std::move(path)), bytes_(bytes), line_end_(line_end_of(bytes)) {}
+
 std::string_view MixedReader::line() {
-  const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+  const std::size_t end = std::min(bytes_.find(line_end_, at_), bytes_.size());
   std::string_view text = bytes_.substr(at_, end - at_);
   at_ = std::min(end + 1, bytes_.size());
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
@@ -58,6 +63,7 @@ double MixedReader::text_number(std::string_view what) {
   std::string_view text = require_word(what);
   const std::string_view whole = text;
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  if (begins_with_old_nonfinite(text)) finite(std::numeric_limits<double>::quiet_NaN(), what);
   double value = 0;
   const std::from_chars_result read = std::from_chars(text.data(), text.data() + text.size(), value);
   if (read.ptr != text.data() + text.size() || read.ec == std::errc::invalid_argument)
@@ -105,7 +111,7 @@ void MixedReader::cut_short(std::string_view what) const {
 void MixedReader::fail(const std::string& problem) const {
   if (is_binary_) throw FileError(path_.string() + ": byte " + std::to_string(at_) + ": " + problem);
   const std::string_view before = bytes_.substr(0, at_ > 0 ? at_ - 1 : 0);
-  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const auto line = 1 + std::count(before.begin(), before.end(), line_end_);
   throw FileError(path_.string() + ":" + std::to_string(line) + ": " + problem);
 }
 

@@ -17,7 +17,7 @@ namespace morula::detail {
 class MixedReader {
  public:
   /// bytes must outlive the reader.
-  MixedReader(std::filesystem::path path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
+  MixedReader(std::filesystem::path path, std::string_view bytes);
 
   /// From now on numbers are binary.
   void set_binary(std::endian order) {
@@ -77,6 +77,7 @@ class MixedReader {
 
   std::filesystem::path path_;
   std::string_view bytes_;
+  char line_end_;
   std::size_t at_ = 0;
   bool is_binary_ = false;
   std::endian order_ = std::endian::little;

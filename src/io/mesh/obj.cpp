@@ -1,6 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <span>
 
 #include "io/mesh/formats.hpp"
 #include "io/number_text.hpp"
@@ -25,22 +28,63 @@ std::int64_t vertex_number(const TextScanner& in, std::string_view corner) {
   return number;
 }
 
+// Statements that say nothing of the surface, and those of curves and of the makings of free-form surfaces.
+constexpr std::array<std::string_view, 35> known_statements{
+    "vt",     "vn",     "vp",     "p",      "l",     "g",   "s",         "o",        "mg",
+    "mtllib", "usemtl", "maplib", "usemap", "bevel", "lod", "c_interp",  "d_interp", "shadow_obj",
+    "ctech",  "stech",  "deg",    "bmat",   "step",  "res", "trace_obj", "cstype",   "parm",
+    "trim",   "hole",   "scrv",   "sp",     "end",   "con", "curv",      "curv2"};
+// Free-form surfaces; all but the first are of older versions.
+constexpr std::array<std::string_view, 5> surface_statements{"surf", "bzp", "bsp", "cdp", "cdc"};
+// Other files, read in this place.
+constexpr std::array<std::string_view, 2> call_statements{"call", "csh"};
+
+bool is_one_of(std::string_view keyword, std::span<const std::string_view> statements) {
+  return std::find(statements.begin(), statements.end(), keyword) != statements.end();
+}
+
+// Statements that might have been surface, and are not in the mesh.
+struct LeftOutStatements {
+  LeftOut unknown{}, surfaces{}, calls{};
+  void add(std::string_view keyword, std::size_t line) {
+    if (is_one_of(keyword, surface_statements))
+      surfaces.add(line, keyword);
+    else if (is_one_of(keyword, call_statements))
+      calls.add(line, keyword);
+    else if (!is_one_of(keyword, known_statements))
+      unknown.add(line, keyword);
+  }
+  void say(std::vector<std::string>& notes) const {
+    const auto note = [&](const LeftOut& left, const std::string& what, const std::string& remedy) {
+      if (left.count == 0) return;
+      notes.push_back(counted(left.count, "statement") + " " + what + (left.count == 1 ? " is" : " are") +
+                      " left out; the first is " + in_quotes(left.first) + " on line " + std::to_string(left.line) +
+                      remedy);
+    };
+    note(unknown, "that OBJ does not know", "; look there for damage");
+    note(surfaces, "of free-form surfaces", "; save them as polygons");
+    note(calls, "that read another file", "; join the files");
+  }
+};
+
 }  // namespace
 
-Mesh read_obj(const std::filesystem::path& path, std::string_view text) {
+Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshReading& reading) {
   Mesh mesh;
+  FaceReader face(mesh, reading);
   TextScanner in(path, text, {'#', true});
   // Faces may come before their vertices: the largest number is checked when all vertices are known.
   std::int64_t largest_number = 0;
   std::size_t line_of_largest = 0;
+  LeftOutStatements left_out;
   while (in.next_line()) {
     const std::string_view keyword = in.word();
     if (keyword == "v") {
       // Braces: evaluated from left to right. Weights and colours after the third number are ignored.
       mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
-    } else if (keyword == "f") {
+    } else if (keyword == "f" || keyword == "fo") {  // fo: of versions before 3.0
       const auto known = static_cast<std::int64_t>(mesh.vertex_count());
-      FanBuilder fan(mesh.facets);
+      face.begin();
       for (std::string_view corner = in.word(); !corner.empty(); corner = in.word()) {
         const std::int64_t number = vertex_number(in, corner);
         if (number == 0) in.fail("a face refers to vertex 0, but OBJ counts from 1; add 1 to all indices");
@@ -51,15 +95,20 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text) {
           largest_number = number;
           line_of_largest = in.line();
         }
-        fan.add(static_cast<std::uint32_t>(number > 0 ? number - 1 : known + number));
+        face.add(static_cast<std::uint32_t>(number > 0 ? number - 1 : known + number));
       }
-      if (fan.corners() < 3)
-        in.fail("a face has " + std::to_string(fan.corners()) + " corners, fewer than 3; remove it or complete it");
+      if (face.corners() < 3)
+        in.fail("a face has " + std::to_string(face.corners()) + " corners, fewer than 3; remove it or complete it");
+      face.end(in.line());
+    } else {
+      left_out.add(keyword, in.line());
     }
   }
   if (largest_number > static_cast<std::int64_t>(mesh.vertex_count()))
     in.fail_at(line_of_largest, "a face refers to vertex " + std::to_string(largest_number) + ", but the file has " +
                                     std::to_string(mesh.vertex_count()) + " vertices");
+  face.finish();
+  left_out.say(reading.info.notes);
   return mesh;
 }
 

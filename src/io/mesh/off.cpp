@@ -27,42 +27,117 @@ void read_keyword(TextScanner& in) {
   in.back_up(next.size());
 }
 
+// How numbers lie on lines. The first that fits the whole file is right.
+enum class Layout {
+  rows,       // a vertex or a face a line; what follows on the line is color
+  long_rows,  // the same, but a row may go on over the next lines
+  many_rows   // the same, and a line may have several; there is no color
+};
+
+class OffReader {
+ public:
+  OffReader(const std::filesystem::path& path, std::string_view text, Layout layout)
+      : in_(path, text, {'#', false}), layout_(layout) {}
+
+  Mesh read(MeshReading& reading) {
+    if (!in_.next_line()) in_.fail("the file is empty; an OFF file begins with OFF");
+    read_keyword(in_);
+    if (in_.at_line_end() && !in_.next_line()) in_.fail("the file ends before its counts; it was cut short");
+    const std::uint64_t vertex_count = count("the number of vertices");
+    const std::uint64_t face_count = count("the number of faces");
+    if (layout_ == Layout::many_rows) count("the number of edges");
+    // The shortest lines are "0 0 0" and "3 0 1 2": no count makes this allocate more than the file is worth.
+    Mesh mesh;
+    mesh.positions.reserve(std::min<std::uint64_t>(vertex_count, in_.bytes_left() / 6 + 1));
+    for (std::uint64_t i = 0; i < vertex_count; ++i) {
+      begin_row(i, vertex_count, "vertices");
+      mesh.positions.push_back(Vec3{number("x"), number("y"), number("z")});
+      end_row();
+    }
+    mesh.facets.reserve(std::min<std::uint64_t>(face_count, in_.bytes_left() / 8 + 1));
+    FaceReader face(mesh, reading);
+    for (std::uint64_t i = 0; i < face_count; ++i) {
+      begin_row(i, face_count, "faces");
+      read_face(face, vertex_count);
+    }
+    if (layout_ == Layout::many_rows ? !in_.at_line_end() || in_.next_line() : in_.next_line())
+      in_.fail(in_quotes(in_.word()) + " follows the last of " + std::to_string(face_count) +
+               " faces; correct the counts at the top, or remove the rest");
+    face.finish();
+    return mesh;
+  }
+
+ private:
+  void begin_row(std::uint64_t row, std::uint64_t total, std::string_view kind) {
+    if (layout_ != Layout::many_rows || in_.at_line_end()) in_.require_line(row, total, kind);
+    began_on_ = in_.line();
+  }
+  void end_row() {
+    // Else a number that is missing would be taken from the next row, and all that follows would be something else.
+    if (in_.line() != began_on_) in_.require_line_end("a row that began on another line");
+  }
+  /// Steps to the next line where a row may go on there.
+  void go_on() {
+    if (layout_ != Layout::rows && in_.at_line_end()) in_.next_line();
+  }
+  double number(std::string_view what) {
+    go_on();
+    return in_.number(what);
+  }
+  std::uint64_t count(std::string_view what) {
+    go_on();
+    return in_.count(what);
+  }
+
+  void read_face(FaceReader& face, std::uint64_t vertex_count) {
+    const std::uint64_t corners = count("the number of corners");
+    if (corners < 3)
+      in_.fail("a face has " + std::to_string(corners) + " corners, fewer than 3; remove it or complete it");
+    face.begin();
+    for (std::uint64_t k = 0; k < corners; ++k) {
+      go_on();
+      const std::int64_t vertex = in_.integer("a vertex index");
+      if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertex_count)
+        in_.fail("a face refers to vertex " + std::to_string(vertex) + ", but the file has " +
+                 std::to_string(vertex_count) + " vertices, counted from 0");
+      face.add(static_cast<std::uint32_t>(vertex));
+    }
+    end_row();
+    face.end(began_on_);
+  }
+
+  TextScanner in_;
+  Layout layout_;
+  std::size_t began_on_ = 0;
+};
+
+bool read_off_as(const std::filesystem::path& path, std::string_view text, Layout layout, MeshReading& reading,
+                 Mesh& mesh) {
+  MeshReading own{.cut_like = reading.cut_like};
+  try {
+    mesh = OffReader(path, text, layout).read(own);
+  } catch (const FileError&) {
+    return false;
+  }
+  reading.info = std::move(own.info);
+  return true;
+}
+
 }  // namespace
 
-Mesh read_off(const std::filesystem::path& path, std::string_view text) {
-  TextScanner in(path, text, {'#', false});
-  if (!in.next_line()) in.fail("the file is empty; an OFF file begins with OFF");
-  read_keyword(in);
-  if (in.at_line_end() && !in.next_line()) in.fail("the file ends before its counts; it was cut short");
-  const std::uint64_t vertex_count = in.count("the number of vertices");
-  const std::uint64_t face_count = in.count("the number of faces");
-
-  // The shortest lines are "0 0 0" and "3 0 1 2": no count makes this allocate more than the file is worth.
-  Mesh mesh;
-  mesh.positions.reserve(std::min<std::uint64_t>(vertex_count, in.bytes_left() / 6 + 1));
-  for (std::uint64_t i = 0; i < vertex_count; ++i) {
-    in.require_line(i, vertex_count, "vertices");
-    mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
+Mesh read_off(const std::filesystem::path& path, std::string_view text, MeshReading& reading) {
+  try {
+    MeshReading own{.cut_like = reading.cut_like};
+    Mesh mesh = OffReader(path, text, Layout::rows).read(own);
+    reading.info = std::move(own.info);
+    return mesh;
+  } catch (const FileError&) {
+    Mesh mesh;
+    for (const Layout layout : {Layout::long_rows, Layout::many_rows})
+      if (read_off_as(path, text, layout, reading, mesh)) return mesh;
+    // Most files have rows, so that their complaint names the right line.
+    throw;
   }
-  mesh.facets.reserve(std::min<std::uint64_t>(face_count, in.bytes_left() / 8 + 1));
-  for (std::uint64_t i = 0; i < face_count; ++i) {
-    in.require_line(i, face_count, "faces");
-    const std::uint64_t corners = in.count("the number of corners");
-    if (corners < 3)
-      in.fail("a face has " + std::to_string(corners) + " corners, fewer than 3; remove it or complete it");
-    FanBuilder fan(mesh.facets);
-    for (std::uint64_t k = 0; k < corners; ++k) {
-      const std::int64_t vertex = in.integer("a vertex index");
-      if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertex_count)
-        in.fail("a face refers to vertex " + std::to_string(vertex) + ", but the file has " +
-                std::to_string(vertex_count) + " vertices, counted from 0");
-      fan.add(static_cast<std::uint32_t>(vertex));
-    }
-  }
-  if (in.next_line())
-    in.fail(in_quotes(in.word()) + " follows the last of " + std::to_string(face_count) +
-            " faces; correct the counts at the top, or remove the rest");
-  return mesh;
 }
 
 std::string off_text(const MeshView& mesh) {

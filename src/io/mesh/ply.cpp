@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -35,6 +36,7 @@ class TextRows {
       in_.fail(in_quotes(in_.word()) + " follows the last element; correct the counts in the header");
   }
   std::uint64_t bytes_left() const { return in_.bytes_left(); }
+  std::size_t line() const { return in_.line(); }
   [[noreturn]] void fail(const std::string& problem) const { in_.fail(problem); }
 
  private:
@@ -81,6 +83,7 @@ class BinaryRows {
       in_.fail(std::to_string(in_.bytes_left()) + " bytes follow the last element; correct the counts in the header");
   }
   std::uint64_t bytes_left() const { return in_.bytes_left(); }
+  std::size_t line() const { return 0; }
   [[noreturn]] void fail(const std::string& problem) const { in_.fail(problem); }
 
  private:
@@ -148,8 +151,13 @@ void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh, std::vecto
   }
 }
 
+std::string missing_vertex(double index, std::uint64_t vertex_count, const std::string& owner) {
+  return owner + " refers to vertex " + std::to_string(static_cast<std::int64_t>(index)) + ", but the file has " +
+         std::to_string(vertex_count) + " vertices, counted from 0";
+}
+
 template <class Rows>
-void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
+void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, FaceReader& face) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
     rows.begin_row(row, element);
     for (const PlyProperty& property : element.properties) {
@@ -164,13 +172,44 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
       }
       if (length < 3)
         rows.fail("a face has " + std::to_string(length) + " corners, fewer than 3; remove it or complete it");
-      FanBuilder fan(mesh.facets);
+      face.begin();
       for (std::uint64_t k = 0; k < length; ++k) {
         const double vertex = rows.value(property.type, "a vertex index");
         if (vertex < 0 || vertex >= static_cast<double>(vertex_count))
-          rows.fail("a face refers to vertex " + std::to_string(static_cast<std::int64_t>(vertex)) +
-                    ", but the file has " + std::to_string(vertex_count) + " vertices, counted from 0");
-        fan.add(static_cast<std::uint32_t>(vertex));
+          rows.fail(missing_vertex(vertex, vertex_count, "a face"));
+        face.add(static_cast<std::uint32_t>(vertex));
+      }
+      face.end(rows.line());
+    }
+    rows.end_row();
+  }
+}
+
+// Every other triangle of a strip is turned over.
+template <class Rows>
+void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(row, element);
+    for (const PlyProperty& property : element.properties) {
+      const std::uint64_t length = property.is_list ? list_length(rows, property) : 1;
+      if (!is_vertex_list(property)) {
+        rows.skip(property.type, length);
+        continue;
+      }
+      std::array<std::uint32_t, 2> last{};
+      std::uint64_t corners = 0;
+      for (std::uint64_t k = 0; k < length; ++k) {
+        const double index = rows.value(property.type, "a vertex index");
+        if (index < 0) {
+          corners = 0;
+          continue;
+        }
+        if (index >= static_cast<double>(vertex_count)) rows.fail(missing_vertex(index, vertex_count, "a strip"));
+        const auto vertex = static_cast<std::uint32_t>(index);
+        if (corners >= 2 && corners % 2 == 0) mesh.facets.push_back({last[0], last[1], vertex});
+        if (corners >= 2 && corners % 2 == 1) mesh.facets.push_back({last[1], last[0], vertex});
+        last = {last[1], vertex};
+        ++corners;
       }
     }
     rows.end_row();
@@ -178,8 +217,9 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
 }
 
 template <class Rows>
-Mesh read_elements(Rows rows, const PlyHeader& header, std::vector<double>* radii = nullptr) {
+Mesh read_elements(Rows rows, const PlyHeader& header, MeshReading& reading, std::vector<double>* radii = nullptr) {
   Mesh mesh;
+  FaceReader face(mesh, reading);
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty()) continue;  // its rows take no space
     const std::uint64_t at_most = rows.bytes_left() / shortest_row(element, header.is_text) + 1;
@@ -188,7 +228,9 @@ Mesh read_elements(Rows rows, const PlyHeader& header, std::vector<double>* radi
       read_vertices(rows, element, mesh, radii);
     } else if (element.name == "face") {
       mesh.facets.reserve(std::min(element.count, at_most));
-      read_faces(rows, element, header.vertex_count, mesh);
+      read_faces(rows, element, header.vertex_count, face);
+    } else if (element.name == strips_name) {
+      read_strips(rows, element, header.vertex_count, mesh);
     } else {
       for (std::uint64_t row = 0; row < element.count; ++row) {
         rows.begin_row(row, element);
@@ -199,17 +241,18 @@ Mesh read_elements(Rows rows, const PlyHeader& header, std::vector<double>* radi
     }
   }
   rows.end_file();
+  face.finish();
   return mesh;
 }
 
 }  // namespace
 
-Mesh read_ply(const std::filesystem::path& path, std::string_view bytes) {
-  TextScanner in(path, bytes);
+Mesh read_ply(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  TextScanner in = ply_scanner(path, bytes);
   const PlyHeader header = read_ply_header(in);
-  if (header.is_text) return read_elements(TextRows(in), header);
+  if (header.is_text) return read_elements(TextRows(in), header, reading);
   const std::string_view data = in.after_line();
-  return read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header);
+  return read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header, reading);
 }
 
 bool holds_balls(const PlyHeader& header) {
@@ -224,18 +267,19 @@ bool holds_balls(const PlyHeader& header) {
 }
 
 std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::string_view bytes) {
-  TextScanner in(path, bytes);
+  TextScanner in = ply_scanner(path, bytes);
   const PlyHeader header = read_ply_header(in);
   if (!holds_balls(header))
     throw FileError(path.string() + ": holds no balls: these are vertices with a property 'radius', without faces");
   std::vector<double> radii;
   Mesh centers;
+  MeshReading reading;
   if (header.is_text) {
-    centers = read_elements(TextRows(in), header, &radii);
+    centers = read_elements(TextRows(in), header, reading, &radii);
   } else {
     const std::string_view data = in.after_line();
-    centers =
-        read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header, &radii);
+    centers = read_elements(BinaryRows(ByteReader(path, data, header.order, bytes.size() - data.size())), header,
+                            reading, &radii);
   }
   std::vector<Sphere> balls(centers.positions.size());
   for (std::size_t i = 0; i < balls.size(); ++i) {

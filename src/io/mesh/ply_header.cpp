@@ -66,11 +66,21 @@ PlyProperty read_property(TextScanner& in) {
   return property;
 }
 
+void require_vertex_list(const TextScanner& in, const PlyElement* element) {
+  if (!element) return;
+  if (std::count_if(element->properties.begin(), element->properties.end(), is_vertex_list) != 1)
+    in.fail("element " + in_quotes(element->name) + " must have one list property 'vertex_indices' or 'vertex_index'");
+  for (const PlyProperty& property : element->properties)
+    if (is_vertex_list(property) && !is_integer(property.type)) in.fail("vertex indices must have an integer type");
+}
+
 void require_mesh(const TextScanner& in, PlyHeader& header) {
-  const PlyElement* vertices = nullptr;
-  const PlyElement* faces = nullptr;
+  const PlyElement *vertices = nullptr, *faces = nullptr, *strips = nullptr;
   for (const PlyElement& element : header.elements) {
-    const PlyElement** place = element.name == "vertex" ? &vertices : element.name == "face" ? &faces : nullptr;
+    const PlyElement** place = element.name == "vertex"      ? &vertices
+                               : element.name == "face"      ? &faces
+                               : element.name == strips_name ? &strips
+                                                             : nullptr;
     if (!place) continue;
     if (*place) in.fail("the header has two elements " + in_quotes(element.name));
     *place = &element;
@@ -82,11 +92,8 @@ void require_mesh(const TextScanner& in, PlyHeader& header) {
       in.fail("element 'vertex' must have one scalar property " + in_quotes(axis));
   }
   header.vertex_count = vertices->count;
-  if (!faces) return;
-  if (std::count_if(faces->properties.begin(), faces->properties.end(), is_vertex_list) != 1)
-    in.fail("element 'face' must have one list property 'vertex_indices' or 'vertex_index'");
-  for (const PlyProperty& property : faces->properties)
-    if (is_vertex_list(property) && !is_integer(property.type)) in.fail("vertex indices must have an integer type");
+  require_vertex_list(in, faces);
+  require_vertex_list(in, strips);
 }
 
 }  // namespace
@@ -107,6 +114,11 @@ std::size_t byte_size(PlyType type) {
       return 8;
   }
   return 8;
+}
+
+TextScanner ply_scanner(const std::filesystem::path& path, std::string_view bytes) {
+  const std::string_view header = bytes.substr(0, bytes.find("end_header"));
+  return {path, bytes, {.line_end = line_end_of(header)}};
 }
 
 PlyHeader read_ply_header(TextScanner& in) {

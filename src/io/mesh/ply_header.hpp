@@ -5,7 +5,9 @@
 
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/text_scanner.hpp"
@@ -31,6 +33,9 @@ inline bool is_vertex_list(const PlyProperty& property) {
   return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+/// Triangle strips one after another, an index below 0 between two.
+inline constexpr std::string_view strips_name = "tristrips";
+
 struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
@@ -44,8 +49,12 @@ struct PlyHeader {
   std::uint64_t vertex_count = 0;
 };
 
+/// A scanner for the header, and for the rows where they are text. Lines end as those of the header do, whatever bytes
+/// follow it.
+TextScanner ply_scanner(const std::filesystem::path& path, std::string_view bytes);
+
 /// Leaves the scanner on the line "end_header". After: one vertex element with scalars x, y and z, at most one face
-/// element, which has one integer list of vertices; all lists have integer lengths.
+/// element and one of strips, which have one integer list of vertices; all lists have integer lengths.
 PlyHeader read_ply_header(TextScanner& in);
 
 /// Vertices have one scalar property `radius`, and there are no faces.

@@ -44,12 +44,21 @@ class Welder {
   std::unordered_map<Key, std::uint32_t, Hash> vertices_;
 };
 
-Mesh read_binary(const std::filesystem::path& path, std::string_view bytes) {
+// Less than a facet, or nothing but padding: no facet is lost when it is left.
+bool is_padding(std::string_view bytes) {
+  return bytes.size() < binary_facet || bytes.find_first_not_of(std::string_view("\0 \t\r\n", 5)) == bytes.npos;
+}
+
+Mesh read_binary(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
   ByteReader in(path, bytes, std::endian::little);
   in.skip(80, "the header of a binary STL");
   const auto count = in.read<std::uint32_t>("the header of a binary STL");
   const std::uint64_t expected = binary_header + binary_facet * std::uint64_t{count};
-  if (bytes.size() != expected)
+  const bool has_more = bytes.size() > expected;
+  if (has_more && is_padding(bytes.substr(static_cast<std::size_t>(expected))))
+    reading.info.notes.push_back(counted(bytes.size() - expected, "byte") + " after the last facet " +
+                                 (bytes.size() - expected == 1 ? "is" : "are") + " left out");
+  else if (bytes.size() != expected)
     in.fail("the header counts " + std::to_string(count) + " facets, which take " + std::to_string(expected) +
             " bytes, but the file has " + std::to_string(bytes.size()) + "; it was cut short, or the count is wrong");
   Mesh mesh;
@@ -80,7 +89,7 @@ bool equal_without_case(std::string_view word, std::string_view lower) {
   return true;
 }
 
-Mesh read_text(const std::filesystem::path& path, std::string_view text) {
+Mesh read_text(const std::filesystem::path& path, std::string_view text, MeshReading& reading) {
   enum class Inside { file, solid, facet, loop };
   // Each keyword is right in one place and leads to the next; what else is on its line (names, normals, which are often
   // wrong or not a number) is ignored.
@@ -102,7 +111,8 @@ Mesh read_text(const std::filesystem::path& path, std::string_view text) {
   std::size_t corners = 0;  // of the present facet
   Facet facet{};
   while (in.next_line()) {
-    const std::string_view keyword = in.word();
+    std::string keyword(in.word());
+    if (equal_without_case(keyword, "end")) keyword += in.word();  // "end solid" is written, too
     const Step* step = nullptr;
     for (const Step& s : steps)
       if (equal_without_case(keyword, s.keyword)) step = &s;
@@ -121,22 +131,32 @@ Mesh read_text(const std::filesystem::path& path, std::string_view text) {
       mesh.facets.push_back(facet);
     }
   }
-  if (inside != Inside::file) in.fail("the file ends inside a solid; it was cut short");
+  // A facet that is not whole is lost. Between facets nothing tells a file that was cut from one whose writer forgot
+  // its end, and there are such writers.
+  if (inside == Inside::solid && !mesh.facets.empty())
+    reading.info.notes.push_back("there is no 'endsolid': unless its writer left it out, the file was cut short");
+  else if (inside != Inside::file)
+    in.fail("the file ends inside a solid; it was cut short");
   return mesh;
 }
 
 }  // namespace
 
-Mesh read_stl(const std::filesystem::path& path, std::string_view bytes) {
+bool is_exactly_binary_stl(std::string_view bytes) {
+  return bytes.size() >= binary_header &&
+         bytes.size() == binary_header + binary_facet * std::uint64_t{load<std::uint32_t>(bytes.data() + 80)};
+}
+
+Mesh read_stl(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
   // Binary files may begin with "solid" too: only their size tells them apart, and zero bytes betray a wrong size.
-  bool is_binary = bytes.size() >= binary_header &&
-                   bytes.size() == binary_header + binary_facet * std::uint64_t{load<std::uint32_t>(bytes.data() + 80)};
+  bool is_binary = is_exactly_binary_stl(bytes);
   if (!is_binary) {
-    const std::size_t word = bytes.find_first_not_of(" \t\r\n");
+    // A byte order mark is a blank here.
+    const std::size_t word = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     is_binary = word == std::string_view::npos || !equal_without_case(bytes.substr(word, 5), "solid") ||
                 bytes.find('\0') != std::string_view::npos;
   }
-  return is_binary ? read_binary(path, bytes) : read_text(path, bytes);
+  return is_binary ? read_binary(path, bytes, reading) : read_text(path, bytes, reading);
 }
 
 std::string stl_bytes(const MeshView& mesh) {

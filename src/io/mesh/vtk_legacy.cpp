@@ -66,7 +66,7 @@ class LegacyReader {
  public:
   LegacyReader(const std::filesystem::path& path, std::string_view bytes) : in_(path, bytes) {}
 
-  Mesh read() {
+  Mesh read(MeshReading& reading) {
     read_header();
     if (lower(in_.word()) != "dataset") in_.fail("a line 'DATASET' should be here");
     const std::string kind = lower(in_.require_word("the kind of data"));
@@ -78,7 +78,7 @@ class LegacyReader {
     }
     if (!has_points_) in_.fail("the file ends before its POINTS; it was cut short");
     if (!types_.empty() || !cells_.empty()) add_cells();
-    mesh_.facets = surface_.facets(mesh_.positions);
+    mesh_.facets = surface_.facets(mesh_.positions, reading);
     return std::move(mesh_);
   }
 
@@ -330,8 +330,8 @@ class LegacyReader {
 
 }  // namespace
 
-Mesh read_vtk(const std::filesystem::path& path, std::string_view bytes) {
-  return LegacyReader(path, bytes).read();
+Mesh read_vtk(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  return LegacyReader(path, bytes).read(reading);
 }
 
 }  // namespace morula::detail

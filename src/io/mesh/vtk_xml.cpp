@@ -182,7 +182,7 @@ class XmlReader {
   XmlReader(const std::filesystem::path& path, std::string_view bytes, std::string_view type)
       : tags_(path, bytes), type_(type) {}
 
-  Mesh read() {
+  Mesh read(MeshReading& reading) {
     Tag tag;
     if (!tags_.next(tag) || tag.name != "VTKFile" || tag.closes)
       tags_.fail("the file does not begin with <VTKFile>; legacy files end in .vtk");
@@ -213,7 +213,7 @@ class XmlReader {
     }
     if (in_piece_) tags_.fail("the file ends inside a piece; it was cut short");
     if (!has_piece_) tags_.fail("the file has no piece; it was cut short");
-    mesh_.facets = surface_.facets(mesh_.positions);
+    mesh_.facets = surface_.facets(mesh_.positions, reading);
     return std::move(mesh_);
   }
 
@@ -455,16 +455,16 @@ class XmlReader {
 
 }  // namespace
 
-Mesh read_vtp(const std::filesystem::path& path, std::string_view bytes) {
-  return XmlReader(path, bytes, "PolyData").read();
+Mesh read_vtp(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  return XmlReader(path, bytes, "PolyData").read(reading);
 }
 
 std::string vtp_bytes(const MeshView& mesh) {
   return vtp_mesh_text(mesh);
 }
 
-Mesh read_vtu(const std::filesystem::path& path, std::string_view bytes) {
-  return XmlReader(path, bytes, "UnstructuredGrid").read();
+Mesh read_vtu(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
+  return XmlReader(path, bytes, "UnstructuredGrid").read(reading);
 }
 
 }  // namespace morula::detail

@@ -125,7 +125,9 @@ void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, s
 std::vector<Vec3> Motion::frame(std::size_t i) const {
   assert(i < frame_count_);
   if (source_) return source_->frame(i);
-  Mesh mesh = read_mesh(files_[i]);
+  // A polygon that has become concave is still cut as in the mesh at rest.
+  MeshReading reading{.cut_like = facets_};
+  Mesh mesh = read_mesh_as(files_[i], reading);
   require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
   return std::move(mesh.positions);
 }

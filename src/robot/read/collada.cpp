@@ -8,6 +8,7 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "geometry/polygon.hpp"
 #include "robot/read/xml.hpp"
 
 namespace morula::robot {
@@ -44,6 +45,8 @@ struct Reader {
   const std::string& part;
   std::unordered_map<std::string, const XMLElement*> by_id{};
   Mesh mesh{};
+  detail::PolygonCutter cutter{};
+  std::vector<std::uint32_t> polygon{};
   std::size_t instances = 0, elements = 0;
 
   /// A few nodes that hold each other several times would be more than anybody can draw.
@@ -140,6 +143,16 @@ struct Reader {
                            static_cast<std::uint32_t>(base + corners[2])});
   }
 
+  /// The facets from `first` on are a polygon's, about its first corner: others take their place where these are wrong.
+  void cut_polygon(std::size_t first, bool turned) {
+    const std::span<Facet> facets = std::span(mesh.facets).subspan(first);
+    polygon.assign({facets[0][0], facets[0][turned ? 2 : 1]});
+    for (const Facet& f : facets) polygon.push_back(f[turned ? 1 : 2]);
+    cutter.cut(mesh.positions, polygon, facets);
+    if (!turned) return;
+    for (Facet& f : facets) std::swap(f[1], f[2]);
+  }
+
   /// Polygons, strips and fans of one element; `base`: where its vertices begin in the mesh.
   void add_primitives(const XMLElement& at, std::size_t base, std::size_t count, bool turned) {
     const std::string_view kind = at.Name();
@@ -163,19 +176,26 @@ struct Reader {
           add_facet(*p, base, count, {corners[begin], corners[begin + k - 1], corners[begin + k]}, turned);
         }
       };
+      const auto cut = [&](std::size_t begin, std::size_t size) {
+        const std::size_t first = mesh.facets.size();
+        fan(begin, size);
+        if (size > 3) cut_polygon(first, turned);
+      };
       if (kind == "triangles") {
         for (std::size_t i = 0; i + 3 <= corners.size(); i += 3) fan(i, 3);
       } else if (kind == "polylist") {
         std::size_t begin = 0;
         for (const std::size_t size : sizes) {
           if (size > corners.size() - begin) xml.fail(*p, "polygons have more corners than there are");
-          fan(begin, size);
+          cut(begin, size);
           begin += size;
         }
       } else if (kind == "tristrips") {
         for (std::size_t i = 2; i < corners.size(); ++i) {
           add_facet(*p, base, count, {corners[i - 2], corners[i - 1], corners[i]}, turned != (i % 2 == 1));
         }
+      } else if (kind == "polygons") {
+        cut(0, corners.size());
       } else {
         fan(0, corners.size());
       }

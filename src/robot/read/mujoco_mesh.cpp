@@ -21,8 +21,12 @@ bool is_mujoco_mesh(const std::filesystem::path& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (ending != ".msh") return false;
-  std::ifstream stream(path, std::ios::binary);
-  return stream.peek() != '$';
+  // Counts of vertices may have the byte of a dollar, too: those that spell the first letters of a word after it would
+  // be of more than a billion.
+  std::array<char, 4> start{};
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+  return !(start[0] == '$' && std::all_of(start.begin() + 1, start.end(), is_letter));
 }
 
 Mesh read_mujoco_mesh(const std::filesystem::path& path) {

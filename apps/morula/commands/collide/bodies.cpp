@@ -15,6 +15,7 @@
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
+#include "shared/files.hpp"
 #include "shared/options.hpp"
 
 namespace morula::cli {
@@ -40,7 +41,7 @@ RigidTransform parse_placement(const SideFiles& files) {
 }
 
 Side::Side(const SideFiles& files, const std::string& sph_origin, Workers& workers)
-    : files_(files), placement_(parse_placement(files)), mesh_(read_mesh(files.mesh)), positions_(mesh_.positions) {
+    : files_(files), placement_(parse_placement(files)), mesh_(load_mesh(files.mesh)), positions_(mesh_.positions) {
   if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
   const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
   if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh_, reading, workers);

@@ -29,7 +29,7 @@ namespace {
 class MovingSurface {
  public:
   explicit MovingSurface(const SideFiles& files)
-      : placement_(parse_placement(files)), mesh_(read_mesh(files.mesh)), placed_(mesh_.positions), tree_(mesh_) {
+      : placement_(parse_placement(files)), mesh_(load_mesh(files.mesh)), placed_(mesh_.positions), tree_(mesh_) {
     if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
   }
   std::size_t frame_count() const { return motion_ ? motion_->frame_count() : 1; }

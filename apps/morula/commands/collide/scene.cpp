@@ -124,7 +124,7 @@ Members read_members(const SceneRun& run, const std::vector<SceneFileBody>& file
   Members members;
   for (const SceneFileBody& file : files) {
     std::shared_ptr<Model>& model = models[{file.mesh, file.tree}];
-    if (!model) model = std::make_shared<Model>(Model{read_mesh(file.mesh)});
+    if (!model) model = std::make_shared<Model>(Model{load_mesh(file.mesh)});
     members.push_back(std::make_unique<SceneMember>(file, model));
   }
   for (auto& [paths, model] : models) {
