@@ -65,7 +65,7 @@ class SweptGroup {
   std::span<const Sweep> sweeps_;
 };
 
-struct Box {
+struct JointBox {
   std::vector<CoordinateRange> sides;
   double share = 1;  // of all configurations
 };
@@ -81,16 +81,16 @@ class Prover {
   Verdict run(std::size_t boxes, const std::stop_token& stop) {
     // The share of what is proven tells how many boxes the rest will take.
     constexpr std::size_t before_guessing = 1000;
-    Box all;
+    JointBox all;
     for (const std::size_t c : pair_.chain.coordinates) all.sides.push_back(pair_.ranges.coordinates[c]);
-    std::vector<Box> waiting{all};
+    std::vector<JointBox> waiting{all};
     double proven = 0;
     for (std::size_t done = 1; !waiting.empty(); ++done) {
       if (done > boxes || stop.stop_requested()) return Verdict::undecided;
       if (done > before_guessing && static_cast<double>(done) > static_cast<double>(boxes) * proven) {
         return Verdict::undecided;
       }
-      Box box = std::move(waiting.back());
+      JointBox box = std::move(waiting.back());
       waiting.pop_back();
       center_at(box);
       if (is_apart()) {
@@ -111,7 +111,7 @@ class Prover {
 
  private:
   /// The sweep of a joint over the box.
-  Sweep sweep_of(const PlacedJoint& placed, const Box& box) const {
+  Sweep sweep_of(const PlacedJoint& placed, const JointBox& box) const {
     const ChainJoint& joint = *placed.joint;
     const CoordinateRange& side = box.sides[joint.coordinate];
     // From the middle to the farther end, whatever is rounded.
@@ -129,7 +129,7 @@ class Prover {
   }
 
   /// Poses and sweeps of a box; cuts the chain where the balls around the whole links are farthest apart.
-  void center_at(const Box& box) {
+  void center_at(const JointBox& box) {
     for (std::size_t c = 0; c < values_.size(); ++c) values_[c] = 0.5 * box.sides[c].lower + 0.5 * box.sides[c].upper;
     at_b_ = place(pair_.chain.b, values_, placed_b_);
     at_a_ = place(pair_.chain.a, values_, placed_a_);
@@ -162,7 +162,7 @@ class Prover {
   }
 
   /// The coordinate whose joints make the balls grow most.
-  void choose_widest(const Box& box, std::size_t of_b) {
+  void choose_widest(const JointBox& box, std::size_t of_b) {
     growth_.assign(values_.size(), 0.0);
     for (std::size_t k = 0; k < of_b; ++k) {
       growth_[from_b_[k].coordinate] += balls_b_[k + 1].radius - balls_b_[k].radius;

@@ -14,12 +14,12 @@ Sphere moved(const RigidTransform& at, const Sphere& s) {
   return {at(s.center), s.radius};
 }
 
-double rounding(const Sphere& s) {
+double slack_of(const Sphere& s) {
   return 0x1p-40 * (max_norm(s.center) + s.radius);
 }
 
 bool meet(const Sphere& a, const Sphere& b) {
-  const double reach = a.radius + b.radius + rounding(a) + rounding(b);
+  const double reach = a.radius + b.radius + slack_of(a) + slack_of(b);
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
