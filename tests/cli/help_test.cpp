@@ -49,8 +49,9 @@ TEST(Help, commands_that_take_a_motion_name_every_form_of_one) {
     for (const std::string form : {"folder of meshes", "glob", ".npy", ".npz", ".pc2", ".mdd"})
       EXPECT_NE(help.find(form), std::string::npos) << command << " does not name " << form << ": " << help;
     for (const auto& format : bench.require("formats --json").json()["formats"]) {
-      if (format["purpose"] == "motions" && format["read"])
+      if (format["for"] == "motions" && format["read"]) {
         EXPECT_NE(help.find(format["extension"].get<std::string>()), std::string::npos) << command << ": " << help;
+      }
     }
   }
 }
