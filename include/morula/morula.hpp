@@ -22,6 +22,7 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/nearest_rotation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
@@ -32,6 +33,7 @@
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/io/spheres_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/inner_balls.hpp>

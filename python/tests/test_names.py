@@ -57,7 +57,7 @@ LEFT_OUT = {
     "query/brute_force.hpp": "oracles of tests, slower than NumPy is", "tree/walk.hpp": "a template over functions: each step would call Python",
 }
 LEFT_OUT_NAMES = {
-    "FileError": "an OSError", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
+    "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "place() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
     "describe": "a deformation prints itself", "corner_position": "a line of NumPy with Cover.cut_vertices and cut_weights",
     "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",
