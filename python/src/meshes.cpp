@@ -80,8 +80,10 @@ void bind_mesh(nb::module_& m) {
       "sample_body_names",
       [] { return std::vector<std::string>(sample_body_names().begin(), sample_body_names().end()); },
       doc::sample_body_names);
-  m.def("sample_body", &sample_body, nb::arg("name"), nb::arg("resolution") = 48,
-        nb::call_guard<nb::gil_scoped_release>(), doc::sample_body);
+  m.def(
+      "sample_body",
+      [](std::string_view name, int resolution) { return without_gil([&] { return sample_body(name, resolution); }); },
+      nb::arg("name"), nb::arg("resolution") = 48, doc::sample_body);
 }
 
 void bind_reports(nb::module_& m) {

@@ -207,6 +207,8 @@ void bind_scene_questions(Class& scene) {
             {
               const Exchanging::Call exchanging(self);
               const nb::gil_scoped_release released;
+              SignalCheck check;
+              const Interrupt interrupt([&check] { check(); });
               CallWorkers call(workers);
               const std::scoped_lock lock(self.mutex);
               self.require_idle();

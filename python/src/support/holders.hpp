@@ -9,6 +9,7 @@
 #include <morula/collide/budget.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/morula.hpp>
+#include <morula/parallel/interrupt.hpp>
 #include <mutex>
 #include <shared_mutex>
 #include <span>
@@ -20,10 +21,34 @@
 
 namespace morula::python {
 
-/// Runs f without the interpreter's lock.
+/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
+inline void check_signals() {
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
+class SignalCheck {
+ public:
+  /// Without the interpreter's lock. Throws what the signal's handler has raised.
+  void operator()() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(20)) return;
+    last_ = now;
+    const nb::gil_scoped_acquire gil;
+    check_signals();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Runs f without the interpreter's lock. Ctrl-C ends what f asks of the library, with the exception of its handler:
+/// KeyboardInterrupt.
 template <class F>
 auto without_gil(const F& f) {
   const nb::gil_scoped_release released;
+  SignalCheck check;
+  const Interrupt interrupt([&check] { check(); });
   return f();
 }
 
@@ -64,27 +89,6 @@ class CallWorkers {
 inline void require(const Status& status) {
   if (!status) throw std::invalid_argument(message(status));
 }
-
-/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
-inline void check_signals() {
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
-/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
-class SignalCheck {
- public:
-  /// Without the interpreter's lock. Throws what the signal's handler has raised.
-  void operator()() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::milliseconds(20)) return;
-    last_ = now;
-    const nb::gil_scoped_acquire gil;
-    check_signals();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// What colliders ask: spheres that may move.
 struct Posed {
