@@ -91,7 +91,9 @@ bool is_function(nb::handle object) {
 }
 
 void exchange_all(nb::handle scope) {
-  for (auto [name, value] : nb::dict(scope.attr("__dict__"))) {
+  // That of a class is no dict, but a view of one.
+  const nb::object dict = nb::module_::import_("builtins").attr("dict");
+  for (auto [name, value] : nb::borrow<nb::dict>(dict(scope.attr("__dict__")))) {
     if (is_function(value)) {
       exchange(value);
     } else if (PyType_Check(value.ptr()) || PyModule_Check(value.ptr())) {

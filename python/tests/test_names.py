@@ -52,7 +52,7 @@ LEFT_OUT = {
     "geometry/random.hpp": "numpy.random", "geometry/trigonometry.hpp": "numpy; what needs its bits is in C++",
     "geometry/scale.hpp": "checks that every function makes", "geometry/status.hpp": "a refusal is an exception",
     "io/csv.hpp": "the module csv", "io/whole_output.hpp": "every writer of the package writes whole files",
-    "parallel/stopwatch.hpp": "time.perf_counter", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
+    "parallel/interrupt.hpp": "Ctrl-C", "parallel/stopwatch.hpp": "time.perf_counter", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
     "collide/pair_tests.hpp": "a kernel, for benchmarks", "collide/budget.hpp": "an int, a timedelta or a text",
     "query/brute_force.hpp": "oracles of tests, slower than NumPy is", "tree/walk.hpp": "a template over functions: each step would call Python",
 }
