@@ -25,6 +25,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/nearest_rotation.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
@@ -41,6 +42,7 @@
 #include <morula/io/skin_file.hpp>
 #include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/inner_balls.hpp>

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from . import _morula
 
 if TYPE_CHECKING:
-    from .typing import FloatArray, MeshLike
+    from .typing import FloatArray, MeshLike, Rule
 
 _COLOURS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4aa8b5", "#c0564b", "#6b6f9c")
 
@@ -40,7 +40,7 @@ def page(
     built: _morula.CoveredTree,
     frames: FloatArray | None = None,
     *,
-    rules: Sequence[str] = ("exact",),
+    rules: Sequence[Rule] = ("exact",),
     title: str = "Morula",
     measured: bool = False,
 ) -> Page:

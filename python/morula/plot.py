@@ -11,7 +11,7 @@ import numpy
 from numpy.typing import NDArray
 
 from . import _morula
-from .typing import FloatArray, MeshLike
+from .typing import FloatArray, MeshLike, Rule
 
 __all__ = ["levels_table", "looseness_curve", "looseness_of_motion", "spheres", "to_polyscope", "to_pyvista"]
 
@@ -25,7 +25,7 @@ def _axes(axes: Any, **kind: Any) -> Any:
 
 
 def looseness_of_motion(
-    mesh: MeshLike, built: _morula.CoveredTree, frames: FloatArray, *, rules: str | Sequence[str] = "exact", level: int = -1,
+    mesh: MeshLike, built: _morula.CoveredTree, frames: FloatArray, *, rules: Rule | Sequence[Rule] = "exact", level: int = -1,
     resolution: int = 96,
 ) -> NDArray[numpy.float64]:
     """Looseness of one level set in every frame, in object volumes; NaN where the mesh has no inside.

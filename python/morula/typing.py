@@ -7,7 +7,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol, Union
 
-__all__ = ["Array", "Budget", "ColliderLike", "FloatArray", "HasFaces", "MeshLike", "Obstacle", "Shape", "Vector"]
+__all__ = [
+    "Array", "Axis", "Budget", "ClumpFormatName", "ClumpKind", "ColliderLike", "Features", "FloatArray", "HasFaces", "InnerBoxes",
+    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimiser", "Placement", "Priority", "Quality", "RebuildThread",
+    "Reduction", "Rule", "Shape", "SignMethod", "Vector", "Weights", "WrappedCenter",
+]
 
 if TYPE_CHECKING:
     import datetime
@@ -16,6 +20,25 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from . import _morula
+
+    # Literal types of the names that arguments take, made from the library's tables when the package is built.
+    from ._morula.choices import Axis as Axis
+    from ._morula.choices import ClumpFormatName as ClumpFormatName
+    from ._morula.choices import ClumpKind as ClumpKind
+    from ._morula.choices import Features as Features
+    from ._morula.choices import InnerBoxes as InnerBoxes
+    from ._morula.choices import InnerCenter as InnerCenter
+    from ._morula.choices import Method as Method
+    from ._morula.choices import ModalBound as ModalBound
+    from ._morula.choices import Optimiser as Optimiser
+    from ._morula.choices import Priority as Priority
+    from ._morula.choices import Quality as Quality
+    from ._morula.choices import RebuildThread as RebuildThread
+    from ._morula.choices import Reduction as Reduction
+    from ._morula.choices import Rule as Rule
+    from ._morula.choices import SignMethod as SignMethod
+    from ._morula.choices import Weights as Weights
+    from ._morula.choices import WrappedCenter as WrappedCenter
 
     class HasFaces(Protocol):
         """Anything with vertices (n, 3) and faces (m, 3), such as trimesh.Trimesh."""
@@ -42,7 +65,11 @@ if TYPE_CHECKING:
     Budget = Union[int, datetime.timedelta, str, None]
     ColliderLike = Union[_morula.Collider, _morula.Body, _morula.RebuiltBody, _morula.PosedSpheres]
     Shape = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, Vector]
+    #: Where a body is: a matrix (4, 4) or (3, 4) acts on columns; a Vector is a translation.
+    Placement = Union[_morula.RigidTransform, FloatArray, Vector]
     Obstacle = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, _morula.DistanceField, Vector]
 else:
-    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Any
+    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Placement = Any
     HasFaces = object
+    Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimiser = Priority = str
+    Quality = RebuildThread = Reduction = Rule = SignMethod = Weights = WrappedCenter = str

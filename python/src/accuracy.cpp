@@ -29,10 +29,7 @@ struct Posture {
   Posture(const MeshGiven& given, nb::handle at) : mesh(mesh_of(given)) {
     if (at.is_none()) return;
     positions.emplace_back(at, "positions");
-    if (positions[0].view().size() != mesh->vertex_count()) {
-      throw std::invalid_argument("positions: " + std::to_string(positions[0].view().size()) +
-                                  " rows, but the mesh has " + std::to_string(mesh->vertex_count()) + " vertices");
-    }
+    require_rows(positions[0].view().size(), mesh->vertex_count(), "positions", 3, "the mesh's vertices");
   }
   MeshView view() const { return positions.empty() ? MeshView(*mesh) : MeshView(positions[0].view(), mesh->facets); }
 };
@@ -81,10 +78,7 @@ struct HeldMeter {
 
   Positions positions_of(const PositionsGiven& given) const {
     Positions positions(given.object, "positions");
-    if (positions.view().size() != vertex_count) {
-      throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) + " rows, but the mesh has " +
-                                  std::to_string(vertex_count) + " vertices");
-    }
+    require_rows(positions.view().size(), vertex_count, "positions", 3, "the mesh's vertices");
     return positions;
   }
 };
@@ -172,8 +166,9 @@ void bind_accuracy(nb::module_& m) {
   bind_measure<nb::object>(
       m, "measure", "tree", "SphereTree | CoveredTree", "list[LevelMeasure]", doc::measure,
       [](const nb::object& given) {
-        return nb::isinstance<CoveredTree>(given) ? nb::cast<const CoveredTree&>(given).tree
-                                                  : nb::cast<const SphereTree&>(given);
+        if (nb::isinstance<CoveredTree>(given)) return nb::cast<const CoveredTree&>(given).tree;
+        if (!nb::isinstance<SphereTree>(given)) refuse_type(given, "tree", "a SphereTree or a CoveredTree");
+        return nb::cast<const SphereTree&>(given);
       },
       [](const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options, Workers& workers) {
         return measure(mesh, tree, options, workers);

@@ -37,9 +37,9 @@ void bind_build(nb::module_& m) {
 
   m.def(
       "build",
-      [](MeshGiven given, std::string_view method, int branching, std::optional<int> depth, std::size_t spheres,
+      [](MeshGiven given, MethodName method, int branching, std::optional<int> depth, std::size_t spheres,
          double max_protrusion, bool nested, std::uint64_t seed, const std::vector<std::string>& reducers,
-         std::string_view optimiser, double balance_excess, std::string_view quality, double time_limit_seconds,
+         OptimiserName optimiser, double balance_excess, QualityName quality, double time_limit_seconds,
          nb::object progress, Threads* workers) {
         BuildOptions options;
         options.method = method_of(method);
@@ -65,12 +65,14 @@ void bind_build(nb::module_& m) {
       nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimiser") = "none",
       nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default", nb::arg("time_limit_seconds") = 0.0,
       nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
-      nb::sig("def build(mesh: morula.typing.MeshLike, *, method: str = 'morula', branching: int = 8, "
-              "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
-              "seed: int = 1, reducers: collections.abc.Sequence[str] = [], optimiser: str = 'none', "
-              "balance_excess: float = 0.0, quality: str = 'default', time_limit_seconds: float = 0.0, "
-              "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
-              "workers: Workers | None = None) -> CoveredTree"),
+      nb::sig(
+          "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'morula', branching: int = 8, "
+          "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
+          "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimiser: "
+          "morula.typing.Optimiser = 'none', "
+          "balance_excess: float = 0.0, quality: morula.typing.Quality = 'default', time_limit_seconds: float = 0.0, "
+          "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
+          "workers: Workers | None = None) -> CoveredTree"),
       (with_arguments(doc::build,
                       {{"method", "octree, grid, hubbard, spawn, medial, combined or morula: all_methods()"},
                        {"branching", doc::BuildOptions_branching},
@@ -108,8 +110,8 @@ void bind_build(nb::module_& m) {
       .field("worst", &KnownPosesReport::worst, doc::KnownPosesReport_worst);
   m.def(
       "with_known_poses",
-      [](MeshGiven given, const CoveredTree& built, nb::iterable poses, std::string_view method,
-         std::string_view quality, std::uint64_t seed, double looser_by, std::size_t most, Threads* workers) {
+      [](MeshGiven given, const CoveredTree& built, nb::iterable poses, MethodName method, QualityName quality,
+         std::uint64_t seed, double looser_by, std::size_t most, Threads* workers) {
         KnownPoseOptions options;
         options.method = method_of(method);
         options.quality = quality_of(quality);
@@ -120,7 +122,9 @@ void bind_build(nb::module_& m) {
         const auto mesh = mesh_of(given);
         std::vector<NamedPose> named;
         for (nb::handle pose : poses) {
-          named.push_back({nb::cast<std::string>(nb::object(pose[0])), points_of(nb::object(pose[1]), "poses")});
+          auto [name, positions] = value_of<std::pair<std::string, nb::object>>(
+              pose, "poses", "a list of pairs of a name and positions (vertices, 3)");
+          named.push_back({std::move(name), points_of(positions, "poses")});
         }
         auto copy = std::make_shared<CoveredTree>(built);
         const KnownPosesReport report =
@@ -131,8 +135,9 @@ void bind_build(nb::module_& m) {
       nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("looser_by") = 1.2, nb::arg("most") = 24,
       nb::arg("workers") = nb::none(),
       nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, built: CoveredTree, "
-              "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: str = 'morula', "
-              "quality: str = 'default', seed: int = 1, looser_by: float = 1.2, most: int = 24, "
+              "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: morula.typing.Method "
+              "= 'morula', "
+              "quality: morula.typing.Quality = 'default', seed: int = 1, looser_by: float = 1.2, most: int = 24, "
               "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),
       (std::string("A copy of the tree with known poses, pairs of name and positions (vertices, 3). ") +
        doc::add_known_poses)

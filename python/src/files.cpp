@@ -29,7 +29,7 @@ std::vector<VtpArray> arrays_of(nb::handle given, const char* name) {
   const nb::object numpy = nb::module_::import_("numpy");
   for (const auto& item : nb::borrow<nb::dict>(given)) {
     VtpArray array;
-    array.name = nb::cast<std::string>(item.first);
+    array.name = value_of<std::string>(item.first, "arrays", "a dict of arrays by name");
     const std::string argument = std::string(name) + "['" + array.name + "']";
     const nb::object values = numpy.attr("asarray")(item.second);
     const auto kind = nb::cast<std::string>(nb::object(values.attr("dtype").attr("kind")));

@@ -6,6 +6,7 @@
 #include <morula/morula.hpp>
 
 #include "building.hpp"
+#include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -80,7 +81,7 @@ void bind_grains(nb::module_& m) {
       .def("__len__", [](const Clump& c) { return c.spheres.size(); })
       .def(
           "text",
-          [](const Clump& c, std::string_view format, const std::string& called) {
+          [](const Clump& c, ClumpFormatName format, const std::string& called) {
             return text_of(format_of(format), c, called);
           },
           nb::arg("format"), nb::arg("name") = "grain",
@@ -104,10 +105,10 @@ void bind_grains(nb::module_& m) {
   m.def(
       "fit_clump",
       [](MeshGiven given, std::string_view kind, std::size_t spheres, double max_protrusion, double min_radius,
-         double max_radius, double density, std::string_view method, std::string_view quality, std::size_t candidates,
+         double max_radius, double density, MethodName method, QualityName quality, std::size_t candidates,
          std::uint64_t seed, nb::object progress, Threads* workers) {
         ClumpOptions options;
-        options.kind = choice<ClumpKind>(kind, "kind", {{"cover", ClumpKind::cover}, {"inner", ClumpKind::inner}});
+        options.kind = choice<ClumpKind>(kind, "kind", clump_kind_choices);
         options.spheres = spheres;
         options.max_protrusion = max_protrusion;
         options.min_radius = min_radius;
@@ -126,11 +127,13 @@ void bind_grains(nb::module_& m) {
       nb::arg("density") = 1000.0, nb::arg("method") = "morula", nb::arg("quality") = "default",
       nb::arg("candidates") = 2000, nb::arg("seed") = 1, nb::arg("progress").none().sig("None") = nb::none(),
       nb::arg("workers") = nb::none(),
-      nb::sig("def fit_clump(mesh: morula.typing.MeshLike, *, kind: str = 'cover', spheres: int = 16, "
-              "max_protrusion: float = 0.0, min_radius: float = 0.0, max_radius: float = 0.0, density: float = 1000.0, "
-              "method: str = 'morula', quality: str = 'default', candidates: int = 2000, seed: int = 1, "
-              "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
-              "workers: Workers | None = None) -> Clump"),
+      nb::sig(
+          "def fit_clump(mesh: morula.typing.MeshLike, *, kind: morula.typing.ClumpKind = 'cover', spheres: int = 16, "
+          "max_protrusion: float = 0.0, min_radius: float = 0.0, max_radius: float = 0.0, density: float = 1000.0, "
+          "method: morula.typing.Method = 'morula', quality: morula.typing.Quality = 'default', candidates: int = "
+          "2000, seed: int = 1, "
+          "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
+          "workers: Workers | None = None) -> Clump"),
       with_arguments(
           "Spheres that stand for a grain, with their mass and inertia. ValueError for options out of range, "
           "unusable meshes, and inner spheres of a mesh that tells no inside from outside or has none that "

@@ -63,8 +63,7 @@ void bind_io(nb::module_& m) {
         const auto mesh = mesh_of(given);
         if (at.is_none()) return without_gil([&] { write_mesh(path, *mesh); });
         const Positions positions(at, "positions");
-        if (positions.view().size() != mesh->vertex_count())
-          throw std::invalid_argument("positions: one row per vertex is needed");
+        require_rows(positions.view().size(), mesh->vertex_count(), "positions", 3, "the mesh's vertices");
         without_gil([&] { write_mesh(path, {positions.view(), mesh->facets}); });
       },
       nb::arg("path"), nb::arg("mesh"), nb::arg("positions") = nb::none(),
@@ -174,8 +173,7 @@ void bind_io(nb::module_& m) {
       [](const Path& path, MeshGiven given, PositionsGiven rows, const std::string& extension) {
         const auto mesh = mesh_of(given);
         const Positions frames = Positions::frames(rows.object, "frames");
-        if (frames.view().size() != mesh->vertex_count())
-          throw std::invalid_argument("frames: one row per vertex of the mesh is needed");
+        require_rows(frames.view().size(), mesh->vertex_count(), "frames", 3, "the mesh's vertices, in every frame");
         std::vector<Positions> each;
         for (std::size_t i = 0; i < frames.frame_count(); ++i) each.emplace_back(frames, i);
         without_gil([&] {

@@ -80,8 +80,10 @@ void bind_mesh(nb::module_& m) {
       "sample_body_names",
       [] { return std::vector<std::string>(sample_body_names().begin(), sample_body_names().end()); },
       doc::sample_body_names);
-  m.def("sample_body", &sample_body, nb::arg("name"), nb::arg("resolution") = 48,
-        nb::call_guard<nb::gil_scoped_release>(), doc::sample_body);
+  m.def(
+      "sample_body",
+      [](std::string_view name, int resolution) { return without_gil([&] { return sample_body(name, resolution); }); },
+      nb::arg("name"), nb::arg("resolution") = 48, doc::sample_body);
 }
 
 void bind_reports(nb::module_& m) {
@@ -219,15 +221,7 @@ void bind_transform(nb::module_& m) {
       .def(
           "__init__",
           [](RigidTransform* self, ArrayGiven matrix) {
-            std::vector<std::size_t> shape;
-            const std::vector<double> numbers = numbers_of(matrix.object, "matrix", {-1, 4}, shape);
-            if (shape[0] < 3 || shape[0] > 4) throw std::invalid_argument("matrix: shape (3, 4) or (4, 4) is needed");
-            new (self) RigidTransform();
-            for (int row = 0; row < 3; ++row) {
-              const double* r = &numbers[4 * static_cast<std::size_t>(row)];
-              self->rows[row] = {r[0], r[1], r[2]};
-              self->translation[row] = r[3];
-            }
+            new (self) RigidTransform(matrix_placement(matrix.object, "matrix"));
           },
           nb::arg("matrix"), "Of a (4, 4) or (3, 4) matrix that acts on columns.")
       .def_static("from_quaternion", &RigidTransform::from_quaternion, nb::arg("w"), nb::arg("x"), nb::arg("y"),
@@ -267,6 +261,8 @@ void bind_transform(nb::module_& m) {
       });
   m.def("deviation_from_rigid", &deviation_from_rigid, nb::arg("t"), doc::deviation_from_rigid);
   m.attr("largest_rigid_deviation") = largest_rigid_deviation;
+  m.def("orthonormalized", &orthonormalized, nb::arg("t"), doc::orthonormalized);
+  m.attr("largest_float_deviation") = largest_float_deviation;
   m.def("relative_to", &relative_to, nb::arg("base"), nb::arg("p"), doc::relative_to);
 }
 

@@ -3,10 +3,29 @@
 // The extension morula._morula: everything of the library, under the same names.
 #include "module.hpp"
 
+#include <morula/io/system_file_error.hpp>
 #include <morula/morula.hpp>
+#include <string>
 
+#include "calls.hpp"
 #include "holders.hpp"
 #include "records.hpp"
+
+namespace morula::python {
+namespace {
+
+/// An OSError of the kind that the system's refusal has in Python, with its number and the file.
+void raise_os_error(const SystemFileError& error) {
+  const std::string file = error.file().string();
+  // The file stands beside the problem in Python.
+  const std::string problem = error.what() + file.size() + 2;
+  const nb::object made = nb::handle(PyExc_OSError)(error.error(), problem, file);
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+}
+
+}  // namespace
+
+}  // namespace morula::python
 
 NB_MODULE(_morula, m) {
   using namespace morula;
@@ -17,6 +36,8 @@ NB_MODULE(_morula, m) {
   nb::register_exception_translator([](const std::exception_ptr& p, void*) {
     try {
       std::rethrow_exception(p);
+    } catch (const SystemFileError& error) {
+      raise_os_error(error);
     } catch (const FileError& error) {
       PyErr_SetString(PyExc_OSError, error.what());
     }
@@ -35,6 +56,7 @@ NB_MODULE(_morula, m) {
   bind_cover(m);
   bind_covered_tree(m);
   bind_build(m);
+  bind_choices(m);
   bind_motion(m);
   bind_spheres_view(m);
   bind_rules(m);
@@ -79,4 +101,5 @@ NB_MODULE(_morula, m) {
   bind_command(m);
   bind_study(m);
 #endif
+  name_arguments(m);
 }

@@ -5,6 +5,7 @@
 
 #include <morula/morula.hpp>
 
+#include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -75,9 +76,6 @@ View<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transform
 
 namespace {
 
-constexpr std::initializer_list<std::pair<const char*, Axis>> axes{
-    {"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}, {"automatic", Axis::automatic}};
-
 /// What it was made with, and its printed form.
 template <class Kind, class Member>
 void bind_number(nb::class_<Kind>& type, const char* name, Member Kind::*member) {
@@ -90,7 +88,7 @@ void bind_deformation(nb::class_<Kind>& type) {
     type.def_prop_ro(
         "axis",
         [](const Kind& self) {
-          for (const auto& [text, axis] : axes)
+          for (const auto& [text, axis] : axis_choices)
             if (axis == self.axis) return text;
           return "automatic";
         },
@@ -104,22 +102,22 @@ void bind_deformations(nb::module_& m) {
   nb::class_<Stretch> stretch(m, "Stretch", doc::Stretch);
   stretch.def(
       "__init__",
-      [](Stretch* self, double factor, double shrink, std::string_view axis) {
-        new (self) Stretch{factor, shrink, choice<Axis>(axis, "axis", axes)};
+      [](Stretch* self, double factor, double shrink, AxisName axis) {
+        new (self) Stretch{factor, shrink, choice<Axis>(axis, "axis", axis_choices)};
       },
       nb::arg("factor") = 2.0, nb::arg("shrink") = 0.5, nb::arg("axis") = "automatic");
   nb::class_<Twist> twist(m, "Twist", doc::Twist);
   twist.def(
       "__init__",
-      [](Twist* self, double degrees, std::string_view axis) {
-        new (self) Twist{degrees, choice<Axis>(axis, "axis", axes)};
+      [](Twist* self, double degrees, AxisName axis) {
+        new (self) Twist{degrees, choice<Axis>(axis, "axis", axis_choices)};
       },
       nb::arg("degrees") = 180.0, nb::arg("axis") = "automatic");
   nb::class_<Bend> bend(m, "Bend", doc::Bend);
   bend.def(
       "__init__",
-      [](Bend* self, double degrees, std::string_view axis) {
-        new (self) Bend{degrees, choice<Axis>(axis, "axis", axes)};
+      [](Bend* self, double degrees, AxisName axis) {
+        new (self) Bend{degrees, choice<Axis>(axis, "axis", axis_choices)};
       },
       nb::arg("degrees") = 90.0, nb::arg("axis") = "automatic");
   nb::class_<Poke> poke(m, "Poke", doc::Poke);
@@ -139,8 +137,8 @@ void bind_deformations(nb::module_& m) {
   nb::class_<Rotate> rotate(m, "Rotate", doc::Rotate);
   rotate.def(
       "__init__",
-      [](Rotate* self, double degrees, std::string_view axis) {
-        new (self) Rotate{degrees, choice<Axis>(axis, "axis", axes)};
+      [](Rotate* self, double degrees, AxisName axis) {
+        new (self) Rotate{degrees, choice<Axis>(axis, "axis", axis_choices)};
       },
       nb::arg("degrees") = 90.0, nb::arg("axis") = "automatic");
   bind_number(stretch, "factor", &Stretch::factor);
@@ -254,8 +252,7 @@ void bind_modes(nb::module_& m) {
         std::vector<std::size_t> shape;
         const std::vector<double> q =
             numbers_of(coordinates.object, "coordinates", {static_cast<std::int64_t>(modes.mode_count)}, shape);
-        if (at.size() != modes.vertex_count)
-          throw std::invalid_argument("rest: one row per vertex of the modes is needed");
+        require_rows(at.size(), modes.vertex_count, "rest", 3, "the modes' vertices");
         std::vector<Vec3> positions(at.size());
         move_by_modes(modes, at, q, positions);
         return own_points(std::move(positions));
@@ -266,9 +263,8 @@ void bind_modes(nb::module_& m) {
       [](const Skin& skin, ArrayGiven rest, ArrayGiven transforms) {
         const std::vector<Vec3> at = points_of(rest.object, "rest");
         const std::vector<AffineTransform> bones = transforms_of(transforms.object, "transforms");
-        if (at.size() != skin.vertex_count())
-          throw std::invalid_argument("rest: one row per vertex of the skin is needed");
-        if (bones.size() != skin.bone_count) throw std::invalid_argument("transforms: one per bone is needed");
+        require_rows(at.size(), skin.vertex_count(), "rest", 3, "the skin's vertices");
+        require_rows(bones.size(), skin.bone_count, "transforms", 0, "the skin's bones");
         std::vector<Vec3> positions(at.size());
         move_by_skin(skin, at, bones, positions);
         return own_points(std::move(positions));

@@ -4,6 +4,7 @@
 #include <morula/medial/inner_balls.hpp>
 #include <morula/morula.hpp>
 
+#include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "records.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 /// One number per point, shared out among workers.
 template <class F>
-Numbers each(ArrayGiven given, const char* name, Threads* workers, const F& f) {
+Copy<double, -1> each(ArrayGiven given, const char* name, Threads* workers, const F& f) {
   const std::vector<Vec3> points = points_of(given.object, name);
   return own_numbers(without_gil([&] {
     std::vector<double> values(points.size());
@@ -117,13 +118,10 @@ void bind_shapes(nb::module_& m) {
   nb::class_<SignedDistance>(m, "SignedDistance", "Signed distance to a mesh at rest: negative inside.")
       .def(
           "__init__",
-          [](SignedDistance* self, MeshGiven given, std::optional<std::string_view> method, Threads* workers) {
+          [](SignedDistance* self, MeshGiven given, std::optional<SignMethodName> method, Threads* workers) {
             const auto mesh = mesh_of(given);
             std::optional<SignMethod> sign;
-            if (method)
-              sign = choice<SignMethod>(
-                  *method, "method",
-                  {{"pseudo_normal", SignMethod::pseudo_normal}, {"winding_number", SignMethod::winding_number}});
+            if (method) sign = choice<SignMethod>(*method, "method", sign_method_choices);
             auto made = without_gil([&] {
               CallWorkers call(workers);
               return sign ? SignedDistance(*mesh, *sign, call) : SignedDistance(*mesh, static_cast<Workers&>(call));
@@ -185,7 +183,7 @@ void bind_shapes(nb::module_& m) {
       "shrinking_balls",
       [](const SignedDistance& shape, ArrayGiven p, ArrayGiven n, Threads* workers) {
         const std::vector<Vec3> points = points_of(p.object, "points"), normals = points_of(n.object, "normals");
-        if (points.size() != normals.size()) throw std::invalid_argument("normals: one per point is needed");
+        require_rows(normals.size(), points.size(), "normals", 3, "the points");
         return without_gil([&] { return shrinking_balls(shape, points, normals, CallWorkers(workers)); });
       },
       nb::arg("shape"), nb::arg("points"), nb::arg("normals"), nb::arg("workers") = nb::none(), doc::shrinking_balls);

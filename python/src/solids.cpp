@@ -25,11 +25,14 @@ void bind_hull(nb::module_& m) {
           nb::arg("points"), doc::ConvexHull_ConvexHull)
       .def_static(
           "box",
-          [](Vec3 lower, Vec3 upper, const RigidTransform& placement) {
-            return ConvexHull::box({lower, upper}, placement);
+          [](Vec3 lower, Vec3 upper, PlacementGiven placement) {
+            return ConvexHull::box({lower, upper}, placement_of(placement));
           },
           nb::arg("lower"), nb::arg("upper"), nb::arg("placement") = RigidTransform{}, doc::ConvexHull_box)
-      .def("placed", &ConvexHull::placed, nb::arg("placement"), doc::ConvexHull_placed)
+      .def(
+          "placed",
+          [](const ConvexHull& self, PlacementGiven placement) { return self.placed(placement_of(placement)); },
+          nb::arg("placement"), doc::ConvexHull_placed)
       .def_prop_ro(
           "vertices", [](nb::handle self) { return points(nb::cast<ConvexHull&>(self).vertices(), self); },
           doc::ConvexHull_vertices)
@@ -81,11 +84,11 @@ void bind_penetration(nb::module_& m) {
       {"tolerance", doc::PenetrationOptions_tolerance},
       {"volume_tolerance", doc::PenetrationOptions_volume_tolerance},
       {"budget", doc::PenetrationOptions_budget}};
-  nb::class_<HeldPenetration>(m, "PenetrationQuery", doc::PenetrationQuery)
+  nb::class_<HeldPenetration>(m, "PenetrationQuery", collected<HeldPenetration>(), doc::PenetrationQuery)
       .def(
           "__init__",
           [](HeldPenetration* self, ColliderGiven ga, ColliderGiven gb) {
-            auto a = side_of(ga, "a"), b = side_of(gb, "b");
+            auto a = kept_side_of(ga, "a"), b = kept_side_of(gb, "b");
             PenetrationQuery query = without_gil([&] {
               const Reading reading({a.get(), b.get()});
               return PenetrationQuery(a->current(), b->current());
@@ -190,11 +193,7 @@ void bind_modal_certificate(nb::module_& m) {
           [](const HeldCertificate& self, ArrayGiven given, PositionsGiven at) -> std::optional<FeaturePairs> {
             const std::vector<double> coordinates = self.coordinates_of(given);
             const Positions positions(at.object, "positions");
-            if (positions.view().size() != self.vertex_count) {
-              throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
-                                          " rows, but the modes have " + std::to_string(self.vertex_count) +
-                                          " vertices");
-            }
+            require_rows(positions.view().size(), self.vertex_count, "positions", 3, "the modes' vertices");
             FeaturePairs found;
             const bool known = without_gil([&] {
               const std::scoped_lock lock(self.mutex);

@@ -120,9 +120,7 @@ void bind_streams(nb::module_& m) {
           "write",
           [](HeldMotionWriter& self, PositionsGiven given) {
             const Positions positions(given.object, "positions");
-            if (positions.view().size() != self.count)
-              throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
-                                          " rows, but the mesh has " + std::to_string(self.count) + " vertices");
+            require_rows(positions.view().size(), self.count, "positions", 3, "the mesh's vertices");
             self.use([&](MotionWriter& writer) {
               std::vector<Vec3> rows(self.count);
               for (std::size_t v = 0; v < rows.size(); ++v) rows[v] = positions.view()[v];
@@ -144,9 +142,7 @@ void bind_streams(nb::module_& m) {
           "write",
           [](HeldSpheresWriter& self, ArrayGiven given) {
             const std::vector<Sphere> rows = spheres_of(given.object, "spheres");
-            if (rows.size() != self.count)
-              throw std::invalid_argument("spheres: " + std::to_string(rows.size()) + " rows, but the tree has " +
-                                          std::to_string(self.count) + " nodes");
+            require_rows(rows.size(), self.count, "spheres", 4, "the tree's nodes");
             self.use([&](SphereFramesWriter& writer) { writer.write(rows); });
           },
           nb::arg("spheres"), doc::SphereFramesWriter_write);

@@ -52,12 +52,12 @@ LEFT_OUT = {
     "geometry/random.hpp": "numpy.random", "geometry/trigonometry.hpp": "numpy; what needs its bits is in C++",
     "geometry/scale.hpp": "checks that every function makes", "geometry/status.hpp": "a refusal is an exception",
     "io/csv.hpp": "the module csv", "io/file_reference.hpp": "readers ask it", "io/whole_output.hpp": "every writer of the package writes whole files",
-    "parallel/stopwatch.hpp": "time.perf_counter", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
+    "parallel/interrupt.hpp": "Ctrl-C", "parallel/stopwatch.hpp": "time.perf_counter", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
     "collide/pair_tests.hpp": "a kernel, for benchmarks", "collide/budget.hpp": "an int, a timedelta or a text",
     "query/brute_force.hpp": "oracles of tests, slower than NumPy is", "tree/walk.hpp": "a template over functions: each step would call Python",
 }
 LEFT_OUT_NAMES = {
-    "FileError": "an OSError", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
+    "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "place() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
     "describe": "a deformation prints itself", "corner_position": "a line of NumPy with Cover.cut_vertices and cut_weights",
     "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",

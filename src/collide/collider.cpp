@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <morula/collide/collider.hpp>
+#include <morula/geometry/nearest_rotation.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -63,12 +64,7 @@ void Collider::follow_ownership() {
 
 void Collider::place(const RigidTransform& placement) {
   const StandardFloats standard;
-  const double deviation = deviation_from_rigid(placement);
-  if (!(deviation <= largest_rigid_deviation))
-    throw std::invalid_argument(
-        "the placement of a body is not a finite rotation and translation: its rows deviate by " +
-        std::to_string(deviation) + " from unit vectors at right angles");
-  placement_ = placement;
+  placement_ = rigid_or_throw(placement, "the placement of a body");
 }
 
 void Collider::set_positions(const PositionView& positions) {

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <fstream>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <system_error>
 
 #include "io/first_bytes.hpp"
@@ -21,12 +22,12 @@ std::uintmax_t size_of_file(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found)
-    throw FileError(name + ": there is no such file; check the name and the folder");
-  if (error) throw FileError(name + ": cannot be read (" + error.message() + ")");
-  if (fs::is_directory(status)) throw FileError(name + ": is a folder, not a file; name a file in it");
+    throw SystemFileError(path, "there is no such file; check the name and the folder", ENOENT);
+  if (error) throw SystemFileError(path, "cannot be read (" + error.message() + ")", error.value());
+  if (fs::is_directory(status)) throw SystemFileError(path, "is a folder, not a file; name a file in it", EISDIR);
   if (!fs::is_regular_file(status)) throw FileError(name + ": is not a regular file; copy its contents to one");
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error) throw FileError(name + ": cannot be read (" + error.message() + ")");
+  if (error) throw SystemFileError(path, "cannot be read (" + error.message() + ")", error.value());
   return size;
 }
 
@@ -38,7 +39,7 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
   const std::string name = path.string();
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(name + ": cannot be opened (" + reason(errno) + ")");
+  if (!in) throw SystemFileError(path, "cannot be opened (" + reason(errno) + ")", errno);
   std::string bytes;
   try {
     bytes.resize(count);

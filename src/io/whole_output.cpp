@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <morula/io/whole_output.hpp>
 #include <random>
 #include <set>
@@ -199,11 +200,12 @@ void write_whole(const fs::path& path, std::string_view bytes) {
 
 WholeFile::WholeFile(const fs::path& target) : named_(target) {
   const std::string name = target.string();
-  if (!target.has_filename()) throw FileError(name + ": is a folder, not a file; name a file in it");
+  if (!target.has_filename()) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
   target_ = through_links(target);
   struct stat old {};
   const bool exists = stat(target_.c_str(), &old) == 0;
-  if (exists && S_ISDIR(old.st_mode)) throw FileError(name + ": is a folder, not a file; name a file in it");
+  if (exists && S_ISDIR(old.st_mode))
+    throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
   if (exists && !S_ISREG(old.st_mode)) throw FileError(name + ": is a device or a pipe, not a file; name a file");
 
   const std::unique_lock lock = lock_unfinished();
@@ -214,8 +216,10 @@ WholeFile::WholeFile(const fs::path& target) : named_(target) {
     if (file_ < 0 && errno != EEXIST) break;
   }
   if (file_ < 0)
-    throw FileError(name + ": cannot make a file in this folder (" + reason(errno) +
-                    "); make the folder first, or choose one that you may write to");
+    throw SystemFileError(target,
+                          "cannot make a file in this folder (" + reason(errno) +
+                              "); make the folder first, or choose one that you may write to",
+                          errno);
   try {
     note_unfinished(temporary_);
   } catch (...) {
@@ -241,7 +245,7 @@ WholeFile::~WholeFile() {
 }
 
 void WholeFile::fail(int error) const {
-  throw FileError(named_.string() + ": cannot be written (" + reason(error) + "); nothing was changed");
+  throw SystemFileError(named_, "cannot be written (" + reason(error) + "); nothing was changed", error);
 }
 
 void WholeFile::write(std::string_view bytes) {
@@ -275,7 +279,7 @@ void WholeFile::commit() {
   {
     const std::unique_lock lock = lock_unfinished();
     if (rename(temporary_.c_str(), target_.c_str()) != 0)
-      throw FileError(named_.string() + ": cannot be replaced (" + reason(errno) + "); nothing was changed");
+      throw SystemFileError(named_, "cannot be replaced (" + reason(errno) + "); nothing was changed", errno);
     forget_unfinished(temporary_);
     temporary_.clear();
   }
@@ -287,11 +291,11 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   target_ = through_links(without_slash(target));
   struct stat old {};
   exists_ = stat(target_.c_str(), &old) == 0;
-  if (exists_ && !S_ISDIR(old.st_mode)) throw FileError(name + ": is a file; name a folder");
+  if (exists_ && !S_ISDIR(old.st_mode)) throw SystemFileError(target, "is a file; name a folder", ENOTDIR);
   const fs::path parent = folder_of(target_);
   std::error_code error;
   if (!exists_ && !fs::is_directory(parent, error))
-    throw FileError(name + ": there is no folder " + parent.string() + "; make it first");
+    throw SystemFileError(target, "there is no folder " + parent.string() + "; make it first", ENOENT);
 
   merges_ = exists_ && (mode == Mode::merge || stays_where_it_is(target_));
   const std::unique_lock lock = lock_unfinished();
@@ -308,8 +312,10 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   if (!made) {
     const int why = errno;
     stage_.clear();
-    throw FileError(name + ": cannot make a folder in " + (merges_ ? target_ : parent).string() + " (" + reason(why) +
-                    "); choose one that you may write to");
+    throw SystemFileError(target,
+                          "cannot make a folder in " + (merges_ ? target_ : parent).string() + " (" + reason(why) +
+                              "); choose one that you may write to",
+                          why);
   }
   try {
     note_unfinished(stage_);
@@ -343,7 +349,7 @@ void WholeFolder::commit() {
     const bool failed = file >= 0 && sync_failed(file);
     const int why = errno;
     if (file >= 0) close(file);
-    if (failed) throw FileError(named_.string() + ": cannot be written (" + reason(why) + "); nothing was changed");
+    if (failed) throw SystemFileError(named_, "cannot be written (" + reason(why) + "); nothing was changed", why);
   }
   sync_folder(stage_);
 

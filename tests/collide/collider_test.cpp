@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
@@ -10,10 +12,13 @@
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/geometry/nearest_rotation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <stdexcept>
+#include <string>
 #include <support/numbers.hpp>
 #include <utility>
 
@@ -49,6 +54,71 @@ TEST(RigidTransform, tells_what_is_not_rigid) {
   t = {};
   t.rows[0].x = 1.5;
   EXPECT_DOUBLE_EQ(deviation_from_rigid(t), 1.25) << "a stretch";
+}
+
+/// A turn by the formula of Rodrigues, its entries rounded to single precision.
+RigidTransform in_single_precision(const Vec3& unit_axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
+  const auto& [x, y, z] = unit_axis;
+  const double exact[3][3]{{c + k * x * x, k * x * y - s * z, k * x * z + s * y},
+                           {k * x * y + s * z, c + k * y * y, k * y * z - s * x},
+                           {k * x * z - s * y, k * y * z + s * x, c + k * z * z}};
+  RigidTransform t;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) t.rows[static_cast<std::size_t>(i)][j] = static_cast<float>(exact[i][j]);
+  t.translation = {0.1, -7, 1e6};
+  return t;
+}
+
+TEST(RigidTransform, nearest_rotation_of_one_in_single_precision) {
+  double largest = 0;
+  for (int k = 0; k < 200; ++k) {
+    const double u = 0.37 * k;
+    const Vec3 axis = normalized(Vec3{std::sin(u), std::cos(3 * u), std::sin(7 * u) + 0.01});
+    RigidTransform given = in_single_precision(axis, 0.21 * k);
+    // A short product in single precision leaves more than one rounding.
+    if (k % 2 == 1)
+      for (Vec3& row : given.rows) row = (1 + 4e-6 * std::sin(5.0 * k)) * row;
+    largest = std::max(largest, deviation_from_rigid(given));
+    const RigidTransform nearest = orthonormalized(given);
+    EXPECT_LE(deviation_from_rigid(nearest), 1e-15);
+    EXPECT_EQ(nearest.translation, given.translation);
+    // A rotation Q is the nearest to A exactly when A Q^T is symmetric (and positive).
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_NEAR(dot(given.rows[i], nearest.rows[j]), dot(given.rows[j], nearest.rows[i]), 1e-15);
+  }
+  EXPECT_GT(largest, 5e-6) << "the sample reaches most of what is allowed";
+  EXPECT_LE(largest, largest_float_deviation);
+}
+
+TEST(RigidTransform, that_is_rigid_keeps_its_bits_and_one_that_is_not_is_named_with_its_digits) {
+  const RigidTransform turn = RigidTransform::from_axis({1, 2, -3}, 0.7, {4, 5, 6});
+  EXPECT_EQ(rigid_or_throw(turn, "x"), turn);
+  RigidTransform nearly = turn;
+  nearly.rows[0] = (1 + 4e-10) * nearly.rows[0];
+  EXPECT_EQ(rigid_or_throw(nearly, "x"), nearly);
+  const auto message = [](const RigidTransform& t) {
+    try {
+      rigid_or_throw(t, "the placement of a thing");
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const double stretch : {2e-5, 1e-4, 0.5}) {
+    RigidTransform t = turn;
+    t.rows[1] = (1 + stretch) * t.rows[1];
+    const std::string text = message(t);
+    EXPECT_TRUE(text.starts_with("the placement of a thing")) << text;
+    EXPECT_EQ(text.find("0.000000"), std::string::npos) << text;
+    const std::string by = "deviate by ";
+    ASSERT_NE(text.find(by), std::string::npos) << text;
+    EXPECT_NEAR(std::stod(text.substr(text.find(by) + by.size())), (1 + stretch) * (1 + stretch) - 1, 0.02 * stretch);
+  }
+  RigidTransform mirror;
+  mirror.rows[2].z = -1;
+  EXPECT_NE(message(mirror).find("a reflection"), std::string::npos);
 }
 
 struct Limb : ::testing::Test {
@@ -99,6 +169,12 @@ TEST_F(Limb, collider_refuses_what_does_not_fit_and_changes_nothing) {
   bent.rows[0].y = 0.1;
   EXPECT_THROW(collider.place(bent), std::invalid_argument);
   EXPECT_EQ(collider.placement(), RigidTransform{});
+  // Queries allow for what is left of a deviation, so a rotation in single precision is stored as a better one.
+  const RigidTransform coarse = in_single_precision(normalized(Vec3{1, -2, 0.5}), 0.9);
+  ASSERT_GT(deviation_from_rigid(coarse), largest_rigid_deviation);
+  collider.place(coarse);
+  EXPECT_LE(deviation_from_rigid(collider.placement()), largest_rigid_deviation);
+  collider.place({});
   const std::vector<Vec3> few(3);
   EXPECT_THROW(collider.set_positions(few), std::invalid_argument);
   EXPECT_TRUE(collider.has_current_positions());

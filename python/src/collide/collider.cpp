@@ -13,6 +13,7 @@
 #include "docstrings.hpp"
 #include "holders.hpp"
 #include "module.hpp"
+#include "records.hpp"
 
 namespace morula::python {
 namespace {
@@ -29,7 +30,7 @@ auto read(const Side& side, const F& f) {
 }  // namespace
 
 void bind_collider(nb::module_& m) {
-  nb::class_<Side>(m, "Collider", doc::Collider)
+  nb::class_<Side>(m, "Collider", collected<Side>(), doc::Collider)
       .def(
           "__init__",
           [](Side* self, ColliderGiven body) {
@@ -55,24 +56,19 @@ void bind_collider(nb::module_& m) {
           doc::Collider_Collider_2)
       .def(
           "place",
-          [](Side& self, const RigidTransform& placement) {
+          [](Side& self, PlacementGiven given) {
+            const RigidTransform placement = placement_of(given);
             without_gil([&] {
               const std::unique_lock lock(self.posed->mutex);
               self.collider->place(placement);
             });
           },
-          nb::arg("placement"), doc::Collider_place)
-      .def(
-          "place",
-          [](Side& self, Vec3 translation) {
-            without_gil([&] {
-              const std::unique_lock lock(self.posed->mutex);
-              RigidTransform placement;
-              placement.translation = translation;
-              self.collider->place(placement);
-            });
-          },
-          nb::arg("translation"), "A translation alone, mesh units.")
+          nb::arg("placement"),
+          with_arguments(doc::Collider_place,
+                         {{"placement",
+                           "a RigidTransform, a matrix (4, 4) or (3, 4) that acts on columns, or a translation alone "
+                           "(x, y, z), mesh units"}})
+              .c_str())
       .def_prop_ro("placement", [](const Side& self) { return read(self, [&] { return self.collider->placement(); }); })
       .def(
           "set_positions",

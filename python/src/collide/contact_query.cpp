@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "choices.hpp"
 #include "contacts.hpp"
 #include "held_query.hpp"
 #include "holders.hpp"
@@ -17,14 +18,12 @@ namespace morula::python {
 namespace {
 
 CollideOptions collide_options(std::optional<std::uint32_t> level, double margin, const BudgetGiven& budget,
-                               std::string_view priority, bool surfaces, bool exact, bool containment) {
+                               PriorityName priority, bool surfaces, bool exact, bool containment) {
   CollideOptions options;
   options.level = level;
   options.margin = margin;
   options.budget = budget_of(budget);
-  options.priority = choice<Priority>(
-      priority, "priority",
-      {{"level", Priority::level}, {"overlap", Priority::overlap}, {"importance", Priority::importance}});
+  options.priority = choice<Priority>(priority, "priority", priority_choices);
   options.surfaces = surfaces;
   options.exact = exact;
   options.containment = containment;
@@ -114,12 +113,12 @@ void bind_contact_query(nb::module_& m) {
         return "<morula.Front: " + std::to_string(self.opened.size()) + " pairs opened, " +
                std::to_string(self.waiting.size()) + " waiting>";
       });
-  nb::class_<HeldContactQuery> query(m, "ContactQuery", doc::ContactQuery);
+  nb::class_<HeldContactQuery> query(m, "ContactQuery", collected<HeldContactQuery>(), doc::ContactQuery);
   query
       .def(
           "__init__",
           [](HeldContactQuery* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
-             std::string_view priority, bool surfaces, bool exact, bool containment, bool reach) {
+             PriorityName priority, bool surfaces, bool exact, bool containment, bool reach) {
             CollideOptions options = collide_options(level, margin, budget, priority, surfaces, exact, containment);
             ContactQuery query(options);
             new (self) HeldContactQuery(std::move(query), std::move(options), reach);
@@ -203,7 +202,7 @@ void bind_contact_query(nb::module_& m) {
   m.def(
       "collide",
       [](ColliderGiven ga, ColliderGiven gb, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
-         std::string_view priority, bool surfaces, bool exact, bool containment, bool reach) {
+         PriorityName priority, bool surfaces, bool exact, bool containment, bool reach) {
         CollideOptions options = collide_options(level, margin, budget, priority, surfaces, exact, containment);
         const auto a = side_of(ga, "a"), b = side_of(gb, "b");
         return without_gil([&] {

@@ -50,7 +50,7 @@ void bind_crossings(nb::module_& m) {
                         .c_str());
               const auto of_a = indices_of(nb::object(nodes[0]), "nodes[0]"),
                          of_b = indices_of(nb::object(nodes[1]), "nodes[1]");
-              if (of_a.size() != of_b.size()) throw std::invalid_argument("nodes: both need the same length");
+              require_rows(of_b.size(), of_a.size(), "nodes[1]", 0, "those of nodes[0]");
               for (std::size_t i = 0; i < of_a.size(); ++i) pairs.push_back({of_a[i], of_b[i]});
             }
             Crossings found;
@@ -89,7 +89,7 @@ void bind_crossings(nb::module_& m) {
         return walk_pairs(a->current(), b->current(), {level, margin}, [&](NodePair pair, bool is_final) {
           const nb::object step = visit(pair.a, pair.b, is_final);
           if (step.is_none()) return Step::open;
-          return choice<Step>(nb::cast<std::string_view>(step), "visit",
+          return choice<Step>(returned<std::string_view>(step, "visit", "None or a text"), "visit",
                               {{"open", Step::open}, {"skip", Step::skip}, {"stop", Step::stop}});
         });
       },

@@ -33,11 +33,11 @@ void bind_inside(nb::module_& m) {
       .field("depth", &Probe::depth, doc::Probe_depth)
       .field("nearest", &Probe::nearest, doc::Probe_nearest)
       .field("normal", &Probe::normal, doc::Probe_normal);
-  nb::class_<HeldInside>(m, "InsideQuery", doc::InsideQuery)
+  nb::class_<HeldInside>(m, "InsideQuery", collected<HeldInside>(), doc::InsideQuery)
       .def(
           "__init__",
           [](HeldInside* self, ColliderGiven body) {
-            auto side = side_of(body, "body");
+            auto side = kept_side_of(body, "body");
             InsideQuery query = without_gil([&] {
               const Reading reading({side.get()});
               return InsideQuery(side->current());

@@ -54,7 +54,7 @@ void bind_rays(nb::module_& m) {
         const auto side = side_of(given, "body");
         const std::vector<Vec3> origins = points_of(from.object, "origins"),
                                 directions = points_of(along.object, "directions");
-        if (origins.size() != directions.size()) throw std::invalid_argument("directions: one per origin is needed");
+        require_rows(directions.size(), origins.size(), "directions", 3, "the origins");
         return without_gil([&] {
           const Reading reading({side.get()});
           RayHits hits;

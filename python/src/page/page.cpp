@@ -27,6 +27,8 @@ namespace {
 struct HeldPageScene {
   std::shared_ptr<PageMotion> motion;
   PageScene scene;
+
+  void visit(References& references) const { references(motion); }
 };
 
 std::vector<Rule> rules_of(const std::vector<std::string>& names) {
@@ -199,7 +201,7 @@ void bind_page_motion(nb::module_& m) {
 }
 
 void bind_page_scene(nb::module_& m) {
-  nb::class_<HeldPageScene>(m, "PageScene", doc::PageScene)
+  nb::class_<HeldPageScene>(m, "PageScene", collected<HeldPageScene>(), doc::PageScene)
       .def(
           "__init__",
           [](HeldPageScene* self, std::shared_ptr<PageMotion> motion, const SphereTree& tree, nb::handle spheres,
@@ -269,7 +271,8 @@ void bind_page_scene(nb::module_& m) {
       nb::arg("rules") = std::vector<std::string>{"exact"}, nb::arg("measured") = false,
       nb::arg("workers") = nb::none(),
       nb::sig("def follow_motion(motion: PageMotion, rest: morula.typing.MeshLike, built: CoveredTree, *, name: str = "
-              "'', rules: collections.abc.Sequence[str] = ['exact'], measured: bool = False, workers: Workers | None = "
+              "'', rules: collections.abc.Sequence[morula.typing.Rule] = ['exact'], measured: bool = False, workers: "
+              "Workers | None = "
               "None) -> PageScene"),
       with_arguments(doc::follow_motion, {{"name", "what to call the tree; by default the method that built it"}})
           .c_str());
@@ -349,8 +352,9 @@ void bind_page(nb::module_& m) {
           motion.frames = frames_of(frames_given);
           for (std::size_t i = 0; i < motion.frames.size(); ++i)
             motion.frame_names.push_back("frame " + std::to_string(i));
-          if (!motion.frames.empty() && motion.frames.front().size() != mesh->vertex_count())
-            throw std::invalid_argument("frames: one row per vertex of the mesh is needed");
+          if (!motion.frames.empty())
+            require_rows(motion.frames.front().size(), mesh->vertex_count(), "frames", 3,
+                         "the mesh's vertices, in every frame");
         }
         return without_gil([&] {
           PageContent content;
@@ -365,7 +369,8 @@ void bind_page(nb::module_& m) {
       nb::arg("rules") = std::vector<std::string>{"exact"}, nb::arg("title") = "Morula", nb::arg("measured") = false,
       nb::arg("workers") = nb::none(),
       nb::sig("def page_html(mesh: morula.typing.MeshLike, built: CoveredTree, frames: morula.typing.FloatArray | None "
-              "= None, *, rules: collections.abc.Sequence[str] = ['exact'], title: str = 'Morula', measured: bool = "
+              "= None, *, rules: collections.abc.Sequence[morula.typing.Rule] = ['exact'], title: str = 'Morula', "
+              "measured: bool = "
               "False, workers: Workers | None = None) -> str"),
       doc::make_page);
 }

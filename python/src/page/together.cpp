@@ -75,7 +75,7 @@ void bind_pages_together(nb::module_& m) {
           },
           nb::arg("bodies"), nb::kw_only(), nb::arg("title") = "Morula", nb::arg("rule") = "exact",
           nb::sig("def __init__(self, bodies: collections.abc.Iterable[morula.typing.ColliderLike], *, title: str = "
-                  "'Morula', rule: str = 'exact') -> None"),
+                  "'Morula', rule: morula.typing.Rule = 'exact') -> None"),
           with_arguments("The bodies at rest, where they are placed.",
                          {{"bodies", "colliders, or bodies that stand in for their own; at least one"},
                           {"rule", "what the page says of how the spheres follow"}})

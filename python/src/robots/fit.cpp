@@ -20,8 +20,8 @@ namespace {
 std::map<std::string, std::vector<robot::ClipPlane>> clip_of(nb::handle given) {
   std::map<std::string, std::vector<robot::ClipPlane>> clip;
   if (given.is_none()) return clip;
-  for (const auto& item : nb::cast<nb::dict>(given)) {
-    const auto link = nb::cast<std::string>(item.first);
+  for (const auto& item : value_of<nb::dict>(given, "clip", "a dict of planes by link")) {
+    const auto link = value_of<std::string>(item.first, "clip", "a dict of planes by link");
     const std::string argument = "clip['" + link + "']";
     std::vector<std::size_t> shape;
     const std::vector<double> rows = numbers_of(item.second, argument.c_str(), {-1, 4}, shape);
@@ -94,7 +94,7 @@ void bind_robot_fit(nb::module_& m) {
       [](const robot::Robot& robot, std::size_t spheres, std::size_t total,
          const std::map<std::string, std::size_t>& link_spheres, double max_protrusion, double max_protrusion_share,
          double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& left_out,
-         nb::handle kept_given, std::string_view method, std::string_view quality, std::uint64_t seed, double density,
+         nb::handle kept_given, MethodName method, QualityName quality, std::uint64_t seed, double density,
          nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
@@ -108,8 +108,8 @@ void bind_robot_fit(nb::module_& m) {
         options.visual = visual;
         options.left_out = left_out;
         if (!kept_given.is_none()) {
-          for (const auto& item : nb::cast<nb::dict>(kept_given)) {
-            const auto link = nb::cast<std::string>(item.first);
+          for (const auto& item : value_of<nb::dict>(kept_given, "kept", "a dict of spheres by link")) {
+            const auto link = value_of<std::string>(item.first, "kept", "a dict of spheres by link");
             options.kept[link] = spheres_of(item.second, ("kept['" + link + "']").c_str());
           }
         }
@@ -133,8 +133,8 @@ void bind_robot_fit(nb::module_& m) {
       nb::sig("def fit_spheres(robot: Robot, *, spheres: int = 16, total: int = 0, link_spheres: dict[str, int] = {}, "
               "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
               "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, left_out: set[str] = set(), "
-              "kept: dict[str, morula.typing.FloatArray] | None = None, method: str = 'morula', "
-              "quality: str = 'fast', seed: int = 1, density: float = 1000.0, "
+              "kept: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = 'morula', "
+              "quality: morula.typing.Quality = 'fast', seed: int = 1, density: float = 1000.0, "
               "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
               "progress: collections.abc.Callable[[float, str], object] | None = None, "
               "workers: morula._morula.Workers | None = None) -> RobotSpheres"),

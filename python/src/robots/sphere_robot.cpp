@@ -114,7 +114,8 @@ void bind_sphere_robot(nb::module_& m) {
           "stays in the last one.")
       .def(
           "meets",
-          [](HeldRobot& self, nb::handle obstacle, const RigidTransform& placement) {
+          [](HeldRobot& self, nb::handle obstacle, PlacementGiven placement_given) {
+            const RigidTransform placement = placement_of(placement_given);
             if (const std::shared_ptr<Posed> posed = posed_of(obstacle)) {
               return self.locked([&] {
                 const std::shared_lock reading(posed->mutex);
@@ -139,7 +140,7 @@ void bind_sphere_robot(nb::module_& m) {
           nb::arg("obstacle"), nb::arg("placement") = RigidTransform{},
           nb::sig("def meets(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "
                   "morula._morula.RebuiltBody | morula._morula.PosedSpheres, "
-                  "placement: morula._morula.RigidTransform = ...) -> bool"),
+                  "placement: morula.typing.Placement = ...) -> bool"),
           (std::string("Does a sphere of the robot meet it? ") + doc::SphereRobot_meets_2).c_str())
       .def_prop_ro(
           "sphere_tests", [](const HeldRobot& self) { return self.robot.sphere_tests(); },

@@ -73,8 +73,8 @@ void bind_broad_phase(nb::module_& m) {
           [](HeldBroadPhase& self, ArrayGiven given, ArrayGiven from, ArrayGiven to) {
             const std::vector<std::uint32_t> numbers = indices_of(given.object, "numbers");
             const std::vector<Vec3> lower = points_of(from.object, "lower"), upper = points_of(to.object, "upper");
-            if (lower.size() != numbers.size() || upper.size() != numbers.size())
-              throw std::invalid_argument("lower, upper: one row per number is needed");
+            require_rows(lower.size(), numbers.size(), "lower", 3, "the numbers");
+            require_rows(upper.size(), numbers.size(), "upper", 3, "the numbers");
             without_gil([&] {
               const std::scoped_lock lock(self.mutex);
               for (std::size_t i = 0; i < numbers.size(); ++i)

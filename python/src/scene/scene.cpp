@@ -21,7 +21,7 @@ namespace morula::python {
 namespace {
 
 /// A scene, the colliders that it borrows, and the filter that it asks.
-struct HeldScene {
+struct HeldScene : Exchanging {
   SceneOptions options;
   nb::object keeps = nb::none();
   Scene scene;
@@ -42,8 +42,12 @@ struct HeldScene {
     options.keeps = [this](BodyId a, BodyId b) {
       if (raised) return true;
       const nb::gil_scoped_acquire gil;
+      if (keeps.is_none()) return true;
       try {
-        return nb::cast<bool>(nb::borrow<nb::callable>(keeps)(a, b));
+        const nb::object answer = keeps(a, b);
+        const int truth = PyObject_IsTrue(answer.ptr());
+        if (truth < 0) throw nb::python_error();
+        return truth != 0;
       } catch (...) {
         raised = std::current_exception();
         return true;
@@ -53,6 +57,12 @@ struct HeldScene {
   void require_idle() const {
     if (is_updating) throw std::runtime_error("keeps: the scene that asks it may not be changed or asked for contacts");
   }
+  /// A filter often refers to its scene.
+  void visit(References& references) const {
+    references(keeps);
+    for (const auto& side : sides) references(side);
+  }
+  void forget() { keeps = nb::none(); }
   std::vector<const Side*> all() const {
     std::vector<const Side*> found;
     for (const auto& side : sides) {
@@ -67,7 +77,7 @@ struct HeldScene {
 /// Runs f with the scene locked, without the interpreter's lock.
 template <class F>
 auto locked(const HeldScene& self, const F& f) {
-  return without_gil([&] {
+  return without_gil(self, [&] {
     const std::scoped_lock lock(self.mutex);
     return f();
   });
@@ -98,23 +108,6 @@ SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, co
   return options;
 }
 
-/// What a scene keeps of Python, for the collector of cycles: a filter often refers to its scene.
-int traverse(PyObject* self, visitproc visit, void* arg) {
-  Py_VISIT(Py_TYPE(self));
-  if (!nb::inst_ready(self)) return 0;
-  const nb::handle keeps = nb::inst_ptr<HeldScene>(self)->keeps;
-  Py_VISIT(keeps.ptr());
-  return 0;
-}
-
-int clear(PyObject* self) {
-  if (nb::inst_ready(self)) nb::inst_ptr<HeldScene>(self)->keeps.reset();
-  return 0;
-}
-
-PyType_Slot scene_slots[] = {
-    {Py_tp_traverse, reinterpret_cast<void*>(traverse)}, {Py_tp_clear, reinterpret_cast<void*>(clear)}, {0, nullptr}};
-
 template <class Class>
 void bind_scene_bodies(Class& scene) {
   scene
@@ -122,7 +115,7 @@ void bind_scene_bodies(Class& scene) {
           "add",
           [](HeldScene& self, ColliderGiven given, bool is_static, std::uint32_t of, std::uint32_t with, double weight,
              std::uint64_t user_data) {
-            const std::shared_ptr<Side> side = side_of(given, "collider");
+            const std::shared_ptr<Side> side = kept_side_of(given, "collider");
             return locked_idle(self, [&] {
               const Reading reading({side.get()});
               const BodyId id = self.scene.add(side->current(), {is_static, of, with, weight, user_data});
@@ -155,7 +148,7 @@ void bind_scene_bodies(Class& scene) {
       .def(
           "replace",
           [](HeldScene& self, BodyId body, ColliderGiven given) {
-            std::shared_ptr<Side> side = side_of(given, "collider");
+            std::shared_ptr<Side> side = kept_side_of(given, "collider");
             locked_idle(self, [&] {
               const Reading reading({side.get()});
               self.scene.replace(body, side->current());
@@ -212,7 +205,10 @@ void bind_scene_questions(Class& scene) {
             SceneStatus status;
             std::exception_ptr raised;
             {
+              const Exchanging::Call exchanging(self);
               const nb::gil_scoped_release released;
+              SignalCheck check;
+              const Interrupt interrupt([&check] { check(); });
               CallWorkers call(workers);
               const std::scoped_lock lock(self.mutex);
               self.require_idle();
@@ -305,7 +301,7 @@ void bind_scene_class(nb::module_& m) {
        "called with two BodyIds. Keeps a pair when it returns True. Asked once when two bodies come near each "
        "other; it may ask the scene whose they are, and must not move bodies. What it raises comes out of "
        "update(), and who was not asked is asked by the next one"}};
-  nb::class_<HeldScene> scene(m, "Scene", nb::type_slots(scene_slots), doc::Scene);
+  nb::class_<HeldScene> scene(m, "Scene", collected<HeldScene>(), doc::Scene);
   scene
       .def(
           "__init__",

@@ -49,14 +49,25 @@ bool is_float(const Any& array) {
   return is_kind(array, nb::dlpack::dtype_code::Float) && (array.dtype().bits == 32 || array.dtype().bits == 64);
 }
 
+bool is_true(nb::handle object, const char* attribute) {
+  return nb::hasattr(object, attribute) && object.attr(attribute).is(nb::bool_(true));
+}
+
+/// The line to write for what is nearly an array; empty where there is none.
+std::string way_in(nb::handle given, const std::string& name) {
+  if (PyList_Check(given.ptr()) || PyTuple_Check(given.ptr())) return ": numpy.asarray(" + name + ")";
+  if (is_true(given, "requires_grad")) return ": " + name + ".detach(), since no gradient passes through here";
+  if (is_true(given, "is_cuda")) return " in main memory: " + name + ".cpu()";
+  if (nb::hasattr(given, "__dlpack_device__")) return " in main memory: copy it there first";
+  return "";
+}
+
 /// Throws TypeError for what is no array in memory.
 Any array_of(nb::handle given, const char* name, const std::string& wanted) {
   Any array;
   if (!nb::try_cast(given, array, false) || !array.is_valid() || array.device_type() != nb::device::cpu::value) {
-    const bool is_list = PyList_Check(given.ptr()) || PyTuple_Check(given.ptr());
-    throw nb::type_error((std::string(name) + ": " + describe(given) + ", but " + wanted + " is needed" +
-                          (is_list ? ": numpy.asarray(" + std::string(name) + ")" : ""))
-                             .c_str());
+    throw nb::type_error(
+        (std::string(name) + ": " + describe(given) + ", but " + wanted + " is needed" + way_in(given, name)).c_str());
   }
   return array;
 }
@@ -95,6 +106,28 @@ std::string describe(nb::handle object) {
   }
   if (object.is_none()) return "None";
   return "an object of type " + nb::cast<std::string>(nb::str(nb::handle(object.type()).attr("__name__")));
+}
+
+namespace {
+
+/// 2882 as "2,882".
+std::string with_commas(std::size_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+  return text;
+}
+
+}  // namespace
+
+void require_rows(std::size_t given, std::size_t wanted, const char* name, int columns, const char* of) {
+  if (given == wanted) return;
+  const std::string by = columns > 0 ? " × " + std::to_string(columns) : "";
+  throw std::invalid_argument(std::string(name) + ": " + with_commas(wanted) + by + " expected (" + of + "), " +
+                              with_commas(given) + by + " given");
+}
+
+void refuse_type(nb::handle given, const std::string& name, const std::string& wanted) {
+  throw nb::type_error((name + ": " + describe(given) + ", but " + wanted + " is needed").c_str());
 }
 
 Positions::Positions(nb::handle given, const char* name) : Positions() {

@@ -19,6 +19,20 @@ namespace morula::python {
 
 /// "an array of int64, shape (5, 3)", "a list": for messages.
 std::string describe(nb::handle object);
+/// Throws TypeError for `given`, which is not what is wanted: "an array of floats".
+[[noreturn]] void refuse_type(nb::handle given, const std::string& name, const std::string& wanted);
+/// A plain value that is looked at by name. Throws TypeError.
+template <class Value>
+Value value_of(nb::handle given, const std::string& name, const char* wanted) {
+  Value value;
+  if (!nb::try_cast(given, value)) refuse_type(given, name, wanted);
+  return value;
+}
+/// The same of what a function of Python's has returned.
+template <class Value>
+Value returned(nb::handle given, const char* function, const char* wanted) {
+  return value_of<Value>(given, std::string(function) + "() has returned", wanted);
+}
 
 /// Positions of one frame, as an array gives them. Nothing is copied when the three numbers of a vertex lie together
 /// and vertices are at equal distances: C order, slices, columns of records. Else they are copied, as double.
@@ -56,8 +70,16 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
 std::vector<std::uint32_t> indices_of(nb::handle given, const char* name);
 std::vector<Facet> facets_of(nb::handle given, const char* name);
 
+/// Throws ValueError unless an argument has as many rows as `of` has of something: "the mesh's vertices". columns: of
+/// the array; 0 where a row is one number.
+void require_rows(std::size_t given, std::size_t wanted, const char* name, int columns, const char* of);
+
+/// A view of what its owner keeps for itself, too: read-only.
 template <class Scalar, nb::ssize_t... Shape>
 using View = nb::ndarray<nb::numpy, const Scalar, nb::shape<Shape...>>;
+/// Memory of the array's own: a copy that the caller may write to.
+template <class Scalar, nb::ssize_t... Shape>
+using Copy = nb::ndarray<nb::numpy, Scalar, nb::shape<Shape...>>;
 using Points = View<double, -1, 3>;
 using SphereRows = View<double, -1, 4>;
 using Numbers = View<double, -1>;
@@ -89,21 +111,21 @@ std::pair<std::vector<T>*, nb::capsule> kept(std::vector<T>&& values) {
   auto* moved = new std::vector<T>(std::move(values));
   return {moved, nb::capsule(moved, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); })};
 }
-inline Points own_points(std::vector<Vec3>&& p) {
+inline Copy<double, -1, 3> own_points(std::vector<Vec3>&& p) {
   auto [values, owner] = kept(std::move(p));
-  return points(*values, owner);
+  return {reinterpret_cast<double*>(values->data()), {values->size(), 3}, owner};
 }
-inline SphereRows own_spheres(std::vector<Sphere>&& s) {
+inline Copy<double, -1, 4> own_spheres(std::vector<Sphere>&& s) {
   auto [values, owner] = kept(std::move(s));
-  return sphere_rows(*values, owner);
+  return {reinterpret_cast<double*>(values->data()), {values->size(), 4}, owner};
 }
-inline Indices own_indices(std::vector<std::uint32_t>&& i) {
+inline Copy<std::uint32_t, -1> own_indices(std::vector<std::uint32_t>&& i) {
   auto [values, owner] = kept(std::move(i));
-  return indices(*values, owner);
+  return {values->data(), {values->size()}, owner};
 }
-inline Numbers own_numbers(std::vector<double>&& n) {
+inline Copy<double, -1> own_numbers(std::vector<double>&& n) {
   auto [values, owner] = kept(std::move(n));
-  return numbers(*values, owner);
+  return {values->data(), {values->size()}, owner};
 }
 
 /// One member of many records, as a strided view.

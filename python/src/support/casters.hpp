@@ -37,6 +37,21 @@ struct BudgetGiven : Given {};
 struct ColliderGiven : Given {};
 struct ShapeGiven : Given {};
 struct ObstacleGiven : Given {};
+struct PlacementGiven : Given {};
+
+/// An argument that is one of a few names.
+struct Chosen {
+  std::string_view text;
+  operator std::string_view() const { return text; }
+};
+struct MethodName : Chosen {};
+struct QualityName : Chosen {};
+struct OptimiserName : Chosen {};
+struct AxisName : Chosen {};
+struct SignMethodName : Chosen {};
+struct PriorityName : Chosen {};
+struct ClumpFormatName : Chosen {};
+struct RebuildThreadName : Chosen {};
 
 /// A path: text, or what os.PathLike says.
 struct FilePath {
@@ -93,7 +108,29 @@ MORULA_GIVEN(BudgetGiven, "morula.typing.Budget")
 MORULA_GIVEN(ColliderGiven, "morula.typing.ColliderLike")
 MORULA_GIVEN(ShapeGiven, "morula.typing.Shape")
 MORULA_GIVEN(ObstacleGiven, "morula.typing.Obstacle")
+MORULA_GIVEN(PlacementGiven, "morula.typing.Placement")
 #undef MORULA_GIVEN
+
+#define MORULA_CHOSEN(Type, TypeName)                                                     \
+  template <>                                                                             \
+  struct type_caster<morula::python::Type> {                                              \
+    NB_TYPE_CASTER(morula::python::Type, const_name(TypeName))                            \
+    bool from_python(handle source, std::uint8_t flags, cleanup_list* cleanup) noexcept { \
+      make_caster<std::string_view> caster;                                               \
+      if (!caster.from_python(source, flags, cleanup)) return false;                      \
+      value.text = caster.operator cast_t<std::string_view>();                            \
+      return true;                                                                        \
+    }                                                                                     \
+  };
+MORULA_CHOSEN(MethodName, "morula.typing.Method")
+MORULA_CHOSEN(QualityName, "morula.typing.Quality")
+MORULA_CHOSEN(OptimiserName, "morula.typing.Optimiser")
+MORULA_CHOSEN(AxisName, "morula.typing.Axis")
+MORULA_CHOSEN(SignMethodName, "morula.typing.SignMethod")
+MORULA_CHOSEN(PriorityName, "morula.typing.Priority")
+MORULA_CHOSEN(ClumpFormatName, "morula.typing.ClumpFormatName")
+MORULA_CHOSEN(RebuildThreadName, "morula.typing.RebuildThread")
+#undef MORULA_CHOSEN
 
 template <>
 struct type_caster<morula::python::FilePath> {

@@ -19,7 +19,7 @@ namespace morula::python {
 ///
 /// Seen: reading() locks what is looked at, and throws where that cannot be asked any more.
 template <class Query, class Seen>
-struct HeldQuery {
+struct HeldQuery : Exchanging {
   Query query;
   Seen seen;
   std::mutex mutex;
@@ -29,7 +29,7 @@ struct HeldQuery {
   /// f(query, workers) with everything locked that it needs, without the interpreter's lock.
   template <class F>
   auto ask(Threads* workers, const F& f) {
-    return without_gil([&] {
+    return without_gil(*this, [&] {
       const std::scoped_lock lock(mutex);
       return look(workers, f);
     });
@@ -42,7 +42,7 @@ struct HeldQuery {
   /// be resumed where it stood. `next` has what is not looked at any more.
   template <class F>
   auto ask_of(Seen& next, Threads* workers, const F& f) {
-    return without_gil([&] {
+    return without_gil(*this, [&] {
       const std::scoped_lock lock(mutex);
       std::swap(seen, next);
       const auto status = look(workers, f);
@@ -53,11 +53,13 @@ struct HeldQuery {
   /// f(query) with the query alone locked: for what it has found, whatever has become of what it looked at.
   template <class F>
   auto locked(const F& f) {
-    return without_gil([&] {
+    return without_gil(*this, [&] {
       const std::scoped_lock lock(mutex);
       return f(query);
     });
   }
+
+  void visit(References& references) const { seen.visit(references); }
 
  private:
   // Workers before bodies: in this order updates lock them.
@@ -85,15 +87,41 @@ struct SeenSides {
     for (const auto& side : sides) side->current();
     return locked;
   }
+  void visit(References& references) const {
+    for (const auto& side : sides) references(side);
+  }
 };
+
+/// A function of Python's that options of the library call through copies of their own: nothing once the collector has
+/// dropped it.
+using Callback = std::shared_ptr<nb::object>;
+
+/// Throws TypeError for what cannot be called. wanted: "None or a function of a number".
+inline Callback callback_of(const nb::object& given, const char* name, const char* wanted) {
+  if (given.is_none()) return nullptr;
+  if (!PyCallable_Check(given.ptr()))
+    throw nb::type_error((std::string(name) + ": " + describe(given) + ", but " + wanted + " is needed").c_str());
+  return std::make_shared<nb::object>(given);
+}
+
+/// Is what `callback` says of these arguments true? True where it has been dropped.
+template <class... Args>
+bool says(const Callback& callback, const Args&... args) {
+  const nb::gil_scoped_acquire gil;
+  if (!callback->is_valid()) return true;
+  const nb::object answer = (*callback)(args...);
+  const int truth = PyObject_IsTrue(answer.ptr());
+  if (truth < 0) throw nb::python_error();
+  return truth != 0;
+}
 
 /// A query of surfaces, with options of which one is a function of Python's.
 template <class Query, class Options, class Seen>
 struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   Options options;
-  nb::object keeps;
+  Callback keeps;
 
-  HeldSurfaceQuery(Options&& given, nb::object filter)
+  HeldSurfaceQuery(Options&& given, Callback filter)
       : HeldQuery<Query, Seen>(Query(given)), options(std::move(given)), keeps(std::move(filter)) {}
 
   /// call(query, seen, workers).
@@ -104,6 +132,13 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
     });
     require(status);
     return status;
+  }
+  void visit(References& references) const {
+    HeldQuery<Query, Seen>::visit(references);
+    if (keeps) references(*keeps);
+  }
+  void forget() {
+    if (keeps) keeps->reset();
   }
   SurfaceQueryStatus resume(Threads* workers) {
     const SurfaceQueryStatus status = this->ask(

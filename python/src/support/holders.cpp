@@ -28,7 +28,7 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
   if (nb::isinstance<PosedBody>(given.object)) {
     auto body = nb::cast<std::shared_ptr<PosedBody>>(given.object);
     side->collider = without_gil([&] { return std::make_unique<Collider>(*body->mesh, *body->owned); });
-    side->mesh = body->mesh;
+    side->mesh = again(body->mesh);
     side->posed = body;
   } else if (nb::isinstance<PosedRebuilt>(given.object)) {
     auto body = nb::cast<std::shared_ptr<PosedRebuilt>>(given.object);
@@ -37,7 +37,7 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
       side->collider = std::make_unique<Collider>(*body->mesh, body->owned->body());
       side->epoch = body->epoch();
     });
-    side->mesh = body->mesh;
+    side->mesh = again(body->mesh);
     side->posed = body;
   } else if (nb::isinstance<PosedRows>(given.object)) {
     auto spheres = nb::cast<std::shared_ptr<PosedRows>>(given.object);
@@ -49,6 +49,37 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
                              .c_str());
   }
   return side;
+}
+
+std::shared_ptr<Side> kept_side_of(const ColliderGiven& given, const char* name) {
+  std::shared_ptr<Side> side = side_of(given, name);
+  return nb::isinstance<Side>(given.object) ? side : nb::cast<std::shared_ptr<Side>>(nb::cast(side));
+}
+
+RigidTransform matrix_placement(nb::handle given, const char* name) {
+  std::vector<std::size_t> shape;
+  const std::vector<double> numbers = numbers_of(given, name, {-1, 4}, shape);
+  const std::string argument = name;
+  if (shape[0] != 3 && shape[0] != 4)
+    throw std::invalid_argument(argument + ": " + describe(given) + ", but shape (3, 4) or (4, 4) is needed");
+  if (shape[0] == 4 && !(numbers[12] == 0 && numbers[13] == 0 && numbers[14] == 0 && numbers[15] == 1))
+    throw std::invalid_argument(argument + ": the last row of a matrix that acts on columns is 0 0 0 1; give " +
+                                argument + ".T of one that acts on rows");
+  RigidTransform transform;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double* r = &numbers[4 * row];
+    transform.rows[row] = {r[0], r[1], r[2]};
+    transform.translation[static_cast<int>(row)] = r[3];
+  }
+  return transform;
+}
+
+RigidTransform placement_of(const PlacementGiven& given, const char* name) {
+  if (nb::isinstance<RigidTransform>(given.object)) return nb::cast<RigidTransform>(given.object);
+  RigidTransform translation;
+  if (nb::try_cast(given.object, translation.translation)) return translation;
+  if (nb::hasattr(given.object, "ndim")) return matrix_placement(given.object, name);
+  refuse_type(given.object, name, "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)");
 }
 
 Budget budget_of(const BudgetGiven& given, const char* name) {

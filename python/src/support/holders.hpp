@@ -9,6 +9,7 @@
 #include <morula/collide/budget.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/morula.hpp>
+#include <morula/parallel/interrupt.hpp>
 #include <mutex>
 #include <shared_mutex>
 #include <span>
@@ -16,14 +17,46 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "collected.hpp"
 
 namespace morula::python {
 
-/// Runs f without the interpreter's lock.
+/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
+inline void check_signals() {
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
+class SignalCheck {
+ public:
+  /// Without the interpreter's lock. Throws what the signal's handler has raised.
+  void operator()() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(20)) return;
+    last_ = now;
+    const nb::gil_scoped_acquire gil;
+    check_signals();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Runs f without the interpreter's lock. Ctrl-C ends what f asks of the library, with the exception of its handler:
+/// KeyboardInterrupt.
 template <class F>
 auto without_gil(const F& f) {
   const nb::gil_scoped_release released;
+  SignalCheck check;
+  const Interrupt interrupt([&check] { check(); });
   return f();
+}
+
+/// The same for a call that may exchange what `holder` keeps of Python.
+template <class F>
+auto without_gil(const Exchanging& holder, const F& f) {
+  const Exchanging::Call call(holder);
+  return without_gil(f);
 }
 
 /// A pool of threads, for one call at a time; others wait.
@@ -57,27 +90,6 @@ inline void require(const Status& status) {
   if (!status) throw std::invalid_argument(message(status));
 }
 
-/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
-inline void check_signals() {
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
-/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
-class SignalCheck {
- public:
-  /// Without the interpreter's lock. Throws what the signal's handler has raised.
-  void operator()() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::milliseconds(20)) return;
-    last_ = now;
-    const nb::gil_scoped_acquire gil;
-    check_signals();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 /// What colliders ask: spheres that may move.
 struct Posed {
   virtual ~Posed() = default;
@@ -97,9 +109,14 @@ struct Posed {
 
 struct PosedBody : Posed {
   std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const CoveredTree> built;  // which the body borrows
   std::unique_ptr<Body> owned;
   std::vector<Positions> last;  // what the body borrows until the next update: none or one
 
+  void visit(References& references) const {
+    references(mesh);
+    references(built);
+  }
   const PosedTree& pose() const override { return owned->pose(); }
   std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return owned.get(); }
@@ -110,6 +127,7 @@ struct PosedRebuilt : Posed {
   std::unique_ptr<RebuiltBody> owned;
   std::vector<Positions> last;
 
+  void visit(References& references) const { references(mesh); }
   const PosedTree& pose() const override { return owned->body().pose(); }
   std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return const_cast<Body*>(&owned->body()); }
@@ -130,6 +148,11 @@ struct Side {
   std::uint64_t epoch = 0;
   std::vector<Positions> given;  // none or one
 
+  void visit(References& references) const {
+    references(posed);
+    references(mesh);
+    references(built);
+  }
   /// Throws RuntimeError when the body has another tree now.
   const Collider& current() const {
     if (posed->epoch() != epoch) {
@@ -152,6 +175,8 @@ class Reading {
 
 /// A collider, or a body that becomes one for this call.
 std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name);
+/// The same for a holder that keeps it: always an object of Python's, through which the collector sees the body.
+std::shared_ptr<Side> kept_side_of(const ColliderGiven& given, const char* name);
 
 /// Calls f with the half space, capsule, convex hull or sphere that is given. Throws TypeError for anything else.
 template <class F>
@@ -167,6 +192,11 @@ auto with_shape(const ShapeGiven& given, const F& f) {
   }
   return f(sphere);
 }
+
+/// Of a matrix (4, 4) or (3, 4) that acts on columns. Throws ValueError or TypeError.
+RigidTransform matrix_placement(nb::handle given, const char* name);
+/// A RigidTransform, a matrix, or three numbers: a translation. Throws ValueError or TypeError.
+RigidTransform placement_of(const PlacementGiven& given, const char* name = "placement");
 
 /// None: unlimited; an integer: pair tests; a datetime.timedelta or a text such as "200us": time.
 Budget budget_of(const BudgetGiven& given, const char* name = "budget");

@@ -71,4 +71,10 @@ nb::object rows(nb::handle columns, nb::handle index) {
   return result;
 }
 
+nb::object rows_one_by_one(nb::handle columns) {
+  PyObject* iterator = PySeqIter_New(columns.ptr());
+  if (!iterator) throw nb::python_error();
+  return nb::steal(iterator);
+}
+
 }  // namespace morula::python

@@ -20,6 +20,7 @@ nb::str to_text(nb::handle record);
 nb::object equals(nb::handle a, nb::handle b);
 /// Rows of what is columns: a row as a dict for an index; for slices, masks and lists a dict of arrays.
 nb::object rows(nb::handle columns, nb::handle index);
+nb::object rows_one_by_one(nb::handle columns);
 
 /// A class whose fields are bound one by one.
 template <class T>
@@ -68,6 +69,9 @@ class Record {
         "__getitem__", [](nb::handle self, nb::handle index) { return rows(self, index); }, nb::arg("index"),
         nb::sig("def __getitem__(self, index: object, /) -> dict[str, typing.Any]"),
         "An index gives one row; a slice, a mask or an array of indices gives the columns of these rows.");
+    class_.def(
+        "__iter__", [](nb::handle self) { return rows_one_by_one(self); },
+        nb::sig("def __iter__(self) -> collections.abc.Iterator[dict[str, typing.Any]]"), "One row after the other.");
     return *this;
   }
 

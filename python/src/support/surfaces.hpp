@@ -22,13 +22,14 @@
 namespace morula::python {
 
 /// A surface tree, the positions that it borrows, and the body that it follows.
-struct HeldSurface {
+struct HeldSurface : Exchanging {
   SurfaceTree tree;
   std::vector<Positions> positions;
   std::shared_ptr<Side> followed;  // or none
   mutable std::shared_mutex mutex;
 
   explicit HeldSurface(SurfaceTree&& made) : tree(std::move(made)) {}
+  void visit(References& references) const { references(followed); }
 };
 
 /// Locks one or two surfaces, or none, that a query reads, then the bodies that they follow. Without the interpreter's

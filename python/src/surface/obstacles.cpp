@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Obstacles of surfaces: floors, balls, capsules, hulls and distance fields, where they are or over a step.
 #include <algorithm>
+#include <limits>
 #include <morula/morula.hpp>
 
+#include "choices.hpp"
 #include "contacts.hpp"
 #include "held_query.hpp"
 #include "holders.hpp"
@@ -18,6 +20,15 @@ namespace {
 struct HeldField {
   nb::object value, gradient;
   double lipschitz, tolerance;
+
+  void visit(References& references) const {
+    references(value);
+    references(gradient);
+  }
+  void forget() {
+    value.reset();
+    gradient.reset();
+  }
 };
 
 struct ObstacleContacts {
@@ -27,7 +38,8 @@ struct ObstacleImpacts {
   std::vector<ObstacleImpact> rows;
 };
 
-/// Of Python's functions the caller keeps references for as long as this is asked.
+/// The caller keeps `held` for as long as this is asked. Where the collector has dropped its functions, all is far
+/// away.
 DistanceField field_of(const HeldField& held) {
   DistanceField field;
   field.lipschitz = held.lipschitz;
@@ -36,15 +48,17 @@ DistanceField field_of(const HeldField& held) {
     const auto* distance = nb::cast<const SignedDistance*>(held.value);
     field.value = [distance](const Vec3& p) { return (*distance)(p); };
   } else {
-    field.value = [value = nb::handle(held.value)](const Vec3& p) {
+    field.value = [&held](const Vec3& p) {
       const nb::gil_scoped_acquire gil;
-      return nb::cast<double>(nb::borrow<nb::callable>(value)(p));
+      if (!held.value.is_valid()) return std::numeric_limits<double>::max();
+      return returned<double>(held.value(p), "value", "a number");
     };
   }
   if (!held.gradient.is_none()) {
-    field.gradient = [gradient = nb::handle(held.gradient)](const Vec3& p) {
+    field.gradient = [&held](const Vec3& p) {
       const nb::gil_scoped_acquire gil;
-      return nb::cast<Vec3>(nb::borrow<nb::callable>(gradient)(p));
+      if (!held.gradient.is_valid()) return Vec3{1, 0, 0};
+      return returned<Vec3>(held.gradient(p), "gradient", "three numbers");
     };
   }
   return field;
@@ -66,20 +80,11 @@ Obstacle obstacle_of(const ObstacleGiven& given) {
   return sphere;
 }
 
-ObstacleOptions options_of(double margin, std::string_view features, const nb::object& keeps,
-                           const BudgetGiven& budget) {
-  if (!keeps.is_none() && !PyCallable_Check(keeps.ptr()))
-    throw nb::type_error(("keeps: " + describe(keeps) + ", but None or a function of a number is needed").c_str());
+ObstacleOptions options_of(double margin, std::string_view features, const Callback& keeps, const BudgetGiven& budget) {
   ObstacleOptions options;
   options.margin = margin;
-  options.features = choice<ObstacleFeatures>(
-      features, "features", {{"vertices", ObstacleFeatures::vertices}, {"facets", ObstacleFeatures::facets}});
-  if (!keeps.is_none()) {
-    options.keeps = [keeps = nb::handle(keeps)](std::uint32_t feature) {
-      const nb::gil_scoped_acquire gil;
-      return nb::cast<bool>(nb::borrow<nb::callable>(keeps)(feature));
-    };
-  }
+  options.features = choice<ObstacleFeatures>(features, "features", feature_choices);
+  if (keeps) options.keeps = [keeps](std::uint32_t feature) { return says(keeps, feature); };
   options.budget = budget_of(budget);
   return options;
 }
@@ -91,6 +96,10 @@ struct SeenObstacle {
   Obstacle obstacle;
 
   SurfaceReading reading() const { return SurfaceReading(surface.get()); }
+  void visit(References& references) const {
+    references(surface);
+    references(given);
+  }
 };
 
 template <class Query>
@@ -108,16 +117,17 @@ Args:
 template <class Query>
 nb::class_<HeldObstacleQuery<Query>> bind_query(nb::module_& m, const char* name, const char* text) {
   using Held = HeldObstacleQuery<Query>;
-  nb::class_<Held> query(m, name, text);
+  nb::class_<Held> query(m, name, collected<Held>(), text);
   query.def(
       "__init__",
-      [](Held* self, double margin, std::string_view features, nb::object keeps, BudgetGiven budget) {
-        ObstacleOptions options = options_of(margin, features, keeps, budget);
-        new (self) Held(std::move(options), std::move(keeps));
+      [](Held* self, double margin, std::string_view features, const nb::object& keeps, BudgetGiven budget) {
+        Callback callback = callback_of(keeps, "keeps", "None or a function of a number");
+        ObstacleOptions options = options_of(margin, features, callback, budget);
+        new (self) Held(std::move(options), std::move(callback));
       },
       nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("keeps") = nb::none(),
       nb::arg("budget") = nb::none(),
-      nb::sig("def __init__(self, *, margin: float = 0.0, features: str = 'facets', "
+      nb::sig("def __init__(self, *, margin: float = 0.0, features: morula.typing.Features = 'facets', "
               "keeps: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
               "-> None"),
       (std::string(doc::ObstacleQuery_ObstacleQuery) + obstacle_query_arguments).c_str());
@@ -145,7 +155,7 @@ SeenObstacle seen_of(std::shared_ptr<HeldSurface> surface, const ObstacleGiven& 
 }  // namespace
 
 void bind_obstacles(nb::module_& m) {
-  nb::class_<HeldField>(m, "DistanceField", doc::DistanceField)
+  nb::class_<HeldField>(m, "DistanceField", collected<HeldField>(), doc::DistanceField)
       .def(
           "__init__",
           [](HeldField* self, nb::object value, double lipschitz, double tolerance, nb::object gradient) {

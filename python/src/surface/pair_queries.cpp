@@ -35,6 +35,10 @@ struct SeenSurfaces {
   std::shared_ptr<HeldSurface> a, b;
 
   SurfaceReading reading() const { return SurfaceReading(a.get(), b.get()); }
+  void visit(References& references) const {
+    references(a);
+    references(b);
+  }
 };
 
 template <class Query, class Options>
@@ -44,7 +48,7 @@ template <class Query, class Options>
 nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const char* name, const char* text,
                                                           const char* run_text) {
   using Held = HeldPairQuery<Query, Options>;
-  nb::class_<Held> query(m, name, text);
+  nb::class_<Held> query(m, name, collected<Held>(), text);
   query.def(
       "run",
       [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
@@ -96,10 +100,11 @@ void bind_init(nb::class_<HeldPairQuery<Query, Options>>& query, const char* own
       "__init__",
       [](Held* self, Own... values, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
          nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
-        PairFilter filter = filter_of(rings, rest_distance, same_component, keeps);
+        Callback callback = callback_of(keeps, "keeps", pair_filter_wanted);
+        PairFilter filter = filter_of(rings, rest_distance, same_component, callback);
         filter.masks_a = masks_of(masks_a, "masks_a");
         filter.masks_b = masks_of(masks_b, "masks_b");
-        new (self) Held(Options{values..., std::move(filter), budget_of(budget), {}}, std::move(keeps));
+        new (self) Held(Options{values..., std::move(filter), budget_of(budget), {}}, std::move(callback));
       },
       nb::kw_only(), own..., nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
       nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),

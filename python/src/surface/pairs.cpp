@@ -41,17 +41,15 @@ Args:
 
 }  // namespace
 
-PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps) {
+PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& keeps) {
   PairFilter filter;
   filter.rings = rings;
   filter.rest_distance = rest_distance;
   filter.same_component = same_component;
-  if (!keeps.is_none()) {
+  if (keeps)
     filter.keeps = [keeps](const FeaturePair& pair) {
-      const nb::gil_scoped_acquire gil;
-      return nb::cast<bool>(nb::borrow<nb::callable>(keeps)(static_cast<int>(pair.kind), pair.a, pair.b));
+      return says(keeps, static_cast<int>(pair.kind), pair.a, pair.b);
     };
-  }
   return filter;
 }
 
@@ -103,9 +101,13 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "proximity",
       [](const HeldSurface& a, const HeldSurface* b, double distance, bool nearest_features_once, std::uint32_t rings,
-         double rest_distance, bool same_component, nb::handle keeps, Threads* workers) {
+         double rest_distance, bool same_component, const nb::object& keeps, Threads* workers) {
         ProximityQuery query(
-            {distance, nearest_features_once, filter_of(rings, rest_distance, same_component, keeps), {}, {}});
+            {distance,
+             nearest_features_once,
+             filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)),
+             {},
+             {}});
         ask(query, a, b, workers);
         return ProximityPairs{{query.pairs().begin(), query.pairs().end()}};
       },
@@ -131,8 +133,13 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "swept",
       [](const HeldSurface& a, const HeldSurface* b, double distance, std::uint32_t rings, double rest_distance,
-         bool same_component, nb::handle keeps, Threads* workers) {
-        SweptQuery query({distance, false, filter_of(rings, rest_distance, same_component, keeps), {}, {}});
+         bool same_component, const nb::object& keeps, Threads* workers) {
+        SweptQuery query(
+            {distance,
+             false,
+             filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)),
+             {},
+             {}});
         ask(query, a, b, workers);
         return SweptPairs{{query.pairs().begin(), query.pairs().end()}};
       },
@@ -147,7 +154,7 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "swept_candidates",
       [](const HeldSurface& a, const HeldSurface* b, double distance, std::uint32_t rings, Threads* workers) {
-        SweptQuery query({distance, true, filter_of(rings, 0, false, nb::none()), {}, {}});
+        SweptQuery query({distance, true, filter_of(rings, 0, false, nullptr), {}, {}});
         ask(query, a, b, workers);
         return FeaturePairs{{query.candidates().begin(), query.candidates().end()}};
       },
@@ -156,8 +163,9 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "surface_crossings",
       [](const HeldSurface& a, const HeldSurface* b, std::uint32_t rings, double rest_distance, bool same_component,
-         nb::handle keeps, Threads* workers) {
-        SurfaceCrossingQuery query({filter_of(rings, rest_distance, same_component, keeps), {}, {}});
+         const nb::object& keeps, Threads* workers) {
+        SurfaceCrossingQuery query(
+            {filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)), {}, {}});
         ask(query, a, b, workers);
         return FeaturePairs{{query.pairs().begin(), query.pairs().end()}};
       },

@@ -10,6 +10,7 @@
 #include <morula/surface/swept.hpp>
 #include <vector>
 
+#include "held_query.hpp"
 #include "surfaces.hpp"
 
 namespace morula::python {
@@ -22,8 +23,9 @@ struct SweptPairs {
   std::vector<SweptPair> pairs;
 };
 
-/// keeps: None or a function of Python's, which the caller holds.
-PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, nb::handle keeps);
+inline constexpr const char* pair_filter_wanted = "None or a function of (kind, a, b)";
+
+PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& keeps);
 
 /// Runs a query on two surfaces; on one with itself where the other is none, or the same.
 template <class Query>

@@ -23,7 +23,7 @@ void bind_surface_tree(nb::module_& m) {
       .value("edge_edge", PairKind::edge_edge)
       .value("facet_facet", PairKind::facet_facet, doc::PairKind_facet_facet);
 
-  nb::class_<HeldSurface>(m, "SurfaceTree", doc::SurfaceTree)
+  nb::class_<HeldSurface>(m, "SurfaceTree", collected<HeldSurface>(), doc::SurfaceTree)
       .def(
           "__init__",
           [](HeldSurface* self, MeshGiven given) {
@@ -37,9 +37,13 @@ void bind_surface_tree(nb::module_& m) {
             std::vector<Positions> positions;
             positions.emplace_back(from.object, "positions");
             if (!to.is_none()) positions.emplace_back(to, "to");
+            for (std::size_t i = 0; i < positions.size(); ++i)
+              require_rows(positions[i].view().size(), self.tree.vertex_count(), i == 0 ? "positions" : "to", 3,
+                           "the surface's vertices");
             std::shared_ptr<Side> before;
             Status status;
             {
+              const Exchanging::Call exchanging(self);
               const nb::gil_scoped_release released;
               CallWorkers call(workers);
               const std::unique_lock lock(self.mutex);
@@ -60,10 +64,11 @@ void bind_surface_tree(nb::module_& m) {
       .def(
           "follow",
           [](HeldSurface& self, ColliderGiven given) {
-            std::shared_ptr<Side> side = side_of(given, "body");
+            std::shared_ptr<Side> side = kept_side_of(given, "body");
             std::vector<Positions> positions;
             Status status;
             {
+              const Exchanging::Call exchanging(self);
               const nb::gil_scoped_release released;
               const std::unique_lock lock(self.mutex);
               const std::shared_lock of_body(side->posed->mutex);

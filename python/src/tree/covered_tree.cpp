@@ -14,8 +14,10 @@ void bind_covered_tree(nb::module_& m) {
   nb::class_<KnownPose>(m, "KnownPose", doc::KnownPose)
       .def(
           "__init__",
-          [](KnownPose* self, std::string name, ArrayGiven positions, std::shared_ptr<CoveredTree> built) {
-            new (self) KnownPose{std::move(name), points_of(positions.object, "positions"), std::move(built)};
+          [](KnownPose* self, std::string name, ArrayGiven positions, const CoveredTree& built) {
+            // A copy: trees share it, and the collector of cycles could not tell whose it is.
+            new (self) KnownPose{std::move(name), points_of(positions.object, "positions"),
+                                 std::make_shared<const CoveredTree>(built)};
           },
           nb::arg("name"), nb::arg("positions"), nb::arg("built"))
       .def_ro("name", &KnownPose::name)
@@ -132,14 +134,8 @@ void bind_covered_tree(nb::module_& m) {
       [](const Cover& cover, PositionsGiven given, ArrayGiven rows, Threads* workers) {
         const Positions positions(given.object, "positions");
         const std::vector<Sphere> spheres = spheres_of(rows.object, "spheres");
-        if (positions.view().size() != cover.vertex_count) {
-          throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
-                                      " rows, but the cover is of " + std::to_string(cover.vertex_count) + " vertices");
-        }
-        if (spheres.size() != cover.region_begin.size()) {
-          throw std::invalid_argument("spheres: " + std::to_string(spheres.size()) + " rows, but the cover is of " +
-                                      std::to_string(cover.region_begin.size()) + " nodes");
-        }
+        require_rows(positions.view().size(), cover.vertex_count, "positions", 3, "the cover's vertices");
+        require_rows(spheres.size(), cover.region_begin.size(), "spheres", 4, "the cover's nodes");
         return without_gil([&] { return certify(cover, positions.view(), spheres, CallWorkers(workers)); });
       },
       nb::arg("cover"), nb::arg("positions"), nb::arg("spheres"), nb::arg("workers") = nb::none(), doc::certify);

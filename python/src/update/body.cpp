@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "motion.hpp"
@@ -19,8 +20,11 @@ namespace {
 
 std::vector<VertexRange> ranges_of(nb::handle given) {
   std::vector<VertexRange> ranges;
+  constexpr const char* wanted = "a list of pairs (begin, end) of vertices";
+  if (!nb::hasattr(given, "__iter__")) refuse_type(given, "changed", wanted);
   for (nb::handle range : nb::borrow<nb::object>(given)) {
-    ranges.push_back({nb::cast<std::uint32_t>(nb::object(range[0])), nb::cast<std::uint32_t>(nb::object(range[1]))});
+    const auto [begin, end] = value_of<std::pair<std::uint32_t, std::uint32_t>>(range, "changed", wanted);
+    ranges.push_back({begin, end});
   }
   return ranges;
 }
@@ -33,33 +37,45 @@ UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view a
   UpdateOptions options;
   options.rules.clear();
   const auto add = [&](nb::handle rule) {
-    options.rules.push_back(choice<Rule>(nb::cast<std::string_view>(rule), "rules", rule_from_name, all_rules()));
+    options.rules.push_back(choice<Rule>(value_of<std::string_view>(rule, "rules", "the name of a rule"), "rules",
+                                         rule_from_name, all_rules()));
   };
   if (PyUnicode_Check(rules.ptr())) {
     add(rules);
   } else {
+    if (!nb::hasattr(rules, "__iter__")) refuse_type(rules, "rules", "the name of a rule, or a list of names,");
     for (nb::handle rule : nb::borrow<nb::object>(rules)) add(rule);
   }
   options.conservative = conservative;
-  options.details.approach1_weights = choice<O::Weights>(approach1_weights, "approach1_weights",
-                                                         {{"uniform", O::Weights::uniform},
-                                                          {"inverse_distance", O::Weights::inverse_distance},
-                                                          {"area", O::Weights::area}});
-  options.details.approach1_inner_center = choice<O::InnerCenter>(
-      approach1_inner_center, "approach1_inner_center",
-      {{"children", O::InnerCenter::children}, {"linked_vertices", O::InnerCenter::linked_vertices}});
-  options.details.approach2_inner_boxes = choice<O::InnerBoxes>(
-      approach2_inner_boxes, "approach2_inner_boxes",
-      {{"child_spheres", O::InnerBoxes::child_spheres}, {"child_centers", O::InnerBoxes::child_centers}});
-  options.details.wrapped_center =
-      choice<O::WrappedCenter>(wrapped_center, "wrapped_center",
-                               {{"children", O::WrappedCenter::children}, {"smallest", O::WrappedCenter::smallest}});
+  options.details.approach1_weights = choice<O::Weights>(approach1_weights, "approach1_weights", weight_choices);
+  options.details.approach1_inner_center =
+      choice<O::InnerCenter>(approach1_inner_center, "approach1_inner_center", inner_center_choices);
+  options.details.approach2_inner_boxes =
+      choice<O::InnerBoxes>(approach2_inner_boxes, "approach2_inner_boxes", inner_box_choices);
+  options.details.wrapped_center = choice<O::WrappedCenter>(wrapped_center, "wrapped_center", wrapped_center_choices);
   options.details.distance_floor = distance_floor;
-  options.details.modal_bound = choice<O::ModalBound>(
-      modal_bound, "modal_bound", {{"gradient", O::ModalBound::gradient}, {"shift", O::ModalBound::shift}});
+  options.details.modal_bound = choice<O::ModalBound>(modal_bound, "modal_bound", modal_bound_choices);
   if (!modes.is_none()) options.modes = modes_of(modes, "modes");
   if (!skin.is_none()) options.skin = skin_of(skin, "skin");
   return options;
+}
+
+/// A pointer that keeps nothing: the holder of the body keeps the tree, where the collector sees it, and every copy of
+/// the body has such a holder.
+std::shared_ptr<const CoveredTree> borrowed_tree(const std::shared_ptr<const CoveredTree>& built) {
+  return {std::shared_ptr<const CoveredTree>(), built.get()};
+}
+
+std::shared_ptr<PosedBody> copied(const PosedBody& self) {
+  auto copy = std::make_shared<PosedBody>();
+  copy->mesh = again(self.mesh);
+  copy->built = again(self.built);
+  without_gil([&] {
+    const std::shared_lock lock(self.mutex);
+    copy->owned = std::make_unique<Body>(*self.owned);
+    for (const Positions& positions : self.last) copy->last.emplace_back(positions, 0);
+  });
+  return copy;
 }
 
 /// All frames in one call: spheres in mesh coordinates, frame after frame.
@@ -100,11 +116,11 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                            wrapped_center, distance_floor, modal_bound, modes, skin);
             auto mesh = mesh_of(given);
             auto owned = without_gil([&] {
-              return std::make_unique<Body>(*mesh, std::shared_ptr<const CoveredTree>(built), std::move(options),
-                                            CallWorkers(workers));
+              return std::make_unique<Body>(*mesh, borrowed_tree(built), std::move(options), CallWorkers(workers));
             });
             new (self) PosedBody();
             self->mesh = std::move(mesh);
+            self->built = std::move(built);
             self->owned = std::move(owned);
           },
           nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("rules") = "exact", nb::arg("conservative") = false,
@@ -113,10 +129,15 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           nb::arg("distance_floor") = 0.0, nb::arg("modal_bound") = "gradient", nb::arg("modes") = nb::none(),
           nb::arg("skin") = nb::none(), nb::arg("workers") = nb::none(),
           nb::sig("def __init__(self, mesh: morula.typing.MeshLike, built: CoveredTree, *, "
-                  "rules: str | collections.abc.Sequence[str] = 'exact', conservative: bool = False, "
-                  "approach1_weights: str = 'uniform', approach1_inner_center: str = 'children', "
-                  "approach2_inner_boxes: str = 'child_spheres', wrapped_center: str = 'children', distance_floor: "
-                  "float = 0.0, modal_bound: str = 'gradient', modes: Modes | morula.typing.FloatArray | None = None, "
+                  "rules: morula.typing.Rule | collections.abc.Sequence[morula.typing.Rule] = 'exact', conservative: "
+                  "bool = False, "
+                  "approach1_weights: morula.typing.Weights = 'uniform', approach1_inner_center: "
+                  "morula.typing.InnerCenter = "
+                  "'children', "
+                  "approach2_inner_boxes: morula.typing.InnerBoxes = 'child_spheres', wrapped_center: "
+                  "morula.typing.WrappedCenter = 'children', distance_floor: "
+                  "float = 0.0, modal_bound: morula.typing.ModalBound = 'gradient', modes: Modes | "
+                  "morula.typing.FloatArray | None = None, "
                   "skin: Skin | morula.typing.FloatArray | None = None, workers: Workers | None = None) -> None"),
           with_arguments(doc::Body_Body, {{"rules", doc::UpdateOptions},
                                           {"conservative", doc::UpdateOptions_conservative},
@@ -129,6 +150,7 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
             std::vector<Positions> positions;
             positions.emplace_back(given.object, "positions");
             const PositionView view = positions[0].view();
+            require_rows(view.size(), self.owned->vertex_count(), "positions", 3, "the body's vertices");
             if (changed.is_none()) {
               return updated(self, std::move(positions), workers,
                              [&](Body& body, Workers& w) { return body.update(view, w); });
@@ -152,6 +174,9 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           "follow",
           [](PosedBody& self, PositionsGiven given, Threads* workers) {
             const Positions frames = Positions::frames(given.object, "frames");
+            if (frames.frame_count() > 0)
+              require_rows(frames.view().size(), self.owned->vertex_count(), "frames", 3,
+                           "the body's vertices, in every frame");
             std::vector<Positions> one;
             for (std::size_t i = 0; i < frames.frame_count(); ++i) one.emplace_back(frames, i);
             auto spheres = follow(self, one.size(), workers,
@@ -210,6 +235,7 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
             std::vector<Positions> positions;
             positions.emplace_back(given.object, "positions");
             const PositionView view = positions[0].view();
+            require_rows(view.size(), self.owned->vertex_count(), "positions", 3, "the body's vertices");
             return updated(self, std::move(positions), workers,
                            [&](Body& body, Workers& w) { return body.update_lazily(view, level, w); });
           },
@@ -261,11 +287,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
           "certify",
           [](const PosedBody& self, PositionsGiven given, Threads* workers) {
             const Positions positions(given.object, "positions");
-            if (positions.view().size() != self.owned->vertex_count()) {
-              throw std::invalid_argument("positions: " + std::to_string(positions.view().size()) +
-                                          " rows, but the body has " + std::to_string(self.owned->vertex_count()) +
-                                          " vertices");
-            }
+            require_rows(positions.view().size(), self.owned->vertex_count(), "positions", 3, "the body's vertices");
             return without_gil([&] {
               CallWorkers call(workers);
               const std::shared_lock lock(self.mutex);
@@ -282,11 +304,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
           "certify_promised_levels",
           [](const PosedBody& self, ArrayGiven given, Threads* workers) {
             const std::vector<Vec3> positions = points_of(given.object, "positions");
-            if (positions.size() != self.owned->vertex_count()) {
-              throw std::invalid_argument("positions: " + std::to_string(positions.size()) +
-                                          " rows, but the body has " + std::to_string(self.owned->vertex_count()) +
-                                          " vertices");
-            }
+            require_rows(positions.size(), self.owned->vertex_count(), "positions", 3, "the body's vertices");
             return without_gil([&] {
               CallWorkers call(workers);
               const std::shared_lock lock(self.mutex);
@@ -326,14 +344,12 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
           "ownership", [](const PosedBody& self) { return self.owned->ownership(); }, doc::Body_ownership)
       .def_prop_ro("vertex_count", [](const PosedBody& self) { return self.owned->vertex_count(); })
       .def(
-          "__copy__",
-          [](const PosedBody& self) {
-            auto copy = std::make_shared<PosedBody>();
-            copy->mesh = self.mesh;
-            copy->owned = std::make_unique<Body>(*self.owned);
-            return copy;
-          },
-          doc::Body)
+          "__copy__", [](const PosedBody& self) { return copied(self); },
+          "A body of its own in the same frame. The mesh, the tree and the positions of the frame, which nobody writes "
+          "to, are shared.")
+      .def(
+          "__deepcopy__", [](const PosedBody& self, nb::handle) { return copied(self); }, nb::arg("memo"),
+          nb::sig("def __deepcopy__(self, memo: object) -> Body"), "As __copy__().")
       .def("__repr__", [](const PosedBody& self) {
         return "<morula.Body: " + std::to_string(self.owned->vertex_count()) + " vertices, " +
                std::to_string(self.pose().spheres.size()) + " nodes, " +
@@ -345,7 +361,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
 }  // namespace
 
 void bind_body(nb::module_& m) {
-  nb::class_<PosedBody> body(m, "Body", doc::Body);
+  nb::class_<PosedBody> body(m, "Body", collected<PosedBody>(), doc::Body);
   bind_pose(body);
   bind_body_updates(body);
   bind_body_questions(body);

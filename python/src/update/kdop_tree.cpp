@@ -20,7 +20,9 @@ struct HeldDops {
   KDopTree tree;
   mutable std::shared_mutex mutex;
 
-  explicit HeldDops(KDopTree&& made) : tree(std::move(made)) {}
+  std::size_t vertex_count;
+
+  HeldDops(KDopTree&& made, std::size_t vertices) : tree(std::move(made)), vertex_count(vertices) {}
 
   /// (nodes, k / 2): a copy.
   View<float, -1, -1> bounds(std::span<const float> (KDopTree::*side)(std::uint32_t) const) const {
@@ -45,13 +47,15 @@ void bind_kdop_tree(nb::module_& m) {
           "__init__",
           [](HeldDops* self, MeshGiven given, const CoveredTree& built, int k, Threads* workers) {
             const auto mesh = mesh_of(given);
-            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); }));
+            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); }),
+                                mesh->vertex_count());
           },
           nb::arg("mesh"), nb::arg("built"), nb::arg("k"), nb::arg("workers") = nb::none(), doc::KDopTree_KDopTree)
       .def(
           "update",
           [](HeldDops& self, PositionsGiven given, Threads* workers) {
             const Positions positions(given.object, "positions");
+            require_rows(positions.view().size(), self.vertex_count, "positions", 3, "the mesh's vertices");
             const UpdateStatus status = without_gil([&] {
               CallWorkers call(workers);
               const std::unique_lock lock(self.mutex);

@@ -23,6 +23,7 @@ struct SpheresView {
   std::uint64_t frame;
 
   bool is_current() const { return posed->frame() == frame; }
+  void visit(References& references) const { references(owner); }
   const PosedTree& pose() const {
     if (!is_current()) {
       throw std::runtime_error(

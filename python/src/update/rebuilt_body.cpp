@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "building.hpp"
+#include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
 #include "posed.hpp"
@@ -47,15 +48,14 @@ void bind_rebuilt_body(nb::module_& m) {
       .field("update", &RebuildStatus::update, doc::RebuildStatus_update)
       .field("swapped", &RebuildStatus::swapped, doc::RebuildStatus_swapped);
 
-  nb::class_<PosedRebuilt> body(m, "RebuiltBody", doc::RebuiltBody);
+  nb::class_<PosedRebuilt> body(m, "RebuiltBody", collected<PosedRebuilt>(), doc::RebuiltBody);
   bind_pose(body);
   body.def(
           "__init__",
-          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, std::string_view method,
-             std::string_view quality, std::string_view still_quality, std::uint64_t seed, double looser_by,
-             int check_every, int rebuild_every, double gain, int look_ahead_frames, double processor_share,
-             std::size_t reown_tests, bool fit_leaves, std::string_view thread, std::size_t sample_count,
-             Threads* workers) {
+          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, MethodName method, QualityName quality,
+             QualityName still_quality, std::uint64_t seed, double looser_by, int check_every, int rebuild_every,
+             double gain, int look_ahead_frames, double processor_share, std::size_t reown_tests, bool fit_leaves,
+             RebuildThreadName thread, std::size_t sample_count, Threads* workers) {
             RebuildOptions options;
             options.method = method_of(method);
             options.quality = quality_of(quality);
@@ -69,10 +69,7 @@ void bind_rebuilt_body(nb::module_& m) {
             options.processor_share = processor_share;
             options.reown_tests = reown_tests;
             options.fit_leaves = fit_leaves;
-            options.thread = choice<RebuildThread>(thread, "thread",
-                                                   {{"background", RebuildThread::background},
-                                                    {"caller", RebuildThread::caller},
-                                                    {"none", RebuildThread::none}});
+            options.thread = choice<RebuildThread>(thread, "thread", rebuild_thread_choices);
             options.sample_count = sample_count;
             auto mesh = mesh_of(given);
             auto owned =
@@ -105,6 +102,7 @@ void bind_rebuilt_body(nb::module_& m) {
             std::vector<Positions> positions;
             positions.emplace_back(given.object, "positions");
             const PositionView view = positions[0].view();
+            require_rows(view.size(), self.mesh->vertex_count(), "positions", 3, "the body's vertices");
             return updated(self, std::move(positions), workers,
                            [&](RebuiltBody& body, Workers& w) { return body.update(view, w); });
           },
@@ -143,9 +141,8 @@ void bind_looseness_estimate(nb::module_& m) {
           "estimate",
           [](HeldEstimator& self, const PosedBody& body, PositionsGiven given) {
             const Positions positions(given.object, "positions");
-            if (positions.view().size() != self.vertex_count || body.owned->vertex_count() != self.vertex_count)
-              throw std::invalid_argument("positions, body: " + std::to_string(self.vertex_count) +
-                                          " vertices are needed");
+            require_rows(positions.view().size(), self.vertex_count, "positions", 3, "the estimator's vertices");
+            require_rows(body.owned->vertex_count(), self.vertex_count, "body", 3, "the estimator's vertices");
             return own_numbers(without_gil([&] {
               const std::scoped_lock lock(self.mutex);
               const std::shared_lock reading(body.mutex);

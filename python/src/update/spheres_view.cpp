@@ -26,7 +26,7 @@ nb::object copy_of(nb::handle self) {
 
 void bind_spheres_view(nb::module_& m) {
   nb::class_<SpheresView>(
-      m, "SpheresView",
+      m, "SpheresView", collected<SpheresView>(),
       "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. Reads "
       "as an array and gives copies; once the body has moved on, reading it is a RuntimeError.")
       .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
@@ -49,6 +49,16 @@ void bind_spheres_view(nb::module_& m) {
           nb::arg("dtype") = nb::none(), nb::arg("copy") = nb::none(),
           nb::sig("def __array__(self, dtype: typing.Any = None, copy: bool | None = None) -> "
                   "numpy.typing.NDArray[typing.Any]"))
+      .def(
+          "__dlpack__", [](nb::handle self, nb::kwargs options) { return copy_of(self).attr("__dlpack__")(**options); },
+          nb::arg("options"),
+          nb::sig(
+              "def __dlpack__(self, *, stream: object = None, max_version: tuple[int, int] | None = None, dl_device: "
+              "tuple[int, int] | None = None, copy: bool | None = None) -> typing.Any"),
+          "Of a copy: what takes it may write to it.")
+      .def(
+          "__dlpack_device__", [](nb::handle) { return std::make_tuple(static_cast<int>(nb::device::cpu::value), 0); },
+          "The processor's memory.")
       .def(
           "__getitem__", [](nb::handle self, nb::handle index) -> nb::object { return copy_of(self)[index]; },
           nb::arg("index"), nb::sig("def __getitem__(self, index: typing.Any, /) -> typing.Any"))

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <morula/collide/convex_hull.hpp>
+#include <morula/geometry/nearest_rotation.hpp>
 #include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <string>
@@ -109,10 +110,9 @@ ConvexHull ConvexHull::box(const Box& box, const RigidTransform& placement) {
 
 ConvexHull ConvexHull::placed(const RigidTransform& placement) const {
   const StandardFloats standard;
-  if (!(deviation_from_rigid(placement) <= largest_rigid_deviation))
-    throw std::invalid_argument("the placement of a hull is not rigid or not finite");
+  const RigidTransform rigid = rigid_or_throw(placement, "the placement of a hull");
   ConvexHull hull = *this;
-  for (Vec3& p : hull.vertices_) p = placement(p);
+  for (Vec3& p : hull.vertices_) p = rigid(p);
   require_near(hull.vertices_);
   hull.measure();
   return hull;

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdint>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -125,8 +127,8 @@ std::vector<fs::path> frame_files(const fs::path& folder, std::string_view patte
       files.push_back(file);
   }
   if (error == std::errc::no_such_file_or_directory)
-    throw FileError(folder.string() + ": there is no such folder; check the name, or where you are");
-  if (error) throw FileError(folder.string() + ": the folder cannot be read (" + error.message() + ")");
+    throw SystemFileError(folder, "there is no such folder; check the name, or where you are", ENOENT);
+  if (error) throw SystemFileError(folder, "the folder cannot be read (" + error.message() + ")", error.value());
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cerrno>
 #include <charconv>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <set>
 
 #include "io/array/stored_zip.hpp"
@@ -88,8 +90,8 @@ Motion::Motion(const fs::path& path, const Mesh& mesh, const MotionOptions& opti
     const bool is_array = extension == ".npy" || extension == ".npz" || is_point_cache(extension);
     if (!is_array && format == nullptr) {
       if (!fs::exists(path, ignored))
-        throw FileError(path.string() + ": there is no such folder, and no file of this name; check the name, or " +
-                        "where you are");
+        throw SystemFileError(
+            path, "there is no such folder, and no file of this name; check the name, or where you are", ENOENT);
       throw FileError(path.string() +
                       ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
                       "ending in .npy .npz .pc2 .mdd " + readable_mesh_extensions());
@@ -192,7 +194,7 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
   std::error_code error;
   if (own_extension == ".npy" || is_point_cache(own_extension)) {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder, error)) throw FileError(path.string() + ": there is no such folder; make it first");
+    if (!fs::is_directory(folder, error)) throw SystemFileError(path, "there is no such folder; make it first", ENOENT);
     const bool is_npy = own_extension == ".npy";
     const std::string start = is_npy ? npy_start("<f8", std::array{frame_count, mesh.vertex_count(), std::size_t{3}})
                                      : point_cache_start(own_extension, mesh.vertex_count(), frame_count);

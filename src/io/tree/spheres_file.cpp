@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cerrno>
 #include <morula/io/spheres_file.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <morula/tree/nesting.hpp>
 #include <stdexcept>
 
@@ -35,7 +37,7 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
   std::error_code error;
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error))
-    throw FileError(path.string() + ": there is no such folder; make it first");
+    throw SystemFileError(path, "there is no such folder; make it first", ENOENT);
   // The headers and the arrays of the tree take less than 40 bytes a node and a few thousand more.
   const std::uint64_t nodes = tree.node_count();
   const std::uint64_t room = StoredZip::largest - (1u << 16) - 40 * nodes;

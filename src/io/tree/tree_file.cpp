@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
 #include <morula/geometry/scale.hpp>
+#include <morula/io/system_file_error.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/tree/ball_tree.hpp>
 #include <stdexcept>
@@ -54,7 +56,7 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
   const StandardFloats standard;
   const std::string extension = lower_extension(path);
   if (extension.empty() && !std::filesystem::exists(path))
-    throw FileError(path.string() + ": there is no such file or folder; check the name, or where you are");
+    throw SystemFileError(path, "there is no such file or folder; check the name, or where you are", ENOENT);
   if (!is_tree_extension(extension) && extension != ".ply") fail_unknown(path, extension);
   if (!is_finite(options.sph_origin)) throw std::invalid_argument("sph_origin has a coordinate that is not finite");
   return tree_of_bytes(path, read_whole(path), options);

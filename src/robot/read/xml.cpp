@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/system_file_error.hpp>
 
 namespace morula::robot {
 
@@ -20,7 +22,7 @@ constexpr std::uintmax_t most_bytes = 64u << 20;
 
 std::string bytes_of(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw FileError(fmt::format("{}: there is no such file", file.string()));
+  if (!std::filesystem::exists(file, error)) throw SystemFileError(file, "there is no such file", ENOENT);
   if (!std::filesystem::is_regular_file(file, error)) {
     throw FileError(fmt::format("{}: is no file; name the robot's description", file.string()));
   }

@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever is wrong with a call, the message is in Python's words: function, argument, what was given, what is taken."""
+
+import copy
+import errno
+import pickle
+import re
+
+import numpy
+import pytest
+
+import morula
+
+MODULES = [module for module in (morula._morula, getattr(morula._morula, "robot", None)) if module is not None]
+#: What a message may not have: words of the binding and of C++.
+FOREIGN = re.compile(r"nb::|nanobind|incompatible function|std::|morula::|_morula|bad_cast|0x[0-9a-f]{6}|\\\d")
+
+
+def functions():
+    """All functions of the extension, and all methods with an instance, or without one where none is made here."""
+    mesh = morula.sample_body("limb", 8)
+    built = morula.build(mesh, method="octree", depth=1)
+    body = morula.Body(mesh, built)
+    collider = morula.Collider(body)
+    surface = morula.SurfaceTree(mesh)
+    instances = [
+        mesh, built, built.tree, built.cover, body, body.spheres, collider, surface, morula.ContactQuery(), morula.CrossingQuery(),
+        morula.DistanceQuery(), morula.InsideQuery(body), morula.PenetrationQuery(body, body), morula.ProximityQuery(distance=0.1),
+        morula.SweptQuery(), morula.SurfaceCrossingQuery(), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
+        morula.BroadPhase(), morula.SignedDistance(mesh), morula.TriangleBvh(mesh), morula.KDopTree(mesh, built, 14),
+        morula.RebuiltBody(mesh, built, thread="none"), morula.PosedSpheres(built.tree), morula.RigidTransform(),
+        morula.ConvexHull.box((0, 0, 0), (1, 1, 1)), morula.LoosenessEstimator(mesh), morula.LoosenessMeter(mesh),
+        morula.sample_modes(mesh.positions), morula.sample_skin(mesh.positions), morula.collide(body, body), morula.Workers(1),
+    ]
+    of_class = {type(instance): instance for instance in instances}
+    for module in MODULES:
+        for name, value in vars(module).items():
+            if type(value).__name__ == "nb_func":
+                yield pytest.param(value, id=f"{module.__name__}.{name}")
+            elif isinstance(value, type) and value.__module__.startswith("morula."):
+                for method, function in vars(value).items():
+                    if type(function).__name__ not in ("nb_func", "nb_method"):
+                        continue
+                    bound = getattr(of_class[value], method) if value in of_class and method != "__init__" else getattr(value, method)
+                    yield pytest.param(value if method == "__init__" else bound, id=f"{value.__name__}.{method}")
+
+
+class Thing:
+    """Nothing that any function takes."""
+
+
+@pytest.mark.parametrize("function", list(functions()))
+def test_messages_are_in_words(function):
+    calls = [([Thing()] * count, {}) for count in range(12)]
+    calls += [([], {"no_such_argument": 1}), ([None] * 3, {}), ([-1] * 2, {}), (["a", "b"], {}), ([numpy.zeros(2)], {})]
+    name = getattr(function, "__name__", "")
+    for given, named in calls:
+        if name in ("__enter__", "__exit__", "__del__"):
+            continue
+        try:
+            function(*given, **named)
+        except TypeError as error:
+            text = str(error)
+            # An operator that does not know the other side is Python's to report.
+            assert not FOREIGN.search(text), text
+            assert "(): " in text or "operand" in text or "pickle" in text or "constructor" in text or "instances of" in text, text
+        except Exception as error:  # noqa: BLE001
+            assert not FOREIGN.search(str(error)), str(error)
+            assert not isinstance(error, (SystemError, RuntimeError)) or "(" in str(error) or " " in str(error)
+
+
+@pytest.fixture(scope="module")
+def body():
+    mesh = morula.sample_body("limb", 12)
+    return morula.Body(mesh, morula.build(mesh, method="octree", depth=1))
+
+
+def message(function, *given, error=TypeError, **named):
+    with pytest.raises(error) as caught:
+        function(*given, **named)
+    return str(caught.value)
+
+
+def test_the_argument_is_named(body):
+    mesh = body.mesh
+    said = message(body.update, None)
+    assert said.startswith("Body.update(): positions: None, but an array of float32 or float64 is needed")
+    assert "It takes (positions: FloatArray" in said
+    said = message(morula.build, mesh, workers=2)
+    assert said.startswith("build(): workers: 2, but Workers, such as morula.Workers(2), or None is needed")
+    said = message(morula.build, mesh, metod="grid")
+    assert said.startswith("build(): there is no argument 'metod', but there is 'method'")
+    assert message(morula.build).startswith("build(): mesh is missing")
+    assert "depth: 'deep', but an integer, or None is needed" in message(morula.build, mesh, depth="deep")
+    assert "method: 3, but one of octree, " in message(morula.build, mesh, method=3)
+    assert "at most 1 may have none" in message(morula.build, mesh, "grid")
+    assert message(morula.Collider(body).place, "there").startswith("Collider.place(): placement: ")
+    assert "seed: -1 is out of range" in message(morula.build, mesh, seed=-1)
+    assert message(morula.Body, mesh).startswith("Body(): built is missing")
+    # Where several are wrong, all are told.
+    said = message(morula.build, mesh, depth="deep", seed="x")
+    assert "depth: 'deep'" in said and "seed: 'x'" in said
+
+
+def test_errors_of_callbacks_are_theirs(body):
+    surface = morula.SurfaceTree(body.mesh)
+    with pytest.raises(TypeError, match="^mine$"):
+        morula.proximity(surface, distance=0.1, keeps=lambda *pair: (_ for _ in ()).throw(TypeError("mine")))
+    assert "keeps: 3, but None" in message(morula.proximity, surface, distance=0.1, keeps=3)
+
+
+def test_rows_are_counted(body):
+    count = body.vertex_count
+    short = body.mesh.positions[1:]
+    wanted = f"positions: {count} × 3 expected (the body's vertices), {count - 1} × 3 given"
+    assert message(body.update, short, error=ValueError) == wanted
+    large = morula.sample_body("limb", 24)
+    large = morula.Body(large, morula.build(large, method="octree", depth=1))
+    thousands = f"{large.vertex_count:,}"
+    said = message(large.update, large.mesh.positions[1:], error=ValueError)
+    assert said == f"positions: {thousands} × 3 expected (the body's vertices), {large.vertex_count - 1:,} × 3 given"
+    assert "," in thousands or large.vertex_count < 1000
+    assert "frames: " in message(body.follow, short[None], error=ValueError)
+
+
+def test_tensors_that_need_a_gradient_are_told_the_way(body):
+    class Tensor:
+        requires_grad = True
+
+        def __dlpack__(self, **options):
+            raise BufferError("Can't export tensors that require gradient, use tensor.detach()")
+
+        def __dlpack_device__(self):
+            return (1, 0)
+
+    assert "positions.detach()" in message(body.update, Tensor())
+
+
+def test_spheres_are_exchanged_by_dlpack(body):
+    rows = numpy.from_dlpack(body.spheres)
+    assert (rows == numpy.asarray(body.spheres)).all() and rows.dtype == numpy.float32
+    before = rows.copy()
+    body.update(body.mesh.positions * 2)
+    assert (rows == before).all()
+    rows[:] = 0
+    assert (numpy.asarray(body.spheres) != 0).any()
+    stale = body.spheres
+    body.update(body.mesh.positions)
+    with pytest.raises(RuntimeError, match="older frame"):
+        numpy.from_dlpack(stale)
+
+
+def test_copies_are_writable(body):
+    for rows in (body.copy_spheres(), body.follow(body.mesh.positions[None]), morula.deform(body.mesh, morula.Bend(10)),
+                 numpy.array(body.spheres), morula.Collider(body).vertices()):
+        assert rows.flags.writeable
+        rows[:] = 0
+    for rows in (body.mesh.positions, body.rest_tree.spheres):
+        assert not rows.flags.writeable
+
+
+def test_bodies_are_copied(body):
+    for copied in (copy.copy(body), copy.deepcopy(body), copy.deepcopy({"a": [body]})["a"][0]):
+        moved = copied.mesh.positions * 1.5
+        at_rest = body.copy_spheres()
+        assert copied.update(moved) and bool(copied.certify(moved))
+        assert (body.copy_spheres() == at_rest).all()
+        del moved
+
+
+def test_a_copy_keeps_the_positions_that_it_borrows(body):
+    mesh = body.mesh
+    one = morula.Body(mesh, morula.build(mesh, method="octree", depth=1))
+    one.update(numpy.array(mesh.positions) * 1.25)
+    other = copy.copy(one)
+    one.update(mesh.positions)
+    numpy.zeros((500, 3)), numpy.zeros((1000, 3))
+    del one
+    assert (morula.Collider(other).vertices() == numpy.array(mesh.positions) * 1.25).all()
+
+
+def test_placements_are_matrices_of_any_precision(body):
+    angle = 0.3
+    matrix = numpy.array([[numpy.cos(angle), -numpy.sin(angle), 0, 0.1], [numpy.sin(angle), numpy.cos(angle), 0, 0.2],
+                          [0, 0, 1, 0.3], [0, 0, 0, 1]])
+    collider = morula.Collider(body)
+    for given in (matrix, matrix[:3], morula.RigidTransform(matrix)):
+        collider.place(given)
+        assert (collider.placement.matrix == matrix).all()
+    collider.place(matrix.astype(numpy.float32))
+    assert morula.deviation_from_rigid(collider.placement) < 1e-15
+    assert numpy.abs(collider.placement.matrix - matrix).max() < 1e-7
+    collider.place((1, 2, 3))
+    assert collider.placement.translation == (1, 2, 3)
+    assert "placement.T" in message(collider.place, matrix.T, error=ValueError)
+    bent = matrix.copy()
+    bent[0, 0] *= 1.001
+    said = message(collider.place, bent, error=ValueError)
+    assert "0.000000" not in said and "deviate by 0.00" in said
+    assert collider.placement.translation == (1, 2, 3)
+
+
+def test_tables_are_iterable(body):
+    other = morula.Collider(body)
+    other.place((0.01, 0, 0))
+    contacts = morula.collide(body, other)
+    assert len(contacts) > 0
+    rows = list(contacts)
+    assert len(rows) == len(contacts) and rows[-1] == contacts[len(contacts) - 1]
+    pairs = morula.proximity(morula.SurfaceTree(body.mesh), distance=0.05)
+    assert [row["a"] for row in pairs] == list(pairs.a)
+    assert list(morula.proximity(morula.SurfaceTree(body.mesh), distance=1e-12)) == []
+
+
+def test_files_that_are_not_there_are_of_their_kind(tmp_path):
+    for read in (morula.read_mesh, morula.read_tree):
+        path = tmp_path / ("nowhere.obj" if read is morula.read_mesh else "nowhere.sph")
+        with pytest.raises(FileNotFoundError) as caught:
+            read(path)
+        assert (caught.value.filename, caught.value.errno) == (str(path), errno.ENOENT)
+        assert str(path) in str(caught.value) and "check the name" in str(caught.value)
+    folder = tmp_path / "folder.obj"
+    folder.mkdir()
+    with pytest.raises(IsADirectoryError):
+        morula.read_mesh(folder)
+    with pytest.raises(FileNotFoundError):
+        morula.write_mesh(tmp_path / "no" / "x.obj", morula.sample_body("limb", 8))
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 1 2\n")
+    with pytest.raises(OSError, match=r"bad\.obj:1") as caught:
+        morula.read_mesh(bad)
+    assert type(caught.value) is OSError
+    again = pickle.loads(pickle.dumps(FileNotFoundError(errno.ENOENT, "x", "y")))
+    assert again.filename == "y"
+
+
+def test_choices_of_type_checkers_are_those_of_the_library():
+    choices = morula._morula._choices
+    assert choices["Method"] == morula.all_methods() and choices["Quality"] == morula.all_qualities()
+    assert choices["Rule"] == morula.all_rules() and choices["Reduction"] == morula.all_reductions()
+    assert choices["Optimiser"] == morula.all_optimisers()
+    assert choices["ClumpFormatName"] == [written.name for written in morula.clump_formats()]
+    assert set(choices) <= set(morula.typing.__all__)
+    # Each is what its argument takes, and no more.
+    arguments = {
+        "Axis": lambda axis: morula.Bend(90, axis), "SignMethod": lambda name: morula.SignedDistance(morula.sample_body("limb", 8), name),
+        "Priority": lambda name: morula.ContactQuery(priority=name), "Features": lambda name: morula.ObstacleQuery(features=name),
+    }
+    for kind, make in arguments.items():
+        for word in choices[kind]:
+            make(word)
+        said = message(make, "nothing", error=ValueError)
+        assert "there are only " + ", ".join(choices[kind]) in said
