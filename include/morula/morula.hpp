@@ -33,6 +33,7 @@
 #include <morula/geometry/used_vertices.hpp>
 #include <morula/io/ball_file.hpp>
 #include <morula/io/file_formats.hpp>
+#include <morula/io/file_reference.hpp>
 #include <morula/io/frame_files.hpp>
 #include <morula/io/gltf_spheres.hpp>
 #include <morula/io/mesh_file.hpp>
