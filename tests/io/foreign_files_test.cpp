@@ -18,23 +18,23 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::string_literals;
 
-const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-const std::string rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-const std::string off = "OFF\n4 4 0\n" + rows;
-const std::string ply =
+const std::string sound_obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+const std::string sound_rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+const std::string sound_off = "OFF\n4 4 0\n" + sound_rows;
+const std::string sound_ply =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
     "property list uchar int vertex_indices\nend_header\n" +
-    rows;
+    sound_rows;
 
-std::string stl_facet(const std::string& a, const std::string& b, const std::string& c) {
+std::string facet_text(const std::string& a, const std::string& b, const std::string& c) {
   return "facet normal 0 0 0\n outer loop\n  vertex " + a + "\n  vertex " + b + "\n  vertex " + c +
          "\n endloop\nendfacet\n";
 }
-const std::string stl_facets = stl_facet("0 0 0", "0 1 0", "1 0 0") + stl_facet("0 0 0", "1 0 0", "0 0 1") +
-                               stl_facet("0 0 0", "0 0 1", "0 1 0") + stl_facet("1 0 0", "0 1 0", "0 0 1");
-const std::string stl = "solid x\n" + stl_facets + "endsolid x\n";
+const std::string sound_facets = facet_text("0 0 0", "0 1 0", "1 0 0") + facet_text("0 0 0", "1 0 0", "0 0 1") +
+                                 facet_text("0 0 0", "0 0 1", "0 1 0") + facet_text("1 0 0", "0 1 0", "0 0 1");
+const std::string sound_stl = "solid x\n" + sound_facets + "endsolid x\n";
 
-std::string binary_stl(const std::string& head) {
+std::string binary_solid(const std::string& head) {
   std::string bytes = head;
   bytes.resize(80, ' ');
   bytes += raw(std::uint32_t{4});
@@ -86,19 +86,19 @@ TEST(ForeignFiles, are_named_by_their_first_bytes) {
     add(lfs, "git lfs pull");
     add("\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03"s + std::string(200, 'x'), "gzip");
     add("PK\x03\x04\x14\x00\x00\x00"s + std::string(200, 'x'), "ZIP archive");
-    add("\xff\xfe" + wide(obj, true), "UTF-16");
-    add("\xfe\xff" + wide(obj, false), "UTF-16");
-    add(wide(obj, true), "UTF-16");
-    add(wide(stl, false), "UTF-16");
+    add("\xff\xfe" + wide(sound_obj, true), "UTF-16");
+    add("\xfe\xff" + wide(sound_obj, false), "UTF-16");
+    add(wide(sound_obj, true), "UTF-16");
+    add(wide(sound_stl, false), "UTF-16");
     add("<!DOCTYPE html>\n<html><body>Sign in</body></html>\n", "web page");
     add("\xef\xbb\xbf\n<!-- x --><HTML lang=\"en\"><body/></HTML>", "web page");
     add("404: Not Found", "download it anew");
     add("\x89PNG\r\n\x1a\n"s + std::string(100, '\0'), "PNG");
     add(std::string(500, '\0'), "zero bytes");
     if (extension != ".obj" && extension != ".off") add("Kaydara FBX Binary  \0\x1a\0"s + std::string(100, 'x'), "FBX");
-    if (extension != ".ply") add(ply, "name it .ply");
-    if (extension != ".off") add(off, "name it .off");
-    if (extension != ".stl") add(stl, "name it .stl");
+    if (extension != ".ply") add(sound_ply, "name it .ply");
+    if (extension != ".off") add(sound_off, "name it .off");
+    if (extension != ".stl") add(sound_stl, "name it .stl");
     if (extension != ".gltf" && extension != ".glb") add("glTF\x02\0\0\0"s, "name it .glb");
     if (extension != ".vtp" && extension != ".vtu") add("<?xml version=\"1.0\"?>\n<COLLADA></COLLADA>", "COLLADA");
   }
@@ -111,7 +111,7 @@ TEST(ForeignFiles, are_named_by_their_first_bytes) {
 TEST(ForeignFiles, a_binary_stl_may_begin_with_anything) {
   const ScratchFolder folder;
   for (const std::string& head : {"PK\x03\x04"s, "\x1f\x8b"s, "<html"s, "version https://git"s, "\xff\xfe"s, "ply\n"s})
-    EXPECT_TRUE(expect_tetrahedron(folder.file("a.stl", binary_stl(head))).notes.empty());
+    EXPECT_TRUE(expect_tetrahedron(folder.file("a.stl", binary_solid(head))).notes.empty());
 }
 
 TEST(ForeignFiles, lines_may_end_in_carriage_returns_alone) {
@@ -119,13 +119,14 @@ TEST(ForeignFiles, lines_may_end_in_carriage_returns_alone) {
   const std::string vtk =
       "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 4 16\n"
       "3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3\n";
-  for (const auto& [name, text] : {std::pair("a.obj", "# a comment\n" + obj), std::pair("a.off", off),
-                                   std::pair("a.ply", ply), std::pair("a.stl", stl), std::pair("a.vtk", vtk)}) {
+  for (const auto& [name, text] :
+       {std::pair("a.obj", "# a comment\n" + sound_obj), std::pair("a.off", sound_off), std::pair("a.ply", sound_ply),
+        std::pair("a.stl", sound_stl), std::pair("a.vtk", vtk)}) {
     for (const std::string end : {"\r", "\r\n"})
       EXPECT_TRUE(expect_tetrahedron(folder.file(name, replaced(text, "\n", end))).notes.empty()) << name;
   }
   // A continued line, and the number of the line that is wrong.
-  expect_tetrahedron(folder.file("a.obj", replaced(replaced(obj, "f 1 3", "f 1 \\\n3"), "\n", "\r")));
+  expect_tetrahedron(folder.file("a.obj", replaced(replaced(sound_obj, "f 1 3", "f 1 \\\n3"), "\n", "\r")));
   const fs::path wrong = folder.file("b.obj", "v 0 0 0\rv 1 0 0\rv 0 x 0\r");
   expect_file_error(wrong, 3, "'x' is not a number", [&] { read_mesh(wrong); });
   // A header in this way, its data binary and full of line feeds.
@@ -140,19 +141,19 @@ TEST(ForeignFiles, lines_may_end_in_carriage_returns_alone) {
 TEST(ForeignFiles, stl_in_unusual_ways_is_read) {
   const ScratchFolder folder;
   const auto notes = [&](const std::string& bytes) { return expect_tetrahedron(folder.file("a.stl", bytes)).notes; };
-  EXPECT_TRUE(notes("\xef\xbb\xbf" + stl).empty());
-  EXPECT_TRUE(notes(replaced(stl, "endsolid", "end solid")).empty());
-  EXPECT_TRUE(notes(replaced(replaced(stl, "endfacet", "end facet"), "endloop", "END LOOP")).empty());
-  EXPECT_TRUE(notes(replaced(stl, "normal 0 0 0", "normal 1.#IND 1.#IND 1.#QNAN")).empty());
-  const auto cut = notes("solid x\n" + stl_facets);
+  EXPECT_TRUE(notes("\xef\xbb\xbf" + sound_stl).empty());
+  EXPECT_TRUE(notes(replaced(sound_stl, "endsolid", "end solid")).empty());
+  EXPECT_TRUE(notes(replaced(replaced(sound_stl, "endfacet", "end facet"), "endloop", "END LOOP")).empty());
+  EXPECT_TRUE(notes(replaced(sound_stl, "normal 0 0 0", "normal 1.#IND 1.#IND 1.#QNAN")).empty());
+  const auto cut = notes("solid x\n" + sound_facets);
   ASSERT_EQ(cut.size(), 1u);
   EXPECT_NE(cut[0].find("no 'endsolid'"), std::string::npos) << cut[0];
   for (const std::string& more : {"\0"s, std::string(49, 'x'), std::string(4096, '\0'), std::string(100, '\n')}) {
-    const auto trailing = notes(binary_stl("x") + more);
+    const auto trailing = notes(binary_solid("x") + more);
     ASSERT_EQ(trailing.size(), 1u);
     EXPECT_EQ(trailing[0].find(std::to_string(more.size()) + " byte"), 0u) << trailing[0];
   }
-  const fs::path whole_facet = folder.file("b.stl", binary_stl("x") + std::string(50, 'x'));
+  const fs::path whole_facet = folder.file("b.stl", binary_solid("x") + std::string(50, 'x'));
   expect_file_error(whole_facet, 0, "counts 4 facets", [&] { read_mesh(whole_facet); });
 }
 
@@ -161,7 +162,7 @@ TEST(ForeignFiles, numbers_that_old_compilers_write_are_not_finite) {
                       {"b.obj", "v -1.#INF 0 0\n", 1, "x is not finite"},
                       {"a.off", "OFF\n1 0 0\n0 1.#QNAN0 0\n", 3, "y is not finite"},
                       {"a.stl", "solid x\nfacet\nouter loop\nvertex 0 -1.#IND 0\n", 4, "y is not finite"},
-                      {"a.ply", replaced(ply, "0 0 1\n", "0 0 1.#SNAN\n"), 13, "a coordinate is not finite"},
+                      {"a.ply", replaced(sound_ply, "0 0 1\n", "0 0 1.#SNAN\n"), 13, "a coordinate is not finite"},
                       {"a.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 1.#IND 0\n",
                        6, "y is not finite"}},
                      [](const fs::path& path) { read_mesh(path); });
@@ -170,7 +171,7 @@ TEST(ForeignFiles, numbers_that_old_compilers_write_are_not_finite) {
 TEST(ForeignFiles, obj_says_which_statements_it_leaves_out) {
   const ScratchFolder folder;
   const auto notes = [&](const std::string& more) {
-    return expect_tetrahedron(folder.file("a.obj", obj + more)).notes;
+    return expect_tetrahedron(folder.file("a.obj", sound_obj + more)).notes;
   };
   EXPECT_TRUE(notes("vn 0 0 1\nvt 0 0\nvp 0\no a\ng b\ns off\nusemtl c\nmtllib d.mtl\nl 1 2\np 1\ncurv 0 1 1 2\nend\n")
                   .empty());
@@ -184,8 +185,8 @@ TEST(ForeignFiles, obj_says_which_statements_it_leaves_out) {
   EXPECT_NE(surfaces[0].find("1 statement of free-form surfaces is left out"), std::string::npos) << surfaces[0];
   EXPECT_NE(surfaces[1].find("'call' on line 10"), std::string::npos) << surfaces[1];
   // Faces of old versions; and a file with nothing that is known says why it has none.
-  EXPECT_TRUE(expect_tetrahedron(folder.file("b.obj", replaced(obj, "f ", "fo "))).notes.empty());
-  const fs::path damaged = folder.file("c.obj", replaced(obj, "f ", "\0f "s));
+  EXPECT_TRUE(expect_tetrahedron(folder.file("b.obj", replaced(sound_obj, "f ", "fo "))).notes.empty());
+  const fs::path damaged = folder.file("c.obj", replaced(sound_obj, "f ", "\0f "s));
   expect_file_error(damaged, 0, "4 statements that OBJ does not know", [&] { read_mesh(damaged); });
 }
 
