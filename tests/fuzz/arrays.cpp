@@ -106,7 +106,8 @@ void write_balls_and_spheres(Bytes in) {
     return;
   }
   const std::string bytes = test::bytes_of(path);
-  const Mesh mesh = read_ply(path, bytes);
+  MeshReading reading;
+  const Mesh mesh = read_ply(path, bytes, reading);
   require(mesh.vertex_count() == balls.size(), "balls that were written read back as another number");
   for (std::size_t i = 0; i < balls.size(); ++i)
     require(std::memcmp(&mesh.positions[i], &balls[i].center, sizeof(Vec3)) == 0, "a ball read back elsewhere");
