@@ -158,6 +158,7 @@ def test_touches_begin_and_end():
     first, second = seen[1][0][0][0], seen[4][0][0][0]
     assert seen == [([], []), ([(first, True)], []), ([(first, False)], []), ([], [first]), ([(second, True)], [])] and first != second
     scene.sleep(up)
+    scene.update()                                   # looks at it for the last time
     ball.place((0.0, 9.0, 0.0))
     scene.update()
     assert len(scene.pairs()) == 1 and scene.is_asleep(up)
