@@ -70,8 +70,9 @@ def _label(function: Any) -> str:
 def _overload(signature: str) -> _Overload:
     # Defaults stand outside of the text, as \0, \1, ...
     lines = re.sub(r"\\\d+", "...", signature).strip().splitlines()
-    head = next(line for line in lines if line.startswith("def "))
-    definition = ast.parse(head.rstrip(": .") + ": ...").body[0]
+    # What it returns is no business of its arguments.
+    head = next(line for line in lines if line.startswith("def ")).rpartition(") -> ")[0]
+    definition = ast.parse(f"{head}): ...").body[0]
     assert isinstance(definition, ast.FunctionDef)
     args = definition.args
     positional = [*args.posonlyargs, *args.args]

@@ -163,7 +163,7 @@ void bind_io(nb::module_& m) {
           }
           return all;
         }));
-        return View<double, -1, -1, 3>(reinterpret_cast<const double*>(values->data()),
+        return Copy<double, -1, -1, 3>(reinterpret_cast<double*>(values->data()),
                                        {frame_count, mesh->vertex_count(), 3}, owner);
       },
       nb::arg("path"), nb::arg("mesh"), nb::kw_only(), nb::arg("frames_per_second") = 30.0, nb::arg("animation") = 0,
@@ -201,7 +201,7 @@ void bind_io(nb::module_& m) {
         ModalCoordinates read = read_coordinates(path, mode_count);
         const std::size_t frames = read.frame_count();
         auto [values, owner] = kept(std::move(read.coordinates));
-        return View<double, -1, -1>(values->data(), {frames, mode_count}, owner);
+        return Copy<double, -1, -1>(values->data(), {frames, mode_count}, owner);
       },
       nb::arg("path"), nb::arg("mode_count"), doc::read_coordinates);
   m.def(
@@ -216,7 +216,7 @@ void bind_io(nb::module_& m) {
         const BoneFrames read = read_bone_frames(path, bone_count, {frames_per_second, animation});
         const auto flat = own_transforms(read.transforms);
         auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
-        return View<double, -1, -1, 3, 4>(values->data(), {read.frame_count(), bone_count, 3, 4}, owner);
+        return Copy<double, -1, -1, 3, 4>(values->data(), {read.frame_count(), bone_count, 3, 4}, owner);
       },
       nb::arg("path"), nb::arg("bone_count"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
       nb::arg("animation") = 0, doc::read_bone_frames);

@@ -234,7 +234,7 @@ void bind_transform(nb::module_& m) {
           [](const RigidTransform& self) {
             const auto numbers = matrix_of(self);
             auto [values, owner] = kept(std::vector<double>(numbers.begin(), numbers.end()));
-            return View<double, 4, 4>(values->data(), {4, 4}, owner);
+            return Copy<double, 4, 4>(values->data(), {4, 4}, owner);
           },
           nb::rv_policy::automatic, "(4, 4) float64.")
       .def(

@@ -6,6 +6,7 @@
 #include <morula/io/system_file_error.hpp>
 #include <morula/morula.hpp>
 #include <string>
+#include <typeinfo>
 
 #include "calls.hpp"
 #include "holders.hpp"
@@ -40,6 +41,8 @@ NB_MODULE(_morula, m) {
       raise_os_error(error);
     } catch (const FileError& error) {
       PyErr_SetString(PyExc_OSError, error.what());
+    } catch (const std::bad_cast&) {
+      PyErr_SetString(PyExc_TypeError, "an argument is of another type than is needed");
     }
   });
   nb::exception<BuildStopped>(m, "BuildStopped", PyExc_RuntimeError).doc() = doc::BuildStopped;

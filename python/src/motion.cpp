@@ -62,7 +62,7 @@ std::vector<AffineTransform> transforms_of(nb::handle given, const char* name) {
   return transforms;
 }
 
-View<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms) {
+Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms) {
   std::vector<double> numbers;
   for (const AffineTransform& t : transforms) {
     for (int row = 0; row < 3; ++row) {
@@ -71,7 +71,7 @@ View<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transform
     }
   }
   auto [values, owner] = kept(std::move(numbers));
-  return View<double, -1, 3, 4>(values->data(), {transforms.size(), 3, 4}, owner);
+  return Copy<double, -1, 3, 4>(values->data(), {transforms.size(), 3, 4}, owner);
 }
 
 namespace {
@@ -229,7 +229,7 @@ void bind_modes(nb::module_& m) {
       "sample_coordinates",
       [](std::size_t mode_count, std::size_t frame_count) {
         auto [values, owner] = kept(sample_coordinates(mode_count, frame_count));
-        return View<double, -1, -1>(values->data(), {frame_count, mode_count}, owner);
+        return Copy<double, -1, -1>(values->data(), {frame_count, mode_count}, owner);
       },
       nb::arg("mode_count"), nb::arg("frame_count"), doc::sample_coordinates);
   m.def(
@@ -242,7 +242,7 @@ void bind_modes(nb::module_& m) {
         auto flat = own_transforms(frames);
         const std::size_t bones = frame_count == 0 ? 0 : frames.size() / frame_count;
         auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
-        return View<double, -1, -1, 3, 4>(values->data(), {frame_count, bones, 3, 4}, owner);
+        return Copy<double, -1, -1, 3, 4>(values->data(), {frame_count, bones, 3, 4}, owner);
       },
       nb::arg("rest"), nb::arg("frame_count"), doc::sample_bones);
   m.def(
@@ -302,7 +302,7 @@ void bind_motion(nb::module_& m) {
           }
           return frames;
         }));
-        return View<double, -1, -1, 3>(reinterpret_cast<const double*>(values->data()),
+        return Copy<double, -1, -1, 3>(reinterpret_cast<double*>(values->data()),
                                        {frame_count, mesh->vertex_count(), 3}, owner);
       },
       nb::arg("rest"), nb::arg("deformations"), nb::kw_only(), nb::arg("frame_count"), nb::arg("and_back") = true,

@@ -150,7 +150,7 @@ void bind_shapes(nb::module_& m) {
               });
               return flags;
             }));
-            return Flags(reinterpret_cast<const bool*>(inside->data()), {inside->size()}, owner);
+            return Copy<bool, -1>(reinterpret_cast<bool*>(inside->data()), {inside->size()}, owner);
           },
           nb::arg("points"), nb::arg("workers") = nb::none(), "(n,) bool: is the distance negative? points: (n, 3).")
       .def(

@@ -66,7 +66,7 @@ void bind_inside(nb::module_& m) {
               }
               return inside;
             }));
-            return View<bool, -1>(reinterpret_cast<const bool*>(values->data()), {values->size()}, owner);
+            return Copy<bool, -1>(reinterpret_cast<bool*>(values->data()), {values->size()}, owner);
           },
           nb::arg("points"), "Is each point inside the solid or on its surface? points: (n, 3); returns (n,) bool.")
       .def(

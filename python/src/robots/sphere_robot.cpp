@@ -107,7 +107,7 @@ void bind_sphere_robot(nb::module_& m) {
               }
               return collides;
             }));
-            return View<bool, -1>(reinterpret_cast<const bool*>(found->data()), {found->size()}, owner);
+            return Copy<bool, -1>(reinterpret_cast<bool*>(found->data()), {found->size()}, owner);
           },
           nb::arg("values"),
           "pose() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "

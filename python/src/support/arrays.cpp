@@ -49,6 +49,12 @@ bool is_float(const Any& array) {
   return is_kind(array, nb::dlpack::dtype_code::Float) && (array.dtype().bits == 32 || array.dtype().bits == 64);
 }
 
+/// Copies of large arrays are long calls, too: to be told the number of every row. Throws what a signal's handler
+/// raised.
+void check_signals_at(std::size_t row) {
+  if (row % 65536 == 65535 && PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
 bool is_true(nb::handle object, const char* attribute) {
   return nb::hasattr(object, attribute) && object.attr(attribute).is(nb::bool_(true));
 }
@@ -169,6 +175,7 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
   }
   copy_ = std::make_shared<std::vector<Vec3>>(frame_count_ * count);
   for (std::size_t i = 0; i < copy_->size(); ++i) {
+    check_signals_at(i);
     double v[3];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t index[]{axes == 3 ? i / count : i, axes == 3 ? i % count : k, k};
@@ -183,8 +190,10 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
 std::vector<Vec3> points_of(nb::handle given, const char* name) {
   const Any array = rows_of(given, name, 3, "");
   std::vector<Vec3> points(array.shape(0));
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    check_signals_at(i);
     points[i] = {number(array, i, 0), number(array, i, 1), number(array, i, 2)};
+  }
   return points;
 }
 
@@ -192,6 +201,7 @@ std::vector<Sphere> spheres_of(nb::handle given, const char* name) {
   const Any array = rows_of(given, name, 4, ", x y z radius,");
   std::vector<Sphere> spheres(array.shape(0));
   for (std::size_t i = 0; i < spheres.size(); ++i) {
+    check_signals_at(i);
     spheres[i] = {{number(array, i, 0), number(array, i, 1), number(array, i, 2)}, number(array, i, 3)};
   }
   return spheres;
@@ -216,6 +226,7 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
   std::vector<double> numbers(count);
   std::vector<std::size_t> index(shape.size(), 0);
   for (double& n : numbers) {
+    check_signals_at(static_cast<std::size_t>(&n - numbers.data()));
     n = array.dtype().bits == 32 ? at<float>(array, index.data()) : at<double>(array, index.data());
     for (std::size_t axis = index.size(); axis-- > 0 && ++index[axis] == shape[axis];) index[axis] = 0;
   }
@@ -229,6 +240,7 @@ void read_integers(const Any& array, const char* name, std::uint32_t* to) {
   const std::size_t columns = array.ndim() == 2 ? array.shape(1) : 1;
   const std::int64_t across = array.ndim() == 2 ? array.stride(1) : 0;
   for (std::size_t i = 0; i < array.shape(0); ++i) {
+    check_signals_at(i);
     for (std::size_t k = 0; k < columns; ++k) {
       const Integer value = static_cast<const Integer*>(
           array.data())[array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k)];

@@ -18,6 +18,6 @@ Skin skin_of(nb::handle given, const char* name);
 std::vector<AffineTransform> transforms_of(nb::handle given, const char* name);
 /// Of three rows of four numbers.
 AffineTransform transform_of(const double* rows);
-View<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms);
+Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms);
 
 }  // namespace morula::python

@@ -80,7 +80,7 @@ std::shared_ptr<PosedBody> copied(const PosedBody& self) {
 
 /// All frames in one call: spheres in mesh coordinates, frame after frame.
 template <class Frame>
-View<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to) {
+Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to) {
   const std::size_t node_count = self.pose().spheres.size();
   std::vector<Sphere> spheres;
   std::size_t at = 0;
@@ -101,7 +101,7 @@ View<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
   });
   if (!status) throw std::invalid_argument("frame " + std::to_string(at) + ": " + message(status));
   auto [values, owner] = kept(std::move(spheres));
-  return View<double, -1, -1, 4>(reinterpret_cast<const double*>(values->data()), {frame_count, node_count, 4}, owner);
+  return Copy<double, -1, -1, 4>(reinterpret_cast<double*>(values->data()), {frame_count, node_count, 4}, owner);
 }
 
 void bind_body_updates(nb::class_<PosedBody>& body) {

@@ -25,7 +25,7 @@ struct HeldDops {
   HeldDops(KDopTree&& made, std::size_t vertices) : tree(std::move(made)), vertex_count(vertices) {}
 
   /// (nodes, k / 2): a copy.
-  View<float, -1, -1> bounds(std::span<const float> (KDopTree::*side)(std::uint32_t) const) const {
+  Copy<float, -1, -1> bounds(std::span<const float> (KDopTree::*side)(std::uint32_t) const) const {
     auto [values, owner] = kept(without_gil([&] {
       const std::shared_lock lock(mutex);
       std::vector<float> all;
@@ -35,7 +35,7 @@ struct HeldDops {
       }
       return all;
     }));
-    return View<float, -1, -1>(values->data(), {tree.node_count(), static_cast<std::size_t>(tree.k() / 2)}, owner);
+    return Copy<float, -1, -1>(values->data(), {tree.node_count(), static_cast<std::size_t>(tree.k() / 2)}, owner);
   }
 };
 
