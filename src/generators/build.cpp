@@ -112,7 +112,9 @@ void remove_useless_divisions(const BuildOptions& options, CoveredTree& built) {
   const std::size_t leaves = remove_equal_children(built, !options.depth);
   if (leaves == 0) return;
   built.report.notes.push_back(
-      std::to_string(leaves) + " nodes stay leaves, because their parts would be as large as they" +
+      std::to_string(leaves) +
+      (leaves == 1 ? " node stays a leaf, because its parts would be as large as it is"
+                   : " nodes stay leaves, because their parts would be as large as they are") +
       (built.tree.node_count() == 1 ? "; a given depth keeps the parts for bodies that deform" : ""));
 }
 

@@ -87,8 +87,7 @@ std::string claims_text(std::span<const Claim> claims, bool quick) {
   if (quick)
     text +=
         "A quick study decides what is marked \"always\". Its other verdicts, in brackets, are about a small body "
-        "with\n"
-        "few samples; those of a full study may be the opposite.\n\n";
+        "with few samples; those of a full study may be the opposite.\n\n";
   for (const ClaimOrigin origin : {ClaimOrigin::paper, ClaimOrigin::ours}) {
     text += origin == ClaimOrigin::paper ? "What the paper claims, and whether it holds here\n"
                                          : "\nWhat it did not measure\n";
