@@ -41,32 +41,29 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
                           const ReduceSettings& settings) {
   std::optional<ObjectShape> object(std::in_place, mesh, workers);
   const ObjectShape& shape = *object;
+  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
+  const FitInput input = fit_input(mesh, shape, lines);
+  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
+    constexpr int rounds = 2;
+    if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
+  };
   Reducer reducer = combined_reducer(std::move(reductions), run);
   if (is_flat_set(run)) {
     const ObjectLines fine(mesh, shape, flat_set_cells, workers);
     const FitInput fine_input = fit_input(mesh, shape, fine);
-    LevelInputs inputs(mesh, shape, workers);
     const auto divider = [&](const FitInput& by, const BuildRun& level) {
       return divide_by(by, level, reducer, settings);
     };
-    const FlatSetBy by{.one_level = [&](std::size_t most) { return divider(inputs.of(most), run.one_level(most)); },
-                       .halves = divider(inputs.of(2), run.one_level(2)),
+    const FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
                        .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
                        .improve =
                            [&](std::vector<BuildNode>& nodes) {
                              constexpr int rounds = 2;
                              exchange(fine_input, nodes, rounds, workers);
                            },
-                       .quick = true,
-                       .halfway = true};
-    return flat_set(fine_input, run, by, workers);
+                       .quick = true};
+    return flat_set(input, fine, run, by, workers);
   }
-  const ObjectLines lines(mesh, shape, lattice_cells(mesh, shape, run.branching, run.depth), workers);
-  const FitInput input = fit_input(mesh, shape, lines);
-  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
-    constexpr int rounds = 2;
-    if (nodes[0].level >= 2) exchange(input, nodes, rounds, workers);
-  };
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   const auto forget = [&] { object.reset(); };
   if (settings.balance[0] == 0 || run.depth < 2 || flat)

@@ -12,7 +12,6 @@
 // upper levels give each child an equal share of that demand, as far as their own fit allows.
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <memory>
 #include <morula/geometry/sampling.hpp>
@@ -303,38 +302,6 @@ std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
   return std::min(effort.medial_samples, std::max(least, nodes * enough_seeds));
 }
 
-CoveredTree build_own_set(const Mesh& mesh, const BuildRun& run, const ObjectShape& shape, const Effort& effort,
-                          const std::vector<Sphere>& balls, Workers& workers) {
-  LevelInputs inputs(mesh, shape, workers);
-  const ObjectLines fine(mesh, shape, flat_set_cells, workers);
-  const FitInput fine_input = fit_input(mesh, shape, fine);
-  const std::vector<Sphere> no_balls;
-  // Numbers between powers of two are there so that sets in between need not be joined as far.
-  Effort from_one_start = effort;
-  from_one_start.starts[0] = 1;
-  const auto is_between = [](std::size_t most) { return most > 8 && !std::has_single_bit(most); };
-  const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& with,
-                           const std::vector<Sphere>& of_object) -> Divider {
-    const auto level = std::make_shared<const BuildRun>(level_run);
-    return [level, divide = OwnDivider(by, *level, with, of_object, {}, workers)](const BuildNode& node) {
-      return divide(node);
-    };
-  };
-  const FlatSetBy by{
-      .one_level =
-          [&](std::size_t most) {
-            return divider(inputs.of(most), run.one_level(most), is_between(most) ? from_one_start : effort, balls);
-          },
-      .halves = divider(fine_input, run.one_level(2), fast, no_balls),
-      .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth), effort, balls); },
-      .improve = effort.exchanges == 0
-                     ? LevelHook{}
-                     : [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
-      .quick = effort.balance[0] == 0,
-      .halfway = effort.balance[0] != 0};
-  return flat_set(fine_input, run, by, workers);
-}
-
 }  // namespace
 
 CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& workers) {
@@ -356,10 +323,9 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   std::optional<ObjectShape> object;
   asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
   const ObjectShape& shape = *object;
-  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
-  if (is_flat_set(run)) return build_own_set(mesh, run, shape, effort, balls, workers);
-  const ObjectLines lines(mesh, shape, lattice_cells(mesh, shape, run.branching, run.depth), workers);
+  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
+  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
       // Siblings have shared demand out evenly: level 1 keeps what it owns.
@@ -369,6 +335,24 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
         settle(input, nodes, rounds, workers);
     });
   };
+  if (is_flat_set(run)) {
+    const ObjectLines fine(mesh, shape, flat_set_cells, workers);
+    const FitInput fine_input = fit_input(mesh, shape, fine);
+    const auto divider = [&](const FitInput& by, const BuildRun& level_run) -> Divider {
+      const auto level = std::make_shared<const BuildRun>(level_run);
+      return [level, divide = OwnDivider(by, *level, effort, balls, {}, workers)](const BuildNode& node) {
+        return divide(node);
+      };
+    };
+    const FlatSetBy by{
+        .one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
+        .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
+        .improve = effort.exchanges == 0
+                       ? LevelHook{}
+                       : [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
+        .quick = effort.balance[0] == 0};
+    return flat_set(input, fine, run, by, workers);
+  }
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {
     const OwnDivider divide(input, run, effort, balls, {}, workers);
     return top_down(mesh, run, {}, divide, workers, flat ? &shape.distance() : nullptr, &lines,

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <generators/driver/union_volume.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
@@ -27,22 +26,6 @@ TEST(UnionVolume, of_one_sphere_is_its_outside_volume) {
     const double exact = outside_volume(on.shape.distance(), s);
     EXPECT_NEAR(volume.outside({&s, 1}), exact, 0.05 * exact) << "at " << s.center.x << ", " << s.center.y;
   }
-}
-
-// Beside the object, where all of a sphere is outside, two of them share a lens of known volume.
-TEST(UnionVolume, that_two_spheres_take_in_both_is_a_lens) {
-  const OnCapsule on;
-  const UnionVolume volume(on.lines);
-  const Sphere a{{0, 5, 0}, 0.7};
-  for (const double apart : {0.0, 0.2, 0.6, 1.1, 1.5}) {
-    const Sphere b{{0.6 * apart, 5, 0.8 * apart}, 0.7};
-    const double across = std::max(0.0, 1.4 - apart), lens = M_PI * (2.8 + apart) * across * across / 12;
-    EXPECT_NEAR(volume.outside_both(a, b), lens, 0.05 * lens) << apart;
-  }
-  const Sphere small{{0.1, 5.1, 0}, 0.3}, inside{{0, 0, 0}, 0.2};
-  EXPECT_NEAR(volume.outside_both(a, small), 4.0 / 3 * M_PI * 0.027, 0.01);
-  EXPECT_EQ(volume.outside_both(small, a), volume.outside(small));
-  EXPECT_EQ(volume.outside_both(inside, {{0, 0, 0}, 0.25}), 0);
 }
 
 // Spheres that come and go, twice in a set, side by side with others that reach far out; on bodies whose faces lie on

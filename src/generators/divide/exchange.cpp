@@ -161,12 +161,6 @@ class Exchange {
     hand_over(gifts);
   }
 
-  Sphere refitted(std::size_t i) const {
-    std::vector<Vec3> corners;
-    corner_positions(mesh_, nodes_[i].region, corners);
-    return fit(i, corners);
-  }
-
   void refit(Workers& workers) {
     std::vector<Sphere> fitted(nodes_.size());
     workers.run(nodes_.size(), [&](std::size_t i) {
@@ -307,10 +301,6 @@ void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, 
 void settle(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
   Exchange level(input, nodes);
   for (int round = 0; round < rounds; ++round) level.refit(workers);
-}
-
-Sphere settled(const FitInput& input, std::vector<BuildNode>& nodes, std::size_t node) {
-  return Exchange(input, nodes).refitted(node);
 }
 
 }  // namespace morula::detail

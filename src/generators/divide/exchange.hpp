@@ -15,7 +15,5 @@ void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, 
 /// The second half of it alone: nothing changes hands, each sphere is fitted to what it owns, beside those of all
 /// others.
 void settle(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers);
-/// The sphere of one node fitted to what it owns, beside those of all others. Nothing changes.
-Sphere settled(const FitInput& input, std::vector<BuildNode>& nodes, std::size_t node);
 
 }  // namespace morula::detail

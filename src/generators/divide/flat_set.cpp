@@ -6,12 +6,10 @@
 #include <array>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
 #include <optional>
 
-#include "generators/divide/fewer_spheres.hpp"
 #include "generators/divide/largest_protrusion.hpp"
 #include "generators/driver/driver.hpp"
 #include "generators/driver/join.hpp"
@@ -21,20 +19,15 @@
 namespace morula::detail {
 namespace {
 
-// The numbers of spheres that are sought at once, up to the first that is no less than those wanted. Numbers between
-// two of them get the set of the one above, joined, or that of the one below, divided. Where fits are fast, joined sets
-// are tighter than sets sought down to half the number and beyond; those of thorough fits down to two thirds.
-std::vector<std::size_t> ladder(std::size_t spheres, bool halfway) {
-  std::vector<std::size_t> rungs;
-  const auto add = [&](std::size_t rung) {
-    if (rungs.empty() || rungs.back() < spheres) rungs.push_back(rung);
-  };
-  for (const std::size_t few : {2, 3, 4, 6}) add(few);
-  for (std::size_t power = 8; power <= most_at_once; power *= 2) {
-    add(power);
-    if (halfway && power < most_at_once) add(power + power / 2);
-  }
-  return rungs;
+// The sizes that a set of so many spheres is compared with, and that size. A set is never looser than one of a size
+// below it in this list, since it goes through the same sets on the way to its own.
+std::vector<std::size_t> sizes_up_to(std::size_t spheres) {
+  std::vector<std::size_t> sizes;
+  for (const std::size_t few : {2, 3, 4, 6})
+    if (few < spheres) sizes.push_back(few);
+  for (std::size_t power = 8; power < spheres; power *= 2) sizes.push_back(power);
+  if (spheres > 1) sizes.push_back(spheres);
+  return sizes;
 }
 
 struct Set {
@@ -46,38 +39,42 @@ struct Set {
 
 class FlatSet {
  public:
-  FlatSet(const FitInput& input, const BuildRun& run, const FlatSetBy& by, Workers& workers)
+  FlatSet(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by, Workers& workers)
       : input_(input),
-        union_(input.lines),
+        union_(lines),
         run_(run),
         by_(by),
         workers_(workers),
-        halve_(by.halves),
+        halve_(by.one_level(2)),
         too_small_(smallest_radius(run)),
         root_(root_node(input.mesh, run, {})) {}
 
   CoveredTree operator()() {
     run_.tell(0, 0);
     report_ = new_report(input_.mesh, run_);
-    best_ = only_root();
+    Set best = only_root();
     const double prepared = run_.seconds();
     bool in_time = !run_.out_of_time();
-    const std::vector<std::size_t> rungs = ladder(run_.spheres, by_.halfway);
+    const std::vector<std::size_t> sizes = sizes_up_to(run_.spheres);
     double gone = 0, all = 0;
-    for (const std::size_t rung : rungs) all += static_cast<double>(rung);
-    std::size_t below = 1;
-    for (const std::size_t rung : rungs) {
-      if (!in_time) break;
+    for (const std::size_t n : sizes) all += static_cast<double>(n);
+    // Each smaller set as it would be on its own, so that the next cannot be looser.
+    for (std::size_t k = 0; k < sizes.size() && in_time; ++k) {
       run_.throw_if_stopped();
-      climb(below, rung);
-      below = rung;
-      gone += static_cast<double>(rung);
+      Set now = one_level(sizes[k]);
+      if (by_.improve && sizes[k] == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
+      if (by_.quick || is_slender(now))
+        if (std::optional<Set> other = last_level(sizes[k]); other && other->outside < now.outside)
+          now = *std::move(other);
+      if (now.outside < best.outside) best = std::move(now);
+      spend_rest(best, sizes[k]);
+      gone += static_cast<double>(sizes[k]);
       const double share = 0.95 * gone / all;
       run_.tell(share, 1, (run_.seconds() - prepared) * (1 - share) / share);
       in_time = !run_.out_of_time();
     }
     run_.throw_if_stopped();
-    return tree_of(std::move(best_), !in_time);
+    return tree_of(std::move(best), !in_time);
   }
 
  private:
@@ -126,20 +123,17 @@ class FlatSet {
     return *middle < much_nearer;
   }
 
-  // Levels of a tree that may have so many leaves.
-  int tree_depth(std::size_t most) const {
+  // The leaves of a tree of as many levels as the number of spheres allows; nothing where that is one level, or where
+  // they are too many.
+  std::optional<Set> last_level(std::size_t most) {
     // Trees seldom use all their places: one that could have a few leaves too many may have few enough.
     const std::size_t about = most + most / 4;
     int depth = 0;
     for (std::size_t leaves = 1; leaves <= about / static_cast<std::size_t>(run_.branching); ++depth)
       leaves *= static_cast<std::size_t>(run_.branching);
-    return depth;
-  }
-
-  // Trees of all depths that numbers from below + 1 to `most` may have, beyond one level.
-  void make_trees(std::size_t below, std::size_t most) {
-    for (int depth = std::max(2, tree_depth(below + 1)); depth <= tree_depth(most); ++depth)
-      if (!trees_.contains(depth)) trees_[depth] = leaves_of_tree(depth);
+    if (depth < 2) return std::nullopt;
+    if (tree_depth_ != depth) tree_ = leaves_of_tree(depth), tree_depth_ = depth;
+    return tree_.leaves.size() > most ? std::nullopt : std::optional(tree_);
   }
 
   // Its first level is the set of so many that is at hand, with parts that have changed hands.
@@ -176,105 +170,34 @@ class FlatSet {
     return set;
   }
 
-  // From the best set of at most `below` spheres to that of at most `rung`, or of at most so many as are wanted.
-  //
-  // A set is never looser than one of fewer spheres, by construction. Between `below` and `rung` the set of n spheres
-  // is the tightest of up(n), down(n) and the trees of at most n leaves. up(n) is the best set from below with one
-  // sphere divided after the other; down(n) is the rung's set with one pair joined after the other. Neither depends on
-  // how many spheres are wanted, and neither gets looser as n grows. So the sets of n and n + 1 are chosen from the
-  // same rows, and the latter has the further places in them. No set of down is tighter than the rung's, so a climb
-  // that passes the rung need not join.
-  void climb(std::size_t below, std::size_t rung) {
-    const std::size_t most = std::min(rung, run_.spheres);
-    Set top = sought(rung);
-    const double sought_outside = top.outside;
-    if (by_.quick || is_slender(top)) make_trees(below, most);
-    const bool is_tighter = top.outside < best_.outside;
-    std::optional<Set> down;
-    if (is_tighter) down = most < rung ? joined_down(top, below, most) : std::optional(std::move(top));
-    if (by_.halfway || !is_tighter) Places(*this, best_).spend(most);
-    if (down && down->outside < best_.outside) best_ = *std::move(down);
-    for (auto& [depth, tree] : trees_) {
-      if (tree.leaves.size() > most) continue;
-      if (tree.outside < sought_outside) Places(*this, tree).spend(most);
-      if (tree.outside < best_.outside) best_ = tree;
-    }
-  }
-
-  // down(most): of at most so many spheres and more than `below`; nothing where the best set from below is no looser.
-  // A set belongs to the row if it takes in no less than those of more spheres, and less than with another join.
-  std::optional<Set> joined_down(const Set& top, std::size_t below, std::size_t most) {
-    if (top.leaves.size() <= most) return top;
-    FewerSpheres fewer(input_, union_, top.leaves);
-    double least = top.outside;  // of the set before
-    std::optional<Set> last;     // belongs to the row if the next join does not make it tighter
-    std::size_t last_count = top.leaves.size();
-    while (last_count > below + 1 && !run_.out_of_time() && fewer.join()) {
+  // Places that are left go to the spheres that take in most, as long as that helps.
+  void spend_rest(Set& set, std::size_t most) {
+    if (set.leaves.size() >= most) return;
+    std::vector<double> worth;
+    for (const BuildNode& leaf : set.leaves) worth.push_back(union_.outside(leaf.sphere));
+    constexpr int most_failures = 3;
+    for (int failures = 0; set.leaves.size() < most && failures < most_failures && !run_.out_of_time();) {
       run_.throw_if_stopped();
-      const double now = fewer.outside();
-      if (last && now >= last->outside) {
-        if (last_count <= most) return last;
-        least = last->outside;
-      }
-      last_count = fewer.leaves().size();
-      last.reset();
-      if (now >= best_.outside) return std::nullopt;
-      if (now < least) continue;
-      last = Set{{}, now, top.leftover_patches, top.reducer};
-      if (last_count <= most) last->leaves = fewer.leaves();
-    }
-    return last_count <= most ? last : std::nullopt;
-  }
-
-  // At most so many spheres, all sought at once.
-  Set sought(std::size_t most) {
-    Set now = one_level(most);
-    if (by_.improve && most == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
-    Places(*this, now).spend(most);
-    return now;
-  }
-
-  // Places that are left go to the spheres that take in most, as long as that helps. The first divisions are the same
-  // for any number of places.
-  class Places {
-   public:
-    Places(FlatSet& sets, Set& set) : sets_(sets), set_(set) {}
-    void spend(std::size_t most) {
-      constexpr int most_failures = 3;
-      if (set_.leaves.size() >= most) return;
-      for (const BuildNode& leaf : set_.leaves) worth_.push_back(sets_.union_.outside(leaf.sphere));
-      while (set_.leaves.size() < most && failures_ < most_failures && !sets_.run_.out_of_time()) {
-        sets_.run_.throw_if_stopped();
-        const auto worst = std::max_element(worth_.begin(), worth_.end());
-        if (!(*worst > 0)) return;
-        const auto at = static_cast<std::size_t>(worst - worth_.begin());
-        *worst = 0;
-        failures_ = divide(at) ? 0 : failures_ + 1;
-      }
-    }
-
-   private:
-    bool divide(std::size_t at) {
-      Division halves = children_of(set_.leaves[at], sets_.halve_, sets_.too_small_);
-      if (halves.children.size() != 2) return false;
-      std::vector<BuildNode> leaves = set_.leaves;
-      leaves[at] = std::move(halves.children[0]);
+      const auto worst = std::max_element(worth.begin(), worth.end());
+      if (!(*worst > 0)) return;
+      const auto at = worst - worth.begin();
+      *worst = 0;
+      Division halves = children_of(set.leaves[static_cast<std::size_t>(at)], halve_, too_small_);
+      ++failures;
+      if (halves.children.size() != 2) continue;
+      std::vector<BuildNode> leaves = set.leaves;
+      leaves[static_cast<std::size_t>(at)] = std::move(halves.children[0]);
       leaves.push_back(std::move(halves.children[1]));
-      const double now = sets_.outside(leaves);
-      if (!(now < set_.outside)) return false;
-      set_.leaves = std::move(leaves);
-      set_.outside = now;
-      set_.leftover_patches += halves.leftover_patches;
-      worth_[at] = sets_.union_.outside(set_.leaves[at].sphere);
-      worth_.push_back(sets_.union_.outside(set_.leaves.back().sphere));
-      return true;
+      const double now = outside(leaves);
+      if (!(now < set.outside)) continue;
+      set.leaves = std::move(leaves);
+      set.outside = now;
+      set.leftover_patches += halves.leftover_patches;
+      worth[static_cast<std::size_t>(at)] = union_.outside(set.leaves[static_cast<std::size_t>(at)].sphere);
+      worth.push_back(union_.outside(set.leaves.back().sphere));
+      failures = 0;
     }
-
-    FlatSet& sets_;
-    Set& set_;
-    std::vector<double> worth_;  // of each leaf; 0 where dividing it has not helped
-    int failures_ = 0;           // since the last division that helped
-  };
+  }
 
   // Leaves [begin, end) of `order` in groups of equal size, as many as a node may have children, cut across where they
   // reach farthest.
@@ -380,30 +303,20 @@ class FlatSet {
   const BuildRun& run_;
   const FlatSetBy& by_;
   Workers& workers_;
-  const Divider& halve_;
+  Divider halve_;
   double too_small_;
   BuildNode root_;
-  Set best_;                            // of at most as many spheres as the last rung
   std::vector<BuildNode> first_level_;  // of trees; none where parts do not change hands
-  std::map<int, Set> trees_;            // their leaves, by depth
+  Set tree_;                            // leaves of a tree of tree_depth_ levels
+  int tree_depth_ = 0;
   BuildReport report_;
 };
 
 }  // namespace
 
-LevelInputs::OfCells::OfCells(const Mesh& mesh, const ObjectShape& shape, int cells, Workers& workers)
-    : lines(mesh, shape, cells, workers), input(fit_input(mesh, shape, lines)) {}
-
-LevelInputs::LevelInputs(const Mesh& mesh, const ObjectShape& shape, Workers& workers)
-    : mesh_(mesh), shape_(shape), workers_(workers) {}
-
-const FitInput& LevelInputs::of(std::size_t spheres) {
-  const int cells = lattice_cells(mesh_, shape_, static_cast<int>(spheres), 1);
-  return of_cells_.try_emplace(cells, mesh_, shape_, cells, workers_).first->second.input;
-}
-
-CoveredTree flat_set(const FitInput& input, const BuildRun& run, const FlatSetBy& by, Workers& workers) {
-  return FlatSet(input, run, by, workers)();
+CoveredTree flat_set(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by,
+                     Workers& workers) {
+  return FlatSet(input, lines, run, by, workers)();
 }
 
 }  // namespace morula::detail

@@ -3,11 +3,8 @@
 // Flat set: so many spheres instead of a depth, all sought at once as the children of one node.
 #pragma once
 
-#include <map>
-
 #include "generators/divide/node_fit.hpp"
 #include "generators/driver/top_down.hpp"
-#include "generators/fit/object_lines.hpp"
 
 namespace morula::detail {
 
@@ -17,43 +14,22 @@ inline constexpr std::size_t most_at_once = 256;
 /// Lattice cells along the longest side by which sets are compared and improved.
 inline constexpr int flat_set_cells = 192;
 
-/// How a flat set is made: dividers into at most so many children and into two; the divider of a tree of so many
-/// levels; and how parts of a new level change hands. What they do may not depend on run.spheres: a set is compared
-/// with those of other numbers.
+/// How a flat set is made: dividers into at most so many children; the divider of a tree of so many levels; and how
+/// parts of a new level change hands.
 struct FlatSetBy {
   std::function<Divider(std::size_t most)> one_level;
-  Divider halves;
   std::function<Divider(int depth)> levels;
   LevelHook improve;  ///< none: they do not
   bool quick;         ///< trees are tried on all bodies
-  bool halfway;       ///< numbers halfway between powers of two are sought, too, and sets are divided everywhere
 };
 
-/// What fits of a level of so many spheres go by. The lattice depends on that number alone.
-class LevelInputs {
- public:
-  /// Borrows all.
-  LevelInputs(const Mesh& mesh, const ObjectShape& shape, Workers& workers);
-  const FitInput& of(std::size_t spheres);
-
- private:
-  struct OfCells {
-    ObjectLines lines;
-    FitInput input;
-    OfCells(const Mesh& mesh, const ObjectShape& shape, int cells, Workers& workers);
-  };
-  const Mesh& mesh_;
-  const ObjectShape& shape_;
-  Workers& workers_;
-  std::map<int, OfCells> of_cells_;
-};
-
-/// The tree whose leaves are at most run.spheres spheres. input: of flat_set_cells; sets are compared and joined by it.
+/// The tree whose leaves are at most run.spheres spheres. lines: what sets are compared by.
 ///
 /// On slender bodies, where spheres cut slabs, the leaves of a tree are tried, too. Sets are compared by the volume of
-/// their union outside the object. A set of N is never looser than one of fewer spheres, nor than one level of as many
-/// children where N is 2, 3, 4, 6, 8, 16, 32, 64 … Where more spheres would be looser, fewer are returned.
-CoveredTree flat_set(const FitInput& input, const BuildRun& run, const FlatSetBy& by, Workers& workers);
+/// their union outside the object. A set of N is never looser than one of 1, 2, 3, 4, 6 or 8 spheres, or of 16, 32, 64
+/// … below N. Where more spheres would be looser, fewer are returned.
+CoveredTree flat_set(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by,
+                     Workers& workers);
 /// Whether flat_set makes this run's tree.
 inline bool is_flat_set(const BuildRun& run) {
   return run.spheres > 1 && run.spheres <= most_at_once && run.max_protrusion == 0;
@@ -66,4 +42,10 @@ inline BuildRun of_levels(const BuildRun& run, int depth) {
   tree.progress = {};
   return tree;
 }
+/// Cells along the longest side of the lattice that a run's fits go by: a flat set's are those of one level.
+inline int cells_for(const BuildRun& run, const Mesh& mesh, const ObjectShape& shape) {
+  return is_flat_set(run) ? lattice_cells(mesh, shape, static_cast<int>(run.spheres), 1)
+                          : lattice_cells(mesh, shape, run.branching, run.depth);
+}
+
 }  // namespace morula::detail

@@ -30,9 +30,10 @@ Box box_of(const std::vector<Sphere>& spheres) {
 
 }  // namespace
 
-UnionVolume::UnionVolume(const ObjectLines& lines, int along_longest) : lines_(lines) {
+UnionVolume::UnionVolume(const ObjectLines& lines) : lines_(lines) {
+  constexpr int lines_wanted = 96;  // along the longest side
   const std::array<int, 3>& count = lines.count();
-  stride_ = std::max(1, *std::max_element(count.begin(), count.end()) / along_longest);
+  stride_ = std::max(1, *std::max_element(count.begin(), count.end()) / lines_wanted);
   middle_ = stride_ / 2;
 }
 
@@ -80,30 +81,6 @@ double UnionVolume::outside(const Sphere& sphere) const {
           [&](int u, Chord chord) {
             total += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
           });
-  }
-  const double cell = lines_.cell();
-  return total / 3 * stride_ * stride_ * cell * cell * cell;
-}
-
-double UnionVolume::outside_both(const Sphere& a, const Sphere& b) const {
-  const Sphere first{lines_.to_lattice(a.center), a.radius / lines_.cell()},
-      second{lines_.to_lattice(b.center), b.radius / lines_.cell()};
-  double total = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double across = first.center[(axis + 2) % 3];
-    for (int v = number(across - first.radius); v <= number(across + first.radius); ++v)
-      each_in_row(axis, v, second, [&](int, int, double in_row) {
-        each_chord(
-            axis, v, first, [](int) { return true; },
-            [&](int u, const Chord& chord) {
-              const double du = u * stride_ + middle_ + 0.5 - second.center[(axis + 1) % 3], in_line = in_row - du * du;
-              if (!(in_line > 0)) return;
-              const double along = second.center[axis], half = std::sqrt(in_line);
-              Chord both{std::max(chord.from, along - half), std::min(chord.to, along + half)};
-              if (both.from < both.to)
-                total += outside_of({&both, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
-            });
-      });
   }
   const double cell = lines_.cell();
   return total / 3 * stride_ * stride_ * cell * cell * cell;

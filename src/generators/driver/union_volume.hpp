@@ -16,15 +16,11 @@ namespace morula::detail {
 /// cubed. A set has the same bits whatever was asked about before. For one thread at a time.
 class UnionVolume {
  public:
-  /// lines: borrowed. along_longest: about how many of them along the longest side, at most; of the others every n-th
-  /// is left out.
-  explicit UnionVolume(const ObjectLines& lines, int along_longest = 96);
+  explicit UnionVolume(const ObjectLines& lines);  ///< lines: borrowed
   /// Cost: O(lines × spheres over each), for lines that meet a sphere which this set or the last one has alone.
   double outside(std::span<const Sphere> spheres);
   /// Of one sphere by itself. What outside() remembers stays. Cost: O(lines over it).
   double outside(const Sphere& sphere) const;
-  /// What two spheres take in both. What outside() remembers stays. Cost: O(lines over the first).
-  double outside_both(const Sphere& a, const Sphere& b) const;
 
  private:
   struct Chord {

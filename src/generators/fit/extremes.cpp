@@ -41,8 +41,4 @@ GroupPoints extremes(std::span<const Vec3> points, const FreeSpace& space) {
   return farthest_out(points, [&](const Vec3& p) { return space.to_cells(p); });
 }
 
-GroupPoints extremes(std::span<const Vec3> points, const ObjectLines& lines) {
-  return farthest_out(points, [&](const Vec3& p) { return Vec3f(lines.to_lattice(p)); });
-}
-
 }  // namespace morula::detail

@@ -17,6 +17,5 @@ inline constexpr std::size_t most_candidates = 1200;
 /// Points farthest out in directions spread over the sphere; all of them when they are few. In the grid's coordinates.
 GroupPoints extremes(std::span<const Vec3> points, const OutsideGrid& grid);
 GroupPoints extremes(std::span<const Vec3> points, const FreeSpace& space);
-GroupPoints extremes(std::span<const Vec3> points, const ObjectLines& lines);
 
 }  // namespace morula::detail
