@@ -346,9 +346,7 @@ void add_update(CLI::App& app, Run& run) {
              "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), which get a cover first")
       ->required()
       ->type_name("");
-  add_option(*command, "MOTION", o->files.motion,
-             fmt::format("Positions: {}", motion_kinds()))
-      ->type_name("");
+  add_option(*command, "MOTION", o->files.motion, fmt::format("Positions: {}", motion_kinds()))->type_name("");
   add_option(*command, "-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")
       ->required();

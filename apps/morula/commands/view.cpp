@@ -206,8 +206,7 @@ void add_view(CLI::App& app, Run& run) {
       "Its tree: .morula; or .sph, .json and .npz, which get a cover first; or the .npz of update, or balls (.ply)")
       ->required()
       ->type_name("");
-  add_option(*command, "MOTION", o->motion,
-             fmt::format("Positions: {}; without it the body at rest", motion_kinds()))
+  add_option(*command, "MOTION", o->motion, fmt::format("Positions: {}; without it the body at rest", motion_kinds()))
       ->type_name("");
   add_option(*command, "--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");

@@ -301,8 +301,7 @@ void add_paraview(CLI::App& app, Run& run) {
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "TREE", o->tree, "Its tree, balls (.ply), or the spheres of all frames (.npz of morula update)")
       ->type_name("");
-  add_option(*command, "MOTION", o->motion, fmt::format("Positions: {}", motion_kinds()))
-      ->type_name("");
+  add_option(*command, "MOTION", o->motion, fmt::format("Positions: {}", motion_kinds()))->type_name("");
   add_option(*command, "-o,--output", o->output, "Folder for surface.pvd, spheres.pvd, contacts.pvd and their frames")
       ->type_name("DIR")
       ->required();

@@ -25,8 +25,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;  // the header first; a row without cells is a rule
 };
 
-/// Lines of at most `width` characters, broken at blanks; a continued line is indented as the line it continues, two more
-/// after "- ". Words that are longer stay whole.
+/// Lines of at most `width` characters, broken at blanks; a continued line is indented as the line it continues, two
+/// more after "- ". Words that are longer stay whole.
 std::string wrapped(const std::string& text, std::size_t width = 100);
 
 }  // namespace morula::cli

@@ -253,9 +253,8 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
   add_option(command, "--tree-" + x, side.tree,
              fmt::format("Tree of {}, or a flat set (.ply); default: built now, in quality fast", mesh_name))
       ->type_name("FILE");
-  add_option(
-      command, "--motion-" + x, side.motion,
-      fmt::format("Positions of {}: {}; it stays in its last frame", mesh_name, motion_kinds()))
+  add_option(command, "--motion-" + x, side.motion,
+             fmt::format("Positions of {}: {}; it stays in its last frame", mesh_name, motion_kinds()))
       ->type_name("PATH");
   add_option(command, "--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
       ->type_name("X,Y,Z")
