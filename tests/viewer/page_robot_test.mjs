@@ -36,8 +36,9 @@ await claim('the_address_has_the_joints', async () => {
   let seen = '';
   await opened('arm/robot.html', {}, async (page) => {
     await page.click('#joints-random');
-    await page.waitForTimeout(500);
-    address = new URL(page.url()).hash;
+    // A busy browser tells of the new address late.
+    await page.waitForFunction(() => location.hash.includes('joints='));
+    address = await page.evaluate(() => location.hash);
     check(address.includes('joints='), address);
     seen = await picture(page);
   });
