@@ -261,7 +261,7 @@ def _faces(path: str | os.PathLike[str], mesh: Any, points: NDArray[numpy.float6
         if size < 3:
             continue
         corners = indices[at[:, None] + numpy.arange(size)]
-        cut = _morula._cut_polygons(points, int(size), corners.ravel()).facets
+        cut = _morula._cut_polygons(points, int(size), corners.ravel()).facets  # type: ignore[attr-defined]
         # All first facets come first, then all second ones.
         triangles.append(cut.reshape(len(at), size - 2, 3).transpose(1, 0, 2).reshape(-1, 3).astype(numpy.int64))
     faces = numpy.concatenate(triangles) if triangles else numpy.empty((0, 3), numpy.int64)
