@@ -44,10 +44,6 @@ CALLS = {
         "mesh = morula.sample_body('limb', 150); surface = morula.SurfaceTree(mesh); "
         "query = morula.ProximityQuery(distance=0.5, rest_distance=9.0)",
         "query.run(surface)", "query.run(morula.SurfaceTree(small)) and len(query.pairs()) == 0"),
-    "SweptQuery.run": (
-        "mesh = morula.sample_body('limb', 150); surface = morula.SurfaceTree(mesh); "
-        "surface.update(mesh.positions, mesh.positions[::-1].copy()); query = morula.SweptQuery(rest_distance=9.0)",
-        "query.run(surface)", "surface.update(mesh.positions, mesh.positions) is None and len(query.pairs()) == 0"),
     "ObstacleQuery.run": (
         "surface = morula.SurfaceTree(morula.sample_body('limb', 200)); query = morula.ObstacleQuery(margin=1); "
         "field = morula.DistanceField(lambda p: (time.sleep(0.001), 0.5)[1])",
