@@ -38,7 +38,7 @@ void main() {
 // where spheres nearly touch it, another way at every distance. Offsets are about the centre, so nothing cancels.
 const fragmentShader = `
 #include <clipping_planes_pars_fragment>
-uniform float opacity, glass;
+uniform float opacity, glass, whole;
 uniform vec3 rim;
 varying vec3 vCentre, vOffset, vTint;
 varying vec2 vDepth;
@@ -49,7 +49,8 @@ void main() {
   vec3 across = vOffset - dot(vOffset, ray) * ray;
   float inside = vRadius * vRadius - dot(across, across);
   float border = fwidth(inside);
-  if (inside <= 0.0) discard;
+  // The fringe of a sphere is see-through: it hides nothing, or the seams of spheres would have specks of what is behind.
+  if (inside <= whole * border) discard;
   vec3 point = across - sqrt(inside) * ray;
   vec3 n = point / vRadius;
   float z = vCentre.z + point.z;
@@ -101,17 +102,17 @@ export class SpheresView {
   constructor(plane) {
     this.plane = plane;
     this.group = new Group();
-    const material = (options, glass = 0) =>
+    const material = (options, glass = 0, whole = 0) =>
       new ShaderMaterial({
         vertexShader,
         fragmentShader,
         clipping: true,
         side: FrontSide,
-        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, rim: { value: null } },
+        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, whole: { value: whole }, rim: { value: null } },
         ...options,
       });
     // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it.
-    this.depth = material({ colorWrite: false, depthWrite: true });
+    this.depth = material({ colorWrite: false, depthWrite: true }, 0, 1);
     this.skin = material({ transparent: true, depthWrite: false });
     this.glass = material({ transparent: true, depthWrite: false, depthTest: false }, 1);
     this.disc = [0, 1].map(
