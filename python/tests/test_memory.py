@@ -195,7 +195,7 @@ def test_each_reference_is_reported_once(name):
     before = [sys.getrefcount(one) for one in kept]
     keeper = make(*kept)
     gc.collect()
-    held = [now - then for now, then in zip([sys.getrefcount(one) for one in kept], before)]
+    held = [sys.getrefcount(one) - count for one, count in zip(kept, before)]
     assert min(held) > 0
     assert [reached(keeper, one) for one in kept] == held
     del keeper
