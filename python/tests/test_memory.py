@@ -195,7 +195,8 @@ def test_each_reference_is_reported_once(name):
     before = [sys.getrefcount(one) for one in kept]
     keeper = make(*kept)
     gc.collect()
-    held = [sys.getrefcount(one) - count for one, count in zip(kept, before)]
+    after = [sys.getrefcount(one) for one in kept]
+    held = [more - less for more, less in zip(after, before)]
     assert min(held) > 0
     assert [reached(keeper, one) for one in kept] == held
     del keeper

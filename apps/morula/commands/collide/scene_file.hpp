@@ -23,7 +23,7 @@ struct SceneFileBody {
   bool operator==(const SceneFileBody&) const = default;
 };
 
-/// Names are relative to the scene file. After symbolic links are resolved, a file lies in its folder or in one of `roots`.
+/// Names are relative to the scene file. With symbolic links resolved, a file lies in its folder or in one of `roots`.
 /// Throws UsageError, naming file and key and with the remedy.
 std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file,
                                            const std::vector<std::filesystem::path>& roots = {});
