@@ -186,7 +186,6 @@ TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
 }
 
 TEST(Finished, is_of_all_contacts_also_when_those_of_an_interrupted_query_were_taken_away) {
-  Random random(5);
   Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
   b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
   const auto crossings = facets_of(brute_force::crossings(*a.collider, *b.collider));
