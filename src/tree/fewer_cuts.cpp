@@ -9,7 +9,9 @@
 //               they are; and a rule that measures what nodes own finds no larger radius about the same centre at rest.
 //               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
-//               one: the facet itself.
+//               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no
+//               more area than they have (joined_pieces.hpp): its corners are some of theirs, so the first line holds
+//               for these too.
 //   regions     are made anew, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
 //               gives its last patch away.
 #include <algorithm>
@@ -265,6 +267,11 @@ Cover Sharing::assembled() const {
     result.region_end[node] = static_cast<std::uint32_t>(result.patch_count());
   };
   visit(visit, 0);
+  // A tree is kept for long.
+  result.cut_points.shrink_to_fit();
+  result.patch_facet.shrink_to_fit();
+  result.corner_begin.shrink_to_fit();
+  result.corners.shrink_to_fit();
   return result;
 }
 

@@ -109,7 +109,7 @@ int automatic_depth(std::size_t facet_count, int branching);
 
 /// Depth of a tree that is not told how deep to be: automatic_depth of its number of facets, less where these are
 /// needles. A facet falls into a patch for each leaf that it reaches; as many levels are left out, down to 1, as bring
-/// the patches to be expected to three times those of as many equilateral facets. mesh: finite, of the range of
+/// the patches to be expected to twice those of as many equilateral facets. mesh: finite, of the range of
 /// build(). Cost: linear in facets.
 int automatic_depth(const MeshView& mesh, int branching);
 
