@@ -131,7 +131,7 @@ enum class RoundShapes {
 struct LinkSurface {
   Mesh mesh;
   std::vector<Sphere> spheres;
-  std::vector<std::string> notes{};  ///< meshes without a facet, which are passed over
+  std::vector<std::string> notes{};  ///< of meshes: those without a facet, and what is not read of the others
   bool empty() const { return mesh.facets.empty() && spheres.empty(); }
 };
 /// Throws FileError for meshes that cannot be read.
@@ -145,8 +145,10 @@ std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const doubl
 std::vector<double> rest_values(const Robot& robot);
 
 /// COLLADA: triangles and polygons of the scene, in its units turned to metres; axes as written, as robots' tools take
-/// them. Not all of it where a part is named: what is below the nodes, or belongs to the geometries, of this name or
-/// id. Throws FileError, also where there is no such part.
+/// them. Holes of polygons are filled. Not all of it where a part is named: what is below the nodes, or belongs to the
+/// geometries, of this name or id. Throws FileError, also where there is no such part.
 Mesh read_collada(const std::filesystem::path& path, const std::string& part = {});
+/// The same, with what a user may have to know about the file.
+Mesh read_collada(const std::filesystem::path& path, const std::string& part, MeshInfo& info);
 
 }  // namespace morula::robot
