@@ -15,6 +15,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace morula::robot {
@@ -38,6 +39,7 @@ struct Shape {
   bool part_centered = false;            ///< its box is centred on the origin before everything else
   std::filesystem::path described_in{};  ///< the file that describes it, where the robot's file includes others
 };
+std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
 
 struct Inertial {
   double mass = 0;
@@ -74,6 +76,7 @@ struct Joint {
 
   bool moves() const { return kind == Kind::revolute || kind == Kind::continuous || kind == Kind::prismatic; }
 };
+std::string_view name(Joint::Kind kind);  ///< as URDF has it: "fixed", "revolute", …
 
 struct Robot {
   enum class Format { urdf, mjcf, sdf };
