@@ -167,8 +167,8 @@ void print_tree(const InfoArguments& o, const TreeFile& file) {
              file.report.depth, file.report.seed);
   fmt::print("mesh       {}, {}, hash {}\n", counted(file.cover->vertex_count, "vertex", "vertices"),
              counted(file.cover->facet_count, "facet"), hash_text(file.report.mesh_hash));
-  fmt::print("cover      {}, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
-             counted(file.cover->cut_points.size(), "cut point"));
+  fmt::print("cover      {}, at most {} of one facet, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
+             file.cover->most_patches_of_a_facet(), counted(file.cover->cut_points.size(), "cut point"));
   for (const KnownPose& pose : file.poses) {
     fmt::print("pose       {}: {}\n", pose.name, counted(pose.built->tree.node_count(), "sphere"));
   }
@@ -190,6 +190,7 @@ Json tree_json(const InfoArguments& o, const TreeFile& file) {
     json["cover"] = {{"vertices", file.cover->vertex_count},
                      {"facets", file.cover->facet_count},
                      {"patches", file.cover->patch_count()},
+                     {"most_patches_of_a_facet", file.cover->most_patches_of_a_facet()},
                      {"cut_points", file.cover->cut_points.size()},
                      {"corners", file.cover->corners.size()}};
     json["method"] = file.report.method;
