@@ -43,12 +43,12 @@ std::vector<std::string> consequences(const MeshReport& r) {
     notes.push_back(
         fmt::format("open: {}; looseness is measured by the winding number, n/a where the surface encloses "
                     "no space; protrusion cannot be answered; trees still cover",
-                    counted(r.boundary_edges, "boundary edge")));
+                    why_open(r)));
   } else {
     notes.push_back(
         fmt::format("open: {}, and its facets disagree on what is outside; neither looseness nor protrusion "
                     "can be answered; trees still cover",
-                    counted(r.boundary_edges, "boundary edge")));
+                    why_open(r)));
   }
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* meaning) {
     if (count > 0) notes.push_back(fmt::format("{}: {}", counted(count, one, many), meaning));
