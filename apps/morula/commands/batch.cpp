@@ -268,7 +268,6 @@ class Crew {
 void require_sense(const BatchArguments& o) {
   parse_shard(o.shard);
   if (o.time_limit && !(*o.time_limit > 0)) throw UsageError("--time-limit: give seconds above 0");
-  if (o.memory_limit && *o.memory_limit < 64) throw UsageError("--memory-limit: give at least 64 MB");
 }
 
 // An option that no build takes is an error before any mesh is read: a small body is built with all of them.
@@ -360,7 +359,7 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_option(command, "--memory-limit", o.memory_limit,
              "Memory for a mesh, besides the program's own, from 64; what needs more is a failed row")
       ->type_name("MB")
-      ->transform(whole_number());
+      ->transform(whole_number(64, std::size_t{1} << 30));
   add_flag(command, "--resume", o.resume,
            "Go on with the results that the folder holds; a damaged result or tree is built again");
   add_flag(command, "--retry", o.retry, "The same, and try again what failed");
