@@ -85,7 +85,7 @@ class Place:
 
     def absolute(self) -> str:
         """For workers that stand in another folder."""
-        return os.path.abspath(self.local) if self.local is not None else str(self.name)
+        return str(self.local.absolute()) if self.local is not None else str(self.name)
 
     def parent(self) -> Place:
         if self.local is not None:
