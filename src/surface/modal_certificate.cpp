@@ -215,7 +215,7 @@ class ModalCertifier {
 
   bool is_near_at_rest(std::uint32_t f, std::uint32_t g) const {
     return rest_distance_ > 0 &&
-           distance_at_rest(tree_, {PairKind::facet_facet, std::min(f, g), std::max(f, g)}) <= rest_distance_;
+           are_within_at_rest(tree_, {PairKind::facet_facet, std::min(f, g), std::max(f, g)}, rest_distance_);
   }
 
   SurfaceTreeState tree_;

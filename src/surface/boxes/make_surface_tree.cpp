@@ -6,6 +6,7 @@
 #include <morula/geometry/scale.hpp>
 
 #include "surface/boxes/tree_state.hpp"
+#include "surface/pairs/excluded_pairs.hpp"
 
 namespace morula::detail {
 namespace {
@@ -135,6 +136,8 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   for (std::size_t v = 0; v < s.rest.size(); ++v) s.rest[v] = mesh.positions[v];
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
+  s.rest_reach = std::max(max_norm(box.lower), max_norm(box.upper));
+  s.exclusions = std::make_shared<ExclusionTables>();
   s.edges = all_edges(s.facets);
   Sorter(mesh, s.order).sort();
   give_vertices(s);

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/surface/surface_tree.hpp>
 #include <optional>
@@ -20,6 +21,8 @@
 #include "surface/boxes/surface_boxes.hpp"
 
 namespace morula::detail {
+
+class ExclusionTables;
 
 struct SurfaceTreeState {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
@@ -42,6 +45,8 @@ struct SurfaceTreeState {
   std::vector<std::uint32_t> ring_begin, ring;  // neighbours of a vertex along edges, ascending
   std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
   Vec3 origin;                                  // what boxes are about
+  double rest_reach = 0;                        // the largest |coordinate| at rest of a vertex that a facet uses
+  std::shared_ptr<ExclusionTables> exclusions;  // of pairs, by what queries exclude
 
   // The present pose or step.
   SurfaceBoxes boxes;  // of an older one while a body is followed

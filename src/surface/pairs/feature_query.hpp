@@ -85,7 +85,7 @@ class FeatureQuery {
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = a.askable(0);
     if (status && b != nullptr) static_cast<Status&>(status) = b->askable(1);
-    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b);
+    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, ask.features, workers);
     if (!status) return status;
     search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
     ask_ = ask;
@@ -108,7 +108,8 @@ class FeatureQuery {
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
     static_cast<Status&>(status) =
-        filter_.start(options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b());
+        filter_.start(options.filter, search_.a(),
+                                                 search_.is_with_itself() ? nullptr : &search_.b(), ask_.features, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }
@@ -128,6 +129,7 @@ class FeatureQuery {
   template <class Options, class Narrow>
   SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
     const SurfaceTreeState &a = search_.a(), &b = search_.b();
+    search_.exclude(filter_.excluded());
     SurfaceMeter meter(options.budget, options.clock);
     std::size_t count = 0;
     is_finished_ = search_.run(
