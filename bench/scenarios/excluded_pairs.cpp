@@ -29,7 +29,8 @@ std::vector<std::uint32_t> vertices_of(const SurfaceTree& tree, PairKind kind, b
 /// slabs between the features at rest.
 class Judge {
  public:
-  Judge(const Mesh& mesh, const SurfaceTree& tree, const PairFilter& filter) : mesh_(mesh), tree_(tree), filter_(filter) {
+  Judge(const Mesh& mesh, const SurfaceTree& tree, const PairFilter& filter)
+      : mesh_(mesh), tree_(tree), filter_(filter) {
     next_.resize(mesh.positions.size());
     for (const Facet& f : mesh.facets)
       for (std::size_t k = 0; k < 3; ++k) next_[f[k]].push_back(f[(k + 1) % 3]), next_[f[(k + 1) % 3]].push_back(f[k]);
@@ -50,9 +51,8 @@ class Judge {
         reached_.erase(std::unique(reached_.begin(), reached_.end()), reached_.end());
       }
     }
-    return std::any_of(b.begin(), b.end(), [&](std::uint32_t v) {
-      return std::binary_search(reached_.begin(), reached_.end(), v);
-    });
+    return std::any_of(b.begin(), b.end(),
+                       [&](std::uint32_t v) { return std::binary_search(reached_.begin(), reached_.end(), v); });
   }
   bool are_near(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) const {
     if (a.size() == 3 && b.size() == 3) {
@@ -100,9 +100,8 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
   move(tree);
   Query plain(plain_options);
   std::vector<Result> results{{.scenario = "filters", .item = kind, .mesh = input.name}};
-  timed(settings, [&] {
-    results[0].seconds.push_back(processor_seconds_of([&] { plain.run(tree, *settings.workers); }));
-  });
+  timed(settings,
+        [&] { results[0].seconds.push_back(processor_seconds_of([&] { plain.run(tree, *settings.workers); })); });
   const std::vector<FeaturePair> all = pairs_of(plain);
   results[0].figures = {{"pairs", static_cast<double>(all.size())}};
   results[0].expect(!all.empty(), "nothing is near: take a body that can be poked through itself");
@@ -112,9 +111,8 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
     options.filter = filter;
     Query query(options);
     const double first = processor_seconds_of([&] { query.run(tree, *settings.workers); });
-    timed(settings, [&] {
-      result.seconds.push_back(processor_seconds_of([&] { query.run(tree, *settings.workers); }));
-    });
+    timed(settings,
+          [&] { result.seconds.push_back(processor_seconds_of([&] { query.run(tree, *settings.workers); })); });
     Judge judge(input.mesh, tree, filter);
     std::vector<FeaturePair> expected;
     for (const FeaturePair& pair : all)
@@ -148,8 +146,8 @@ std::vector<Result> run_filters(const Input& input, const Settings& settings) {
   };
   const auto to_deepest = [&](SurfaceTree& tree) { tree.update(deepest); };
   add(with_filters<SurfaceCrossingQuery>("crossings", input, settings, filters, SurfaceCrossingOptions{}, to_deepest));
-  add(with_filters<ProximityQuery>("proximity", input, settings, filters, ProximityOptions{.distance = 0.004 * diagonal},
-                                   to_deepest));
+  add(with_filters<ProximityQuery>("proximity", input, settings, filters,
+                                   ProximityOptions{.distance = 0.004 * diagonal}, to_deepest));
   add(with_filters<SweptQuery>("swept", input, settings, filters, SweptOptions{},
                                [&](SurfaceTree& tree) { tree.update(before, deepest); }));
   return results;

@@ -218,7 +218,8 @@ bool are_within(const Triangle& a, const Triangle& b, double distance) {
   // upper exceeds the distance of the nearest features by 2^-48 of the largest coordinate and 2^-49 of itself at most.
   const double rounding = 0x1p-40 * (largest + distance), near = distance - rounding, far = distance + rounding;
   if (largest >= least_ordinary && near > 0x1p-400 && far < 0x1p400) {
-    // A slab between them that is wider than that: upper is no less than their distance, and that no less than the slab.
+    // A slab between them that is wider than that: upper is no less than their distance, and that no less than the
+    // slab.
     if (slab_width(a, b, a[0], (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])) > distance) return false;
     const double squared = Search(a, b).try_features_until(near * near);
     if (squared <= near * near) return true;

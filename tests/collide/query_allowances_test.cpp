@@ -115,8 +115,9 @@ TEST(NearestPairAllowance, is_within_what_its_upper_bound_is_within) {
         for (Vec3& p : *t) p.z = about.z;
     const NearestPair nearest = nearest_pair(a, b);
     const double upper = nearest.upper;
-    for (const double distance : {0.0, upper, std::nextafter(upper, 0.0), std::nextafter(upper, 2 * upper + 1), 0.5 * upper,
-                                  2 * upper, 0.1 * size, size, 100 * size, upper * (1 + 0x1p-42), upper * (1 - 0x1p-42)}) {
+    for (const double distance :
+         {0.0, upper, std::nextafter(upper, 0.0), std::nextafter(upper, 2 * upper + 1), 0.5 * upper, 2 * upper,
+          0.1 * size, size, 100 * size, upper * (1 + 0x1p-42), upper * (1 - 0x1p-42)}) {
       const bool expected = upper <= distance;
       ASSERT_EQ(are_within(a, b, distance), expected) << round << ' ' << upper << ' ' << distance;
       (expected ? within : beyond) += 1;

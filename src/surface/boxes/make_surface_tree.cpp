@@ -6,7 +6,6 @@
 #include <morula/geometry/scale.hpp>
 
 #include "surface/boxes/tree_state.hpp"
-#include "surface/pairs/excluded_pairs.hpp"
 
 namespace morula::detail {
 namespace {
@@ -137,7 +136,6 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
   s.rest_reach = std::max(max_norm(box.lower), max_norm(box.upper));
-  s.exclusions = std::make_shared<ExclusionTables>();
   s.edges = all_edges(s.facets);
   Sorter(mesh, s.order).sort();
   give_vertices(s);

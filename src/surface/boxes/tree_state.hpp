@@ -12,6 +12,7 @@
 #include <memory>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/surface/surface_tree.hpp>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -22,7 +23,13 @@
 
 namespace morula::detail {
 
-class ExclusionTables;
+class ExcludedPairs;
+
+/// The tables of excluded pairs that queries asked for last: excluded_pairs() makes them.
+struct ExclusionTables {
+  std::mutex mutex;
+  std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
+};
 
 struct SurfaceTreeState {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
@@ -46,7 +53,7 @@ struct SurfaceTreeState {
   std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
   Vec3 origin;                                  // what boxes are about
   double rest_reach = 0;                        // the largest |coordinate| at rest of a vertex that a facet uses
-  std::shared_ptr<ExclusionTables> exclusions;  // of pairs, by what queries exclude
+  std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
 
   // The present pose or step.
   SurfaceBoxes boxes;  // of an older one while a body is followed

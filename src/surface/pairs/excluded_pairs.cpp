@@ -188,9 +188,10 @@ bool ExclusionTest::are_near_at_rest(const FeaturePair& pair) const {
   return rule_.rest_distance > 0 && are_within_at_rest(surface_, pair, rule_.rest_distance);
 }
 
-// are_within_at_rest() takes the rounded distance of two points of the features, which are off by less than 2^-46 of the
-// largest coordinate: it is no less than the gap between the boxes and no more than the way across both, but for what
-// is allowed here. Differences of coordinates, and lengths of them, are off by 2^-50 of themselves, which is less yet.
+// are_within_at_rest() takes the rounded distance of two points of the features, which are off by less than 2^-46 of
+// the largest coordinate: it is no less than the gap between the boxes and no more than the way across both, but for
+// what is allowed here. Differences of coordinates, and lengths of them, are off by 2^-50 of themselves, which is less
+// yet.
 bool ExclusionTest::are_surely_apart(const Box& a, const Box& b) const {
   if (!(rule_.rest_distance > 0)) return true;
   const Vec3 gap = max(max(a.lower - b.upper, b.lower - a.upper), Vec3{});
@@ -381,31 +382,36 @@ std::size_t ExcludedPairs::bytes() const {
 
 const std::uint64_t* ExcludedPairs::of(std::uint32_t a, std::uint32_t b) const {
   const auto begin = entries_.begin() + begin_[a], end = entries_.begin() + begin_[a + 1];
-  const auto at = std::lower_bound(begin, end, b, [](const Entry& entry, std::uint32_t block) {
-    return entry.last < block;
-  });
+  const auto at =
+      std::lower_bound(begin, end, b, [](const Entry& entry, std::uint32_t block) { return entry.last < block; });
   if (at == end || b < at->first) return none_;
   return at->masks == no_masks ? all_ : &masks_[at->masks];
 }
 
-std::shared_ptr<const ExcludedPairs> ExclusionTables::find(const ExclusionRule& rule) {
-  const std::lock_guard lock(mutex_);
-  const auto at = std::find_if(latest_first_.begin(), latest_first_.end(),
+namespace {
+
+std::shared_ptr<const ExcludedPairs> find_table(ExclusionTables& tables, const ExclusionRule& rule) {
+  const std::lock_guard lock(tables.mutex);
+  const auto at = std::find_if(tables.latest_first.begin(), tables.latest_first.end(),
                                [&](const auto& table) { return table->rule() == rule; });
-  if (at == latest_first_.end()) return nullptr;
-  std::rotate(latest_first_.begin(), at, at + 1);
-  return latest_first_.front();
+  if (at == tables.latest_first.end()) return nullptr;
+  std::rotate(tables.latest_first.begin(), at, at + 1);
+  return tables.latest_first.front();
 }
 
-std::shared_ptr<const ExcludedPairs> ExclusionTables::get(const SurfaceTreeState& surface, const ExclusionRule& rule,
-                                                          Workers& workers) {
-  if (auto found = find(rule)) return found;
+}  // namespace
+
+std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surface, const ExclusionRule& rule,
+                                                    Workers& workers) {
+  constexpr std::size_t most_tables = 4;
+  ExclusionTables& tables = *surface.exclusions;
+  if (auto found = find_table(tables, rule)) return found;
   // Without the lock: workers may do other work for this surface in between. Two threads may make the same table.
-  const auto made = std::make_shared<const ExcludedPairs>(surface, rule, workers);
-  if (auto found = find(rule)) return found;
-  const std::lock_guard lock(mutex_);
-  latest_first_.insert(latest_first_.begin(), made);
-  if (latest_first_.size() > most_tables) latest_first_.pop_back();
+  auto made = std::make_shared<const ExcludedPairs>(surface, rule, workers);
+  if (auto found = find_table(tables, rule)) return found;
+  const std::lock_guard lock(tables.mutex);
+  tables.latest_first.insert(tables.latest_first.begin(), made);
+  if (tables.latest_first.size() > most_tables) tables.latest_first.pop_back();
   return made;
 }
 

@@ -13,7 +13,6 @@
 #include <memory>
 #include <morula/parallel/workers.hpp>
 #include <morula/surface/feature_pairs.hpp>
-#include <mutex>
 #include <vector>
 
 #include "surface/boxes/feature_boxes.hpp"
@@ -89,18 +88,9 @@ class ExcludedPairs {
   std::vector<std::uint64_t> masks_;
 };
 
-/// The tables of one surface that queries asked for last. Any number of threads may ask.
-class ExclusionTables {
- public:
-  std::shared_ptr<const ExcludedPairs> get(const SurfaceTreeState& surface, const ExclusionRule& rule,
-                                           Workers& workers);
-
- private:
-  static constexpr std::size_t most_tables = 4;
-  std::shared_ptr<const ExcludedPairs> find(const ExclusionRule& rule);
-
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<const ExcludedPairs>> latest_first_;
-};
+/// The table of a surface for a rule, which has to exclude something. The surface keeps the last four. Any number of
+/// threads may call this at the same time.
+std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surface, const ExclusionRule& rule,
+                                                    Workers& workers);
 
 }  // namespace morula::detail

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-
 namespace morula::detail {
 namespace {
 
@@ -74,7 +73,7 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
     masks_b_ = masks_a_;
   }
   const ExclusionRule rule{filter.rings, filter.rest_distance, features};
-  excluded_ = b == nullptr && rule.excludes_any() ? a.exclusions->get(a, rule, workers) : nullptr;
+  excluded_ = b == nullptr && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
   tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
   const bool within = b == nullptr && (filter.same_component || tests_each_);
   keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;

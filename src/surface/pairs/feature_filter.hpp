@@ -57,7 +57,9 @@ class FeatureFilter {
   Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b, Features features,
                Workers& workers);
   /// What the search is to drop by itself: pairs that keeps() is not asked about. Null: nothing.
-  const ExcludedPairs* excluded() const { return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr; }
+  const ExcludedPairs* excluded() const {
+    return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
+  }
   /// For pairs that share no vertex.
   bool keeps(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
 

@@ -107,9 +107,8 @@ class FeatureQuery {
     // Pairs that were farther apart are gone.
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) =
-        filter_.start(options.filter, search_.a(),
-                                                 search_.is_with_itself() ? nullptr : &search_.b(), ask_.features, workers);
+    static_cast<Status&>(status) = filter_.start(
+        options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b(), ask_.features, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }

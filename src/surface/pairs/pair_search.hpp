@@ -175,15 +175,16 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
     find(chunk, FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
   });
   if (!one_block) {
-    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
-      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
-      if (with_itself) {
-        if (has(in_a.facet_corners(a, i), vertex)) return;
-        find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
-      } else {
-        find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
-      }
-    });
+    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, excluded,
+                   [&](std::uint32_t i, std::uint32_t j) {
+                     const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
+                     if (with_itself) {
+                       if (has(in_a.facet_corners(a, i), vertex)) return;
+                       find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
+                     } else {
+                       find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
+                     }
+                   });
   }
   compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, excluded,
                  [&](std::uint32_t i, std::uint32_t j) {
