@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
 #include "surface/pairs/feature_filter.hpp"
 #include "surface/pairs/pair_search.hpp"
@@ -50,20 +51,12 @@ class FeaturePoints {
 template <class Look>
 auto one_by_one(const Look& look) {
   return [look](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
-    for (const FeaturePair& pair : pairs)
+    AskNowAndThen ask_now_and_then(128);
+    for (const FeaturePair& pair : pairs) {
+      ask_now_and_then();
       if (const auto one = look(a, b, pair)) found.push_back(*one);
+    }
   };
-}
-
-/// Millions of pairs take seconds to sort.
-template <class Value, class Less>
-void sort_interruptibly(std::vector<Value>& values, const Less& less) {
-  constexpr std::uint32_t comparisons_between = 1u << 16;
-  std::uint32_t compared = 0;
-  std::sort(values.begin(), values.end(), [&](const Value& p, const Value& q) {
-    if (++compared % comparisons_between == 0) ask_to_go_on();
-    return less(p, q);
-  });
 }
 
 template <class Found>
