@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 15> scenarios{{
+constexpr std::array<NamedScenario, 16> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -39,6 +39,7 @@ constexpr std::array<NamedScenario, 15> scenarios{{
     {"self", run_self},
     {"proximity", run_proximity},
     {"swept", run_swept},
+    {"filters", run_filters},
     {"scene", run_scene},
 }};
 
@@ -57,11 +58,11 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option(
-         "--scenario", wanted,
-         "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, scene, "
-         "distance, peers; may be repeated "
-         "(default: all)")
+  app.add_option("--scenario", wanted,
+                 "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
+                 "filters, scene, "
+                 "distance, peers; may be repeated "
+                 "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"

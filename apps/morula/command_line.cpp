@@ -36,33 +36,6 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// The parser's message, with what it leaves out: which option was nearly right, and where the help is.
-std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> commands = app.get_subcommands();
-  const CLI::App& scope = commands.empty() ? app : *commands.front();
-  const std::string help = commands.empty() ? "morula --help" : fmt::format("morula {} --help", scope.get_name());
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    // Words before the command are left to the program, those after it to the command.
-    std::vector<std::string> extras = scope.remaining(true);
-    const bool before_command = extras.empty();
-    if (before_command) extras = app.remaining(false);
-    const std::string extra = extras.empty() ? "?" : extras.front();
-    if (extra.rfind('-', 0) != 0) return fmt::format("unexpected argument '{}'; see {}", extra, help);
-    std::vector<std::string> known;
-    for (const CLI::Option* option : scope.get_options()) {
-      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-    }
-    const std::string name = extra.substr(0, extra.find('='));
-    if (before_command && std::find(known.begin(), known.end(), name) != known.end()) {
-      return fmt::format("'{0}' comes after the command: morula {1} … {0}; see {2}", extra, scope.get_name(), help);
-    }
-    const std::string near = nearest_name(name, known);
-    return fmt::format("unknown option '{}'{}; see {}", extra,
-                       near.empty() ? "" : fmt::format(", did you mean {}?", near), help);
-  }
-  return fmt::format("{}; see {}", error.what(), help);
-}
-
 /// Asked before anything is parsed, because what cannot be parsed is an error, too.
 bool wants_json(int argc, char** argv) {
   return std::any_of(argv + 1, argv + std::max(argc, 1),
@@ -137,6 +110,32 @@ int fail_to_print(int error) {
 }
 
 }  // namespace
+
+std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> commands = app.get_subcommands();
+  const CLI::App& scope = commands.empty() ? app : *commands.front();
+  const std::string help = commands.empty() ? "morula --help" : fmt::format("morula {} --help", scope.get_name());
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    // Words before the command are left to the program, those after it to the command.
+    std::vector<std::string> extras = scope.remaining(true);
+    const bool before_command = extras.empty();
+    if (before_command) extras = app.remaining(false);
+    const std::string extra = extras.empty() ? "?" : extras.front();
+    if (extra.rfind('-', 0) != 0) return fmt::format("unexpected argument '{}'; see {}", extra, help);
+    std::vector<std::string> known;
+    for (const CLI::Option* option : scope.get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    }
+    const std::string name = extra.substr(0, extra.find('='));
+    if (before_command && std::find(known.begin(), known.end(), name) != known.end()) {
+      return fmt::format("'{0}' comes after the command: morula {1} … {0}; see {2}", extra, scope.get_name(), help);
+    }
+    const std::string near = nearest_name(name, known);
+    return fmt::format("unknown option '{}'{}; see {}", extra,
+                       near.empty() ? "" : fmt::format(", did you mean {}?", near), help);
+  }
+  return fmt::format("{}; see {}", error.what(), help);
+}
 
 int command_line(int argc, char** argv, bool has_stdout, bool parse_only) {
   try {

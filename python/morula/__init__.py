@@ -29,10 +29,11 @@ from .display import page_of_scenes as page_of_scenes
 from .studies import Study as Study
 from .studies import study as study
 
-# A module of the package, which says why where there are no robots.
-globals().pop("robot", None)
+# Modules of the extension that modules of the package stand before.
+for _name in ("robot", "batch_engine"):
+    globals().pop(_name, None)
 
-__all__ = [name for name in dir(_morula) if not name.startswith("_") and name != "robot"] + ["Page", "Study", "__version__", "page", "page_of_scenes", "study"]
+__all__ = [name for name in dir(_morula) if not name.startswith("_") and name not in ("robot", "batch_engine")] + ["Page", "Study", "__version__", "page", "page_of_scenes", "study"]
 
 _MODULES = ("batch", "ipctk", "plot", "robot", "typing", "usd")
 

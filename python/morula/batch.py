@@ -1,53 +1,52 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many meshes: a tree and its figures for each, one process a mesh, and a row for whatever happens to it.
+"""Many meshes: `morula batch` from Python, and spread over executors, file systems and archives.
 
 >>> rows = morula.batch.run("meshes", {"quality": "fast"}, output="trees", jobs=2)          # doctest: +SKIP
 
-On a command line, and so in job arrays: python -m morula.batch meshes -o trees --jobs 2 --shard 1/16 --quality fast
-
-A result is kept under a key of the mesh file's content, the options and the version, each file written whole or not at all. So a
-run that was killed goes on where it ended, with the same table in the end, and shards may share a folder.
+The engine is that of the command: the same options, keys, files, statuses and columns. Either goes on with a folder that the other
+has begun. On a command line, and so in job arrays, it is `python -m morula batch meshes -o trees --quality fast --shard 1/16`.
 
 Manifests, meshes and outputs may be URLs of any file system that fsspec knows (`s3://bucket/meshes`), where it is installed.
 """
 
 from __future__ import annotations
 
-import argparse
+import atexit
 import concurrent.futures
 import contextlib
-import csv
-import hashlib
+import inspect
 import io
 import json
 import os
 import pathlib
 import socket
-import subprocess
 import sys
 import tarfile
 import tempfile
+import threading
 import time
 import urllib.parse
+import warnings
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 from . import _morula
+
+if not hasattr(_morula, "batch_engine"):
+    raise ImportError("morula.batch needs the command, which this package was built without: it needs CLI11 and fmt (docs/python.md)")
+from ._morula import batch_engine as engine
 
 if TYPE_CHECKING:
     from .typing import MeshLike
 
-__all__ = ["RayExecutor", "Row", "meshes_of", "run", "tree_of"]
+__all__ = ["RayExecutor", "Row", "run", "tree_of"]
 
 Row = dict[str, Any]
 Name = Union[str, pathlib.Path]
 Manifest = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
 
-#: Columns of the table; those of levels are lists.
-COLUMNS = (
-    "mesh", "status", "error", "key", "vertices", "facets", "closed", "nodes", "spheres", "looseness", "bare_area", "gap", "protrusion"
-)
+engine.start_workers_as(sys.executable, [sys.executable, "-m", "morula"])
 
 
 #: Where a file takes its name in one step; elsewhere, as in stores of objects, one appears whole by itself.
@@ -86,7 +85,7 @@ class Place:
 
     def absolute(self) -> str:
         """For workers that stand in another folder."""
-        return os.path.abspath(self.local) if self.local is not None else str(self.name)
+        return str(self.local.absolute()) if self.local is not None else str(self.name)
 
     def parent(self) -> Place:
         if self.local is not None:
@@ -95,7 +94,8 @@ class Place:
         return Place(above + "/" if above.endswith(":/") else above, self.options)
 
     def exists(self) -> bool:
-        return self.local.exists() if self.local is not None else bool(self._fs.exists(self._path))
+        """Is there anything, a link that leads nowhere included?"""
+        return os.path.lexists(self.local) if self.local is not None else bool(self._fs.exists(self._path))
 
     def is_folder(self) -> bool:
         return self.local.is_dir() if self.local is not None else bool(self._fs.isdir(self._path))
@@ -106,17 +106,33 @@ class Place:
         else:
             self._fs.makedirs(self._path, exist_ok=True)
 
+    def name_in(self, folder: Place) -> str:
+        """Of two places elsewhere: this one's path below the other."""
+        return str(self._path)[len(str(folder._path).rstrip("/")) + 1 :]
+
     def files(self) -> list[Name]:
-        """All below a folder, sorted."""
-        if self.local is not None:
-            return sorted(path for path in self.local.rglob("*") if not path.is_dir())
+        """All below a folder elsewhere, sorted."""
         return sorted(str(self._fs.unstrip_protocol(path)) for path in self._fs.find(self._path))
 
     def read(self) -> bytes:
+        """OSError where there is no file; a FIFO is none."""
         if self.local is not None:
-            return self.local.read_bytes()
+            data = engine.read(self.local)
+            if data is None:
+                raise OSError(f"{self.local}: is no file that can be read")
+            return data
         found: bytes = self._fs.cat_file(self._path)
         return found
+
+    def read_if_there(self) -> bytes | None:
+        try:
+            return self.read()
+        except FileNotFoundError:
+            return None
+        except OSError:
+            if self.local is not None:
+                return None
+            raise
 
     def write(self, content: str | bytes) -> None:
         """Whole or not at all."""
@@ -127,6 +143,7 @@ class Place:
             beside.write_bytes(data)
             os.replace(beside, self.local)
             return
+        self._fs.makedirs(self._path.rpartition("/")[0], exist_ok=True)
         kinds = self._fs.protocol if isinstance(self._fs.protocol, (list, tuple)) else (self._fs.protocol,)
         if _RENAMES.isdisjoint(kinds):
             self._fs.pipe_file(self._path, data)
@@ -142,108 +159,155 @@ class Place:
             self._fs.rm_file(self._path)
 
 
-def _require_inside(meshes: list[Name], manifest: Name, folder: Place, roots: Iterable[str | os.PathLike[str]]) -> list[Name]:
-    """The same meshes; ValueError for a local one outside of the manifest's folder and the roots, links resolved."""
-    allowed = [pathlib.Path(root).resolve() for root in roots]
-    if folder.local is not None:
-        allowed.append(folder.local.resolve())
-    for mesh in meshes:
-        if not isinstance(mesh, pathlib.Path) or not mesh.exists():
-            continue  # a URL, and what is missing: a row of the table says so
-        there = mesh.resolve()
-        if not any(there.is_relative_to(root) for root in allowed):
-            outside = " and ".join(map(str, allowed)) or "this machine's folders"
-            raise ValueError(f"{manifest}: {mesh} lies outside {outside}; allow its folder with roots=[{str(there.parent)!r}]")
-    return meshes
+class _Mesh(NamedTuple):
+    name: str  # as the table has it
+    place: Place
+    refusal: str = ""
+    is_checked: bool = False  # has to lie in the roots
 
 
-def _named(name: str, folder: Place, storage_options: Mapping[str, Any] | None) -> Name:
-    """What a line of a manifest means, also one that is written as in a URI: `a%20mesh.obj`."""
-    if "://" in name or os.path.isabs(name):
-        place = Place(name, storage_options)
-    else:
-        place = folder / name
-    if place.local is not None and not place.local.exists():
-        decoded = pathlib.Path(urllib.parse.unquote(str(place.local)))
-        if "\0" not in str(decoded) and decoded.exists():
-            return decoded
-    return place.name
+def _words(options: Mapping[str, Any]) -> list[str]:
+    """Options by name as words of the command: {"max_protrusion": 0.1} is --max-protrusion 0.1."""
+    words = []
+    for name, value in options.items():
+        option = f"--{name.replace('_', '-')}"
+        if value is None or value is False:
+            continue
+        if value is True:
+            words.append(option)
+        elif isinstance(value, (list, tuple)):
+            words += [option, ",".join(map(str, value))]
+        else:
+            words += [option, str(value)]
+    return words
 
 
-def meshes_of(
-    manifest: Manifest, storage_options: Mapping[str, Any] | None = None, roots: Iterable[str | os.PathLike[str]] = ()
-) -> list[Name]:
-    """Paths of meshes: of a folder, its mesh files by name; of a text file, a path per line; of a .csv, its column `mesh`.
+def _checked_words(options: Mapping[str, Any], arguments: Mapping[str, Any]) -> list[str]:
+    known = set(inspect.signature(run).parameters) | {"root", "json", "quiet"}
+    for name in options:
+        if name in known:
+            raise ValueError(f"options: {name} is no option of the build; it is an argument of run(), if anything")
+    return engine.build_words(_words({**arguments, **options}))
 
-    Paths in a file are relative to it, and may be URLs. Meshes of this machine have to lie in the manifest's folder or in one of
-    `roots`, once links are resolved, else ValueError. Any other iterable is taken as it is. Local ones are pathlib.Path.
-    """
+
+def _meshes_in_folder(place: Place) -> list[_Mesh]:
+    if place.local is not None:
+        return [_Mesh(name, Place(path), refusal, True) for name, _, path, refusal in engine.manifest(place.local)]
+    known = set(_morula.readable_mesh_extensions().split())
+    found = [Place(path, place.options) for path in place.files()]
+    return [_Mesh(engine.text_of_name(mesh.name_in(place).encode()), mesh) for mesh in found if mesh.suffix in known]
+
+
+def _mesh_named(name: str, reference: str, path: pathlib.Path, refusal: str, folder: Place) -> _Mesh:
+    """What a row of a manifest means."""
+    if "://" in reference and not reference.startswith("file://"):
+        return _Mesh(name, Place(reference, folder.options))
+    if folder.local is None and "://" not in reference and not os.path.isabs(reference):
+        return _Mesh(name, folder / reference)
+    return _Mesh(name, Place(path), refusal, True)
+
+
+def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) -> tuple[list[_Mesh], Place | None]:
+    """Its meshes, and the folder in which those of this machine have to lie; none: anywhere."""
     if not isinstance(manifest, (str, os.PathLike)):
-        return [Place(path, storage_options).name for path in manifest]
+        return [_Mesh(engine.text_of_name(os.fsencode(mesh)), Place(mesh, storage_options)) for mesh in manifest], None
     place = Place(manifest, storage_options)
     if place.is_folder():
-        known = set(_morula.readable_mesh_extensions().split())
-        found = [path for path in place.files() if pathlib.PurePosixPath(path).suffix.lower() in known]
-        return _require_inside(found, place.name, place, roots)
-    lines = io.StringIO(place.read().decode(), newline="")
-    if place.suffix == ".csv":
-        rows = csv.DictReader(lines)
-        if "mesh" not in (rows.fieldnames or []):
-            raise ValueError(f"{manifest}: a column `mesh` is needed; there are {', '.join(rows.fieldnames or [])}")
-        names = [row["mesh"] for row in rows]
-    else:
-        names = [line.strip() for line in lines if line.strip() and not line.startswith("#")]
+        return _meshes_in_folder(place), place
     folder = place.parent()
-    return _require_inside([_named(name, folder, storage_options) for name in names], place.name, folder, roots)
+    if place.local is not None:
+        rows = engine.manifest(place.local)
+    else:
+        try:
+            rows = engine.manifest_of(place.read(), place.suffix == ".csv", "")
+        except ValueError as fault:
+            raise ValueError(f"{place.name}: {fault}") from None
+    return [_mesh_named(*row, folder) for row in rows], folder
 
 
-def key_of(mesh: str | os.PathLike[str], options: Mapping[str, Any], storage_options: Mapping[str, Any] | None = None) -> str:
-    """Of the file's bytes, the options and the version; of the path where it cannot be read."""
-    place = Place(mesh, storage_options)
+def _key_elsewhere(mesh: Place, words: list[str]) -> tuple[str, str]:
     try:
-        content = hashlib.sha256(place.read()).hexdigest()
-    except OSError:
-        content = f"unreadable {mesh}"
-    what = json.dumps([content, place.suffix, dict(options), _morula.version], sort_keys=True)
-    return hashlib.sha256(what.encode()).hexdigest()[:32]
+        data = mesh.read()
+        files = [data]
+        for name in engine.buffers_of(data, mesh.suffix):
+            buffer = (mesh.parent() / urllib.parse.unquote(name)).read_if_there()
+            if buffer is not None:
+                files.append(buffer)
+    except Exception as fault:  # noqa: BLE001: of whatever file system; it is a row
+        return "", f"{{mesh}}: cannot be read: {type(fault).__name__}: {fault}"
+    return engine.key_of_bytes(files, mesh.suffix, words), ""
 
 
-def _build(task: Mapping[str, Any]) -> Row:
-    """In a process of its own."""
-    mesh = _morula.read_mesh(task["mesh"])
-    report = _morula.inspect(mesh)
-    built = _morula.build(mesh, **task["options"])
-    if faults := built.validate(mesh):
-        raise RuntimeError("; ".join(faults))
-    measured = _morula.measure(mesh, built)
-    _morula.write_tree(task["tree"], built)
-    return {
-        "status": "ok",
-        "vertices": report.vertex_count,
-        "facets": report.facet_count,
-        "closed": report.closed,
-        "nodes": len(built),
-        "spheres": [m.spheres for m in measured],
-        "looseness": [m.looseness.looseness for m in measured],
-        "bare_area": [m.coverage.bare_area for m in measured],
-        "gap": [m.coverage.gap for m in measured],
-        "protrusion": [None if m.protrusion is None else m.protrusion.worst for m in measured],
-    }
+def _keys_of(meshes: list[_Mesh], words: list[str], roots: list[pathlib.Path]) -> list[tuple[str, str]]:
+    """The key of each, or '' and why there is none."""
+    keys = [("", "")] * len(meshes)
+    for is_checked in (True, False):
+        here = {i: mesh.place.local for i, mesh in enumerate(meshes) if mesh.place.local is not None and mesh.is_checked == is_checked}
+        found = engine.keys([(path, meshes[i].refusal) for i, path in here.items()], words, roots if is_checked else None)
+        for i, key in zip(here, found):
+            keys[i] = key
+    for i, mesh in enumerate(meshes):
+        if mesh.place.local is None:
+            keys[i] = _key_elsewhere(mesh.place, words)
+    return keys
 
 
-def _serve_task() -> None:
-    task = json.load(sys.stdin)
-    if limit := task["memory_limit_mb"]:
-        import resource
+def _result_place(folder: Place, key: str) -> Place:
+    return folder / "results" / key[:2] / f"{key}.json"
 
-        resource.setrlimit(resource.RLIMIT_AS, (limit << 20, limit << 20))
-    try:
-        row = _build(task)
-    except MemoryError:
-        row = {"status": "out of memory", "error": f"more than {limit} MB" if limit else "out of memory"}
-    except Exception as fault:  # noqa: BLE001: whatever it is, it is a row
-        row = {"status": "failed", "error": str(fault)}
-    json.dump(row, sys.stdout)
+
+def _tree_place(folder: Place, key: str) -> Place:
+    return folder / "trees" / key[:2] / f"{key}.morula"
+
+
+class _Kept:
+    """Results of earlier batches in a folder."""
+
+    def __init__(self, folder: Place, no_trees: bool) -> None:
+        self.folder, self.no_trees, self.damaged = folder, no_trees, 0
+        self._archived: dict[str, str] | None = None
+
+    def find(self, key: str) -> str | None:
+        """The text of a key's result. None where there is none, or it or its tree is not as it was written."""
+        place = _result_place(self.folder, key)
+        data = place.read_if_there()
+        if data is None and not place.exists():
+            return None
+        if data is None or not engine.whole_result(data, key) or not self._has_tree(key, json.loads(data)):
+            self.damaged += 1
+            return None
+        return data.decode()
+
+    def _has_tree(self, key: str, result: Row) -> bool:
+        if self.no_trees or result["status"] != "ok":
+            return True
+        data = _tree_place(self.folder, key).read_if_there()
+        found = engine.hash_of_bytes(data) if data is not None else self._archives().get(key)
+        return bool(found == result["tree_file"])
+
+    def _archives(self) -> dict[str, str]:
+        """Hashes of the trees in archives, by key."""
+        if self._archived is None:
+            self._archived = {}
+            for archive in _archives_in(self.folder / "trees"):
+                with contextlib.suppress(tarfile.TarError, OSError):
+                    for key, data in _trees_in(archive):
+                        self._archived[key] = engine.hash_of_bytes(data)
+        return self._archived
+
+
+def _archives_in(trees: Place) -> list[Place]:
+    if trees.local is not None:
+        return [Place(path) for path in sorted(trees.local.glob("*.tar")) if path.is_file()]
+    return [Place(name, trees.options) for name in trees.files() if str(name).endswith(".tar")] if trees.exists() else []
+
+
+def _trees_in(archive: Place) -> Iterable[tuple[str, bytes]]:
+    with tarfile.open(archive.local) if archive.local else tarfile.open(fileobj=io.BytesIO(archive.read())) as packed:
+        for member in packed:
+            file = packed.extractfile(member)
+            if file is not None:
+                yield member.name.removesuffix(".morula"), file.read()
 
 
 def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
@@ -251,76 +315,128 @@ def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
     copy = folder / f"mesh{mesh.suffix}"
     data = mesh.read()
     copy.write_bytes(data)
-    if mesh.suffix == ".gltf":
-        for buffer in json.loads(data).get("buffers", []):
-            name = urllib.parse.unquote(buffer.get("uri", "data:"))
-            if name.startswith("data:") or name.startswith("/") or ".." in name.split("/"):
-                continue
+    for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
+        if name.startswith("/") or "://" in name or ".." in name.split("/"):
+            continue
+        buffer = (mesh.parent() / name).read_if_there()
+        if buffer is not None:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes((mesh.parent() / name).read())
+            (folder / name).write_bytes(buffer)
     return copy
 
 
-def one(task: Mapping[str, Any]) -> Row:
-    """One mesh, in a process of its own; what an executor calls, here or elsewhere. Its row is on the disk when it returns."""
-    start = time.perf_counter()
-    elsewhere = task.get("storage_options") or {}
-    mesh, tree = Place(task["mesh"], elsewhere), Place(task["tree"], elsewhere)
-    with tempfile.TemporaryDirectory() if mesh.local is None or tree.local is None else contextlib.nullcontext("") as scratch:
-        here = {name: value for name, value in task.items() if name != "storage_options"}
-        row: Row = {}
+class _Seats:
+    """Workers, one for each task at a time; idle ones wait for the next."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._idle: list[engine.Seat] = []
+        self._all: list[engine.Seat] = []
+
+    def build(self, *task: Any) -> str:
+        with self._lock:
+            if not self._idle:
+                self._all.append(engine.Seat())
+                self._idle.append(self._all[-1])
+            seat = self._idle.pop()
         try:
-            if mesh.local is None:
-                here["mesh"] = os.fspath(_copy_here(mesh, pathlib.Path(scratch)))
-        except (OSError, ValueError) as fault:
-            row = {"status": "failed", "error": f"{mesh.name}: cannot be read: {fault}"}
-        if tree.local is None:
-            here["tree"] = os.path.join(scratch, "tree.morula")
-        row = row or _one_here(here)
-        if mesh.local is None and "error" in row:
-            row["error"] = row["error"].replace(str(here["mesh"]), str(mesh.name))
-        if tree.local is None and row["status"] == "ok":
-            tree.write(pathlib.Path(here["tree"]).read_bytes())
-    row["key"] = task["key"]
-    Place(task["row"], elsewhere).write(json.dumps({**row, "seconds": time.perf_counter() - start}))
-    return row
+            text = seat.build(*task)
+        finally:
+            with self._lock:
+                self._idle.append(seat)
+        if text is None:
+            raise RuntimeError("the batch was stopped")
+        return text
+
+    def stop(self) -> None:
+        with self._lock:
+            for seat in self._all:
+                seat.stop()
+
+    def forget(self) -> None:
+        """Ends idle workers; in a process that was forked, gives up those of the other."""
+        self.__init__()  # type: ignore[misc]
 
 
-def _one_here(task: Mapping[str, Any]) -> Row:
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "morula.batch", "--serve-task"], input=json.dumps(task), capture_output=True, text=True,
-            timeout=task["time_limit"], check=False,
+#: Of tasks that an executor runs in this process.
+_seats = _Seats()
+atexit.register(_seats.forget)
+os.register_at_fork(after_in_child=_seats.forget)
+
+
+def one(task: Mapping[str, Any], seats: _Seats | None = None) -> str:
+    """One mesh, by a worker: the text of its result, which is kept when it returns. What an executor calls, here or elsewhere."""
+    elsewhere = task["storage_options"]
+    mesh, tree, result = (Place(task[name], elsewhere) for name in ("mesh", "tree", "result"))
+    is_here = mesh.local is not None and tree.local is not None
+    with contextlib.nullcontext("") if is_here else tempfile.TemporaryDirectory() as scratch:
+        try:
+            mesh_here = mesh.local if mesh.local is not None else _copy_here(mesh, pathlib.Path(scratch))
+        except Exception as fault:  # noqa: BLE001: it could be read for its key; it is tried again the next time
+            return engine.result_without_build(task["key"], "failed", f"{{mesh}}: cannot be read: {type(fault).__name__}: {fault}")
+        tree_here = tree.local if tree.local is not None else pathlib.Path(scratch) / "tree.morula"
+        text = (seats or _seats).build(
+            task["key"], mesh_here, tree_here, result.local, task["words"], task["time_limit"], task["memory_limit"],
+            task["no_trees"] and tree.local is not None,
         )
-        try:
-            row: Row = json.loads(done.stdout)
-        except ValueError:
-            said = done.stderr.strip().splitlines()[-1:] or [""]
-            row = {"status": "crashed", "error": f"exit code {done.returncode} {said[0]}".strip()}
-    except subprocess.TimeoutExpired:
-        row = {"status": "timed out", "error": f"more than {task['time_limit']} s"}
-    return row
+        if tree.local is None:
+            try:
+                if json.loads(text)["status"] == "ok" and not task["no_trees"]:
+                    tree.write(tree_here.read_bytes())
+                result.write(text)
+            except Exception as fault:  # noqa: BLE001
+                return engine.result_without_build(task["key"], "failed", f"cannot be kept: {type(fault).__name__}: {fault}")
+    return text
 
 
-def _table(rows: list[Row], folder: Place, name: str) -> None:
-    """As CSV and JSON lines; as Parquet where pyarrow is installed. No times: an interrupted run has the same table."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in rows:
-        writer.writerow([json.dumps(v) if isinstance(v, list) else "" if v is None else v for v in map(row.get, COLUMNS)])
-    (folder / f"{name}.csv").write(text.getvalue())
-    lines = [json.dumps({column: row.get(column) for column in COLUMNS}) + "\n" for row in rows]
-    (folder / f"{name}.jsonl").write("".join(lines))
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _work_off(
+    tasks: dict[str, dict[str, Any]], results: dict[str, str], jobs: int, executor: concurrent.futures.Executor | None,
+    progress: Callable[[int, int, float], object] | None,
+) -> None:
+    start, total, own, seats = time.perf_counter(), len(results) + len(tasks), None, None
+    if executor is None:
+        seats = _Seats()
+        own = concurrent.futures.ThreadPoolExecutor(min(jobs, max(1, len(tasks))))
+        futures = {own.submit(one, task, seats): key for key, task in tasks.items()}
+    else:
+        futures = {executor.submit(one, task): key for key, task in tasks.items()}
+    try:
+        for done, future in enumerate(_as_completed(futures), 1):
+            key = futures[future]
+            try:
+                results[key] = future.result()
+            except Exception as fault:  # noqa: BLE001: a worker that is gone costs its meshes; nothing is kept of that
+                results[key] = engine.result_without_build(key, "lost", f"{type(fault).__name__}: {fault}")
+            if progress is not None:
+                progress(len(results), total, (time.perf_counter() - start) / done * (len(tasks) - done))
+    finally:
+        for future in futures:
+            future.cancel()
+        if own is not None and seats is not None:
+            seats.stop()  # nothing runs any more, unless this was interrupted
+            own.shutdown()
+
+
+def _write_tables(texts: tuple[str, str, str], folder: Place, suffix: str) -> list[Row]:
+    """As CSV and JSON lines; as Parquet where pyarrow is installed. Returns the rows."""
+    names = (f"table{suffix}.csv", f"table{suffix}.jsonl", f"cost{suffix}.csv")
+    for name, text in zip(names, texts):
+        (folder / name).write(text)
+    rows = [json.loads(line) for line in texts[1].splitlines()]
     try:
         import pyarrow  # type: ignore[import-not-found,import-untyped,unused-ignore]
         import pyarrow.parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ImportError:
-        return
-    table = pyarrow.Table.from_pylist([{column: row.get(column) for column in COLUMNS} for row in rows])
+        return rows
+    columns = texts[0].partition("\n")[0].split(",")
     packed = io.BytesIO()
-    pyarrow.parquet.write_table(table, packed)
-    (folder / f"{name}.parquet").write(packed.getvalue())
+    pyarrow.parquet.write_table(pyarrow.Table.from_pylist([{name: row.get(name) for name in columns} for row in rows]), packed)
+    (folder / f"table{suffix}.parquet").write(packed.getvalue())
+    return rows
 
 
 def run(
@@ -328,12 +444,15 @@ def run(
     options: Mapping[str, Any] | None = None,
     *,
     output: str | os.PathLike[str],
-    jobs: int = 1,
+    jobs: int | None = None,
     executor: concurrent.futures.Executor | None = None,
     shard: tuple[int, int] = (1, 1),
     time_limit: float | None = None,
-    memory_limit_mb: int | None = None,
+    memory_limit: int | None = None,
+    resume: bool = False,
     retry: bool = False,
+    no_trees: bool = False,
+    measure: bool = False,
     archives: bool = False,
     storage_options: Mapping[str, Any] | None = None,
     roots: Iterable[str | os.PathLike[str]] = (),
@@ -341,77 +460,72 @@ def run(
 ) -> list[Row]:
     """A tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
 
+    Files, keys, statuses and columns are those of the command `morula batch`, and so are arguments where nothing else is said. A
+    row is a dict of the columns that it has.
+
     Args:
-        options: of build(), as a dict.
-        jobs: so many processes at once.
+        manifest: a folder, a .csv, a list of paths, as the command takes them; or an iterable of paths, which may lie anywhere.
+        options: of the build, by the names of the command with `_` for `-`, as a dict: {"method": "grid", "depth": 2}. A wrong
+            one raises ValueError before any mesh is read.
+        jobs: processes at once; None: as many as there are processors.
         executor: anything that behaves as concurrent.futures does, in the place of `jobs`: of Dask
             (`client.get_executor()`), mpi4py.futures, submitit; RayExecutor() of Ray. Workers need this package and the same file system. What a
-            worker that dies takes with it is a row with the status `lost`, unless the executor gives it to another; the
-            next run tries it again.
+            worker that dies takes with it is a row with the status `lost`, unless the executor gives it to another; `resume` tries
+            it again.
         shard: (i, n): the i-th of n parts, from 1: every n-th mesh from the i-th on; its table is table-i-of-n.
-        time_limit: seconds a mesh may take. memory_limit_mb: address space it may have (not on Windows).
-        retry: meshes that failed are tried again; else their rows stay.
+        time_limit: seconds a mesh may take. memory_limit: megabytes of address space for it, from 64.
+        resume: go on with the results that the folder holds. What is damaged or has lost its tree is built again, with a warning.
+        retry: the same, and try again what failed.
+        no_trees: keep the table alone.
+        measure: the columns closed, looseness, bare_area, gap and protrusion, the last four per level, too.
         archives: trees are packed into trees/KK.tar in the end, by the first two digits of their keys: for file systems that
             do not like many files. tree_of() reads them.
         storage_options: of fsspec, for a manifest, meshes and an output that are URLs (`s3://bucket/meshes`). Workers read and
             write there themselves; the mesh is built from a copy.
         roots: folders, besides the manifest's own, in which its meshes may lie.
         progress: called with meshes done, all of them, and the seconds left, estimated.
-
-    trees/KEY.morula are the trees, rows/KEY.json the rows with their times.
     """
     index, count = shard
-    if not 1 <= index <= count:
-        raise ValueError(f"shard: {index}/{count}, but 1/{count} to {count}/{count} are needed")
+    words = _checked_words(
+        dict(options or {}),
+        {"jobs": jobs, "shard": f"{index}/{count}", "time_limit": time_limit, "memory_limit": memory_limit, "measure": measure},
+    )
     folder = Place(output, storage_options)
-    for name in ("trees", "rows"):
-        (folder / name).make_folder()
-    options = dict(options or {})
-    meshes = meshes_of(manifest, storage_options, roots)[index - 1 :: count]
-    keys = [key_of(mesh, options, storage_options) for mesh in meshes]
+    if count == 1 and not resume and not retry and (folder / "results").exists():
+        raise ValueError(f"{output} holds results of an earlier batch: add resume=True to go on with them, or name another folder")
+    meshes, own_root = _meshes_of(manifest, storage_options)
+    meshes = meshes[index - 1 :: count]
+    allowed = [pathlib.Path(root) for root in roots]
+    if own_root is not None and own_root.local is not None:
+        allowed.append(own_root.local)
+    keys = _keys_of(meshes, words, allowed)
+    folder.make_folder()
 
-    rows: dict[str, Row] = {}
+    kept = _Kept(folder, no_trees)
+    results: dict[str, str] = {}
     tasks: dict[str, dict[str, Any]] = {}
-    for mesh, key in zip(meshes, keys):
-        row_file = folder / "rows" / f"{key}.json"
-        if key not in rows and row_file.exists():
-            row = json.loads(row_file.read())
-            if row["status"] == "ok" or not retry:
-                rows[key] = row
-        if key not in rows:
-            tasks[key] = {
-                # Workers of an executor may stand in another folder.
-                "mesh": Place(mesh, storage_options).absolute(), "options": options, "key": key, "row": row_file.absolute(),
-                "tree": (folder / "trees" / f"{key}.morula").absolute(), "time_limit": time_limit,
-                "memory_limit_mb": memory_limit_mb, "storage_options": dict(storage_options or {}),
-            }
+    for mesh, (key, _) in zip(meshes, keys):
+        if not key or key in results or key in tasks:
+            continue
+        found = kept.find(key)
+        if found is not None and (not retry or json.loads(found)["status"] == "ok"):
+            results[key] = found
+            continue
+        # Workers of an executor may stand in another folder.
+        tasks[key] = {
+            "mesh": mesh.place.absolute(), "tree": _tree_place(folder, key).absolute(), "result": _result_place(folder, key).absolute(),
+            "key": key, "words": words, "time_limit": time_limit, "memory_limit": memory_limit, "no_trees": no_trees,
+            "storage_options": dict(storage_options or {}),
+        }
+    if kept.damaged:
+        warnings.warn(engine.remade_text(kept.damaged), stacklevel=2)
+    _work_off(tasks, results, jobs or _processors(), executor, progress)
 
-    start, total = time.perf_counter(), len(rows) + len(tasks)
-    own = concurrent.futures.ThreadPoolExecutor(max(1, jobs)) if executor is None else None
-    futures = {(own or executor).submit(one, task): key for key, task in tasks.items()}  # type: ignore[union-attr]
-    try:
-        for done, future in enumerate(_as_completed(futures), 1):
-            key = futures[future]
-            try:
-                rows[key] = future.result()
-            except Exception as fault:  # noqa: BLE001: a worker that is gone costs its meshes; nothing is kept of that
-                rows[key] = {"status": "lost", "error": f"{type(fault).__name__}: {fault}", "key": key}
-            if progress is not None:
-                progress(len(rows), total, (time.perf_counter() - start) / done * (len(tasks) - done))
-    finally:
-        for future in futures:
-            future.cancel()
-        if own is not None:
-            own.shutdown()
-
-    table = [{**rows[key], "mesh": str(mesh)} for mesh, key in zip(meshes, keys)]
-    for row in table:
-        row.pop("seconds", None)
-    part = "" if count == 1 else f"{index}-of-{count}"
+    suffix = "" if count == 1 else f"-{index}-of-{count}"
     if archives:
-        _pack(folder / "trees", part, [row["key"] for row in table if row["status"] == "ok"])
-    _table(table, folder, f"table-{part}" if part else "table")
-    return table
+        _pack(folder, suffix, [key for key, text in results.items() if json.loads(text)["status"] == "ok"])
+    named = [(mesh.name, key, message) for mesh, (key, message) in zip(meshes, keys)]
+    return _write_tables(engine.tables(named, results, no_trees), folder, suffix)
 
 
 class RayExecutor:
@@ -443,30 +557,28 @@ def _as_completed(futures: Iterable[Any]) -> Iterable[Any]:
     return list(futures)
 
 
-def _pack(folder: Place, part: str, keys: Iterable[str]) -> None:
+def _pack(folder: Place, suffix: str, keys: Iterable[str]) -> None:
     """Moves trees into archives, by the first two digits of their keys. The same bytes however often it was interrupted."""
-    found: dict[str, set[str]] = {}
-    for key in keys:
-        if (folder / f"{key}.morula").exists():
-            found.setdefault(f"{part}-{key[:2]}.tar" if part else f"{key[:2]}.tar", set()).add(key)
+    found: dict[str, dict[str, bytes]] = {}
+    for key in sorted(keys):
+        data = _tree_place(folder, key).read_if_there()
+        if data is not None:
+            found.setdefault(f"{suffix[1:]}-{key[:2]}.tar" if suffix else f"{key[:2]}.tar", {})[key] = data
     for name, new in found.items():
-        archive = folder / name
-        trees = {f"{key}.morula": (folder / f"{key}.morula").read() for key in new}
+        archive = folder / "trees" / name
+        trees = dict(new)
         if archive.exists():
-            with tarfile.open(fileobj=io.BytesIO(archive.read())) as old:
-                for member in old:
-                    file = old.extractfile(member)
-                    if file is not None and member.name not in trees:
-                        trees[member.name] = file.read()
-        text = io.BytesIO()
-        with tarfile.open(fileobj=text, mode="w", format=tarfile.USTAR_FORMAT) as packed:
-            for tree in sorted(trees):
-                member = tarfile.TarInfo(tree)
-                member.size = len(trees[tree])
-                packed.addfile(member, io.BytesIO(trees[tree]))
-        archive.write(text.getvalue())
+            with contextlib.suppress(tarfile.TarError):
+                trees = {**dict(_trees_in(archive)), **new}
+        packed_text = io.BytesIO()
+        with tarfile.open(fileobj=packed_text, mode="w", format=tarfile.USTAR_FORMAT) as packed:
+            for key in sorted(trees):
+                member = tarfile.TarInfo(f"{key}.morula")
+                member.size = len(trees[key])
+                packed.addfile(member, io.BytesIO(trees[key]))
+        archive.write(packed_text.getvalue())
         for key in new:
-            (folder / f"{key}.morula").remove()
+            _tree_place(folder, key).remove()
 
 
 def tree_of(
@@ -476,21 +588,16 @@ def tree_of(
 
     KeyError where there is no tree of this key.
     """
-    folder = Place(output, storage_options) / "trees"
-    file = folder / f"{key}.morula"
-    if file.exists():
-        return _tree_in(file.read(), mesh)
-    for name in folder.files() if folder.exists() else []:
-        if not str(name).endswith(f"{key[:2]}.tar"):
+    folder = Place(output, storage_options)
+    data = _tree_place(folder, key).read_if_there()
+    if data is not None:
+        return _tree_in(data, mesh)
+    for archive in _archives_in(folder / "trees"):
+        if not str(archive.name).endswith(f"{key[:2]}.tar"):
             continue
-        archive = Place(name, storage_options)
-        with tarfile.open(archive.local) if archive.local else tarfile.open(fileobj=io.BytesIO(archive.read())) as packed:
-            try:
-                member = packed.extractfile(f"{key}.morula")
-            except KeyError:
-                continue
-            assert member is not None
-            return _tree_in(member.read(), mesh)
+        for found, data in _trees_in(archive):
+            if found == key:
+                return _tree_in(data, mesh)
     raise KeyError(key)
 
 
@@ -499,43 +606,3 @@ def _tree_in(data: bytes, mesh: MeshLike) -> _morula.CoveredTree:
         copy = pathlib.Path(scratch) / "tree.morula"
         copy.write_bytes(data)
         return _morula.read_covered_tree(copy, mesh)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m morula.batch", description="A tree and its figures for each of many meshes.")
-    parser.add_argument("manifest", help="a folder, a text file with a path per line, or a .csv with a column `mesh`")
-    parser.add_argument("-o", "--output", required=True, help="folder for trees, rows and the table")
-    parser.add_argument("--jobs", type=int, default=1, help="processes at once")
-    parser.add_argument("--shard", default="1/1", help="i/n: the i-th of n parts, from 1")
-    parser.add_argument("--time-limit", type=float, help="seconds a mesh may take")
-    parser.add_argument("--memory-limit", type=int, help="megabytes of address space it may have")
-    parser.add_argument("--retry", action="store_true", help="try again what failed; what is done stays in any case")
-    parser.add_argument("--archives", action="store_true", help="trees in tar archives, by the first two digits of their keys")
-    parser.add_argument("--root", action="append", default=[], help="a folder, besides the manifest's own, in which its meshes may lie")
-    parser.add_argument("--method", default="morula")
-    parser.add_argument("--quality", default="default")
-    parser.add_argument("--branching", type=int, default=8)
-    parser.add_argument("--depth", type=int)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    index, _, count = given.shard.partition("/")
-    options = {name: getattr(given, name) for name in ("method", "quality", "branching", "depth", "seed")}
-
-    def report(done: int, total: int, seconds_left: float) -> None:
-        print(f"{done} of {total}, {seconds_left:.0f} s left", file=sys.stderr)
-
-    rows = run(
-        given.manifest, options, output=given.output, jobs=given.jobs, shard=(int(index), int(count)), time_limit=given.time_limit,
-        memory_limit_mb=given.memory_limit, retry=given.retry, archives=given.archives, roots=given.root, progress=report,
-    )
-    failed = sum(row["status"] != "ok" for row in rows)
-    where = (Place(given.output) / "table.csv").name if count == "1" else given.output
-    print(f"{len(rows)} meshes, {failed} of them failed: {where}")
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    if sys.argv[1:] == ["--serve-task"]:
-        _serve_task()
-    else:
-        sys.exit(main())

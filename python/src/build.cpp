@@ -28,7 +28,15 @@ void bind_build(nb::module_& m) {
       "all_optimisers", [] { return names_of(all_optimisers()); }, "Names of the optimisers.");
   m.def(
       "all_qualities", [] { return names_of(all_qualities()); }, doc::Quality);
-  m.def("automatic_depth", &automatic_depth, nb::arg("facet_count"), nb::arg("branching") = 8, doc::automatic_depth);
+  m.def("automatic_depth", nb::overload_cast<std::size_t, int>(&automatic_depth), nb::arg("facet_count"),
+        nb::arg("branching") = 8, doc::automatic_depth);
+  m.def(
+      "automatic_depth",
+      [](MeshGiven given, int branching) {
+        const auto mesh = mesh_of(given);
+        return automatic_depth(*mesh, branching);
+      },
+      nb::arg("mesh"), nb::arg("branching") = 8, doc::automatic_depth_2);
 
   Record<BuildProgress>(m, "BuildProgress", doc::BuildProgress)
       .field("share", &BuildProgress::share, doc::BuildProgress_share)

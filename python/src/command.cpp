@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The command inside the package: `python -m morula`.
-#include <batch/job.hpp>
+#include <batch/serve.hpp>
+#include <batch/worker.hpp>
 #include <command_line.hpp>
 #include <shared/console.hpp>
 #include <shared/interrupt.hpp>
@@ -15,19 +16,20 @@ void bind_command(nb::module_& m) {
   m.def(
       "command_line",
       [](std::vector<std::string> arguments, const std::vector<std::string>& program) {
-        if (!program.empty()) cli::start_jobs_as(program[0], program);
+        if (!program.empty()) cli::start_workers_as(program[0], program);
         std::vector<char*> argv;
         for (std::string& argument : arguments) argv.push_back(argument.data());
         argv.push_back(nullptr);
         return without_gil([&] {
+          if (cli::is_worker(static_cast<int>(arguments.size()), argv.data())) return cli::serve_batch();
           const bool has_stdout = cli::open_standard_streams();
           cli::watch_signals();
           return cli::command_line(static_cast<int>(arguments.size()), argv.data(), has_stdout);
         });
       },
       nb::arg("arguments"), nb::arg("program") = std::vector<std::string>{},
-      "Runs the command; the first argument is its name. program: how the command is started again, for the jobs of "
-      "`batch`. Returns its exit code. Takes over the signals of the process: "
+      "Runs the command; the first argument is its name. program: how the command is started again, for the workers "
+      "of `batch`. Returns its exit code. Takes over the signals of the process: "
       "for `python -m morula` alone.");
 }
 

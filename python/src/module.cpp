@@ -102,6 +102,7 @@ NB_MODULE(_morula, m) {
   bind_pages_together(m);
 #endif
   bind_command(m);
+  bind_batch(m);
   bind_study(m);
 #endif
   name_arguments(m);

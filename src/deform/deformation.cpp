@@ -13,6 +13,7 @@
 
 #include "deform/parameters.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -44,8 +45,11 @@ struct Axes {
 // Unused vertices may hold anything; what is not finite stays as it is.
 template <class Move>
 void move_each(std::vector<Vec3>& positions, Move&& move) {
-  for (Vec3& p : positions)
+  detail::AskNowAndThen ask_now_and_then(4096);
+  for (Vec3& p : positions) {
+    ask_now_and_then();
     if (is_finite(p)) move(p);
+  }
 }
 
 // base^exponent for base > 0: whole powers by multiplication, the binary digits of the rest by square roots, which

@@ -174,15 +174,6 @@ std::span<const Quality> all_qualities() {
   return quality_names.values;
 }
 
-int automatic_depth(std::size_t facet_count, int branching) {
-  constexpr std::size_t most_leaves = 512, facets_per_leaf = 4;
-  const auto children = static_cast<std::size_t>(branching);
-  const std::size_t most = std::min(most_leaves, facet_count / facets_per_leaf);
-  int depth = 1;
-  for (std::size_t leaves = children; depth < max_depth && leaves <= most / children; leaves *= children) ++depth;
-  return depth;
-}
-
 CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
   const StandardFloats standard;
   const Entry& chosen = entry(options.method);
@@ -203,6 +194,7 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   CoveredTree built = chosen.build(mesh, run, workers);
   remove_useless_divisions(options, built);
   built.cover = with_fewer_cuts(mesh, built, workers);
+  built.report.most_patches_of_a_facet = built.cover.most_patches_of_a_facet();
   wrap(mesh, built, workers);
   if (options.nested) nest(built.tree);
   return built;

@@ -48,19 +48,7 @@ class Search {
 
   NearestPair run() {
     if (a_.size() > 1 && find_crossing()) return best_;
-    for (std::size_t i = 0; i < a_.size(); ++i) {
-      const TrianglePoint nearest = closest_point(b_, a_[i]);
-      if (improves(nearest.squared_distance)) accept(corner(i), nearest.barycentric, a_[i], nearest.point);
-    }
-    if (a_.size() == 3) {
-      const Triangle t{a_[0], a_[1], a_[2]};
-      for (std::size_t j = 0; j < 3; ++j) {
-        const TrianglePoint nearest = closest_point(t, b_[j]);
-        if (improves(nearest.squared_distance)) accept(nearest.barycentric, corner(j), nearest.point, b_[j]);
-      }
-    }
-    for (std::size_t i = 0; i < edge_count(); ++i)
-      for (std::size_t j = 0; j < 3; ++j) try_edges(i, (i + 1) % a_.size(), j, (j + 1) % 3);
+    try_features_until(-1);
     bound();
     // Shapes that meet in one plane and nowhere else have no edge that pierces: an exact verdict where no slab is
     // between.
@@ -69,6 +57,24 @@ class Search {
       best_.crossing = true;
     }
     return best_;
+  }
+
+  /// The squared distance of the nearest features, as far as run() looks at them until it is so small.
+  double try_features_until(double squared) {
+    for (std::size_t i = 0; i < a_.size() && squared_ > squared; ++i) {
+      const TrianglePoint nearest = closest_point(b_, a_[i]);
+      if (improves(nearest.squared_distance)) accept(corner(i), nearest.barycentric, a_[i], nearest.point);
+    }
+    if (a_.size() == 3) {
+      const Triangle t{a_[0], a_[1], a_[2]};
+      for (std::size_t j = 0; j < 3 && squared_ > squared; ++j) {
+        const TrianglePoint nearest = closest_point(t, b_[j]);
+        if (improves(nearest.squared_distance)) accept(nearest.barycentric, corner(j), nearest.point, b_[j]);
+      }
+    }
+    for (std::size_t i = 0; i < edge_count() && squared_ > squared; ++i)
+      for (std::size_t j = 0; j < 3; ++j) try_edges(i, (i + 1) % a_.size(), j, (j + 1) % 3);
+    return squared_;
   }
 
  private:
@@ -203,6 +209,24 @@ NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
   found.upper = found.upper > 0 ? std::ldexp(found.upper, -exponent) + rounding : 0;
   found.lower = std::max(0.0, std::ldexp(found.lower, -exponent) - rounding);
   return found;
+}
+
+bool are_within(const Triangle& a, const Triangle& b, double distance) {
+  double largest = 0;
+  for (const Triangle* t : {&a, &b})
+    for (const Vec3& p : *t) largest = std::max(largest, max_norm(p));
+  // upper exceeds the distance of the nearest features by 2^-48 of the largest coordinate and 2^-49 of itself at most.
+  const double rounding = 0x1p-40 * (largest + distance), near = distance - rounding, far = distance + rounding;
+  if (largest >= least_ordinary && near > 0x1p-400 && far < 0x1p400) {
+    // A slab between them that is wider than that: upper is no less than their distance, and that no less than the
+    // slab.
+    if (slab_width(a, b, a[0], (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])) > distance) return false;
+    const double squared = Search(a, b).try_features_until(near * near);
+    if (squared <= near * near) return true;
+    // What crosses is at distance 0, and its features may be far apart.
+    if (squared > far * far) return triangles_meet(a, b);
+  }
+  return nearest_pair(a, b).upper <= distance;
 }
 
 SegmentParameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {

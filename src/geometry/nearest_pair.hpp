@@ -26,6 +26,9 @@ struct NearestPair {
 /// hold.
 NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b);
 
+/// Whether nearest_pair(a, b).upper <= distance, sooner decided. distance: 0 or more.
+bool are_within(const Triangle& a, const Triangle& b, double distance);
+
 /// Width of the slab across `direction` (from a to b, any length but 0) that has all of a on one side and all of b on
 /// the other; negative when there is none. Rounded down.
 double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& direction);

@@ -9,6 +9,7 @@
 #include <morula/medial/inner_balls.hpp>
 
 #include "medial/shrunken_balls.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 
@@ -27,7 +28,9 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
     normals.push_back(object.orientation() * normalized(area_vector(mesh.corners(sample.facet))));
   }
   std::vector<Sphere> balls;
+  detail::AskNowAndThen ask_now_and_then(16);
   for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::BallSharing::none, workers)) {
+    ask_now_and_then();
     ball.radius -= options.margin;
     if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
     if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;

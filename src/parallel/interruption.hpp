@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <functional>
 
@@ -31,6 +32,20 @@ Interruption* asked_now() noexcept;
 
 /// Returns when the call is to go on, and throws what ends it.
 void ask_to_go_on();
+
+/// Asks at every so many-th call: for pieces of work that take no longer than asking.
+class AskNowAndThen {
+ public:
+  explicit AskNowAndThen(std::uint32_t calls) : calls_(calls), left_(calls) {}
+  void operator()() {
+    if (--left_ != 0) return;
+    left_ = calls_;
+    ask_to_go_on();
+  }
+
+ private:
+  std::uint32_t calls_, left_;
+};
 
 /// While it lives this thread asks as a helper of the owner of `of`, unless it is the owner itself.
 class HelpsOwner {

@@ -28,19 +28,14 @@ namespace {
 // True on a thread that is inside a chunk: nested loops then run where they are.
 thread_local bool inside_chunk = false;
 
-// Runs every chunk even when one throws, and keeps the exception of the lowest index, so that what the caller sees does
-// not depend on timing. An interrupt ends the loop: chunks that have not begun are left.
+// A chunk that throws ends the loop: chunks that have not begun are left, and those that have run to their end. Chunks
+// begin in order, so all before the one that threw have begun: the exception of the lowest index is the same one
+// however many threads there are.
 void run_serially(std::size_t count, ChunkFunction chunk) {
-  std::exception_ptr first;
   for (std::size_t i = 0; i < count; ++i) {
     ask_to_go_on();
-    try {
-      chunk(i);
-    } catch (...) {
-      if (!first) first = std::current_exception();
-    }
+    chunk(i);
   }
-  if (first) std::rethrow_exception(first);
 }
 
 // The host's threads get neither our exceptions nor nested loops, and our chunks none of the host's roundings.
@@ -53,9 +48,13 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
     const StandardFloats standard;
     const HelpsOwner helps(interruption);
     const bool was_inside = std::exchange(inside_chunk, true);
+    const auto is_of_no_account = [&] {
+      const std::lock_guard lock(mutex);
+      return failed_index < i;
+    };
     try {
       ask_to_go_on();
-      chunk(i);
+      if (!is_of_no_account()) chunk(i);
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (i < failed_index) failed_index = i, failure = std::current_exception();
@@ -172,7 +171,7 @@ struct Workers::Pool {
     return holds();
   }
 
-  // An interrupt ends the loop: nobody takes another chunk.
+  // An exception ends the loop: nobody takes another chunk.
   void take_chunks(const Loop& loop) {
     const HelpsOwner helps(loop.interruption);
     inside_chunk = true;
@@ -185,8 +184,7 @@ struct Workers::Pool {
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (i < failed_index_) failed_index_ = i, failure_ = std::current_exception();
-        if (loop.interruption != nullptr && loop.interruption->has_ended.load(std::memory_order_acquire))
-          next_.store(loop.count, std::memory_order_relaxed);
+        next_.store(loop.count, std::memory_order_relaxed);
       }
     }
     inside_chunk = false;

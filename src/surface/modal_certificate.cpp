@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <morula/geometry/box.hpp>
 #include <morula/surface/modal_certificate.hpp>
@@ -11,6 +12,8 @@
 #include "geometry/nearest_pair.hpp"
 #include "geometry/triangles/triangles_meet.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruptible_sort.hpp"
+#include "parallel/interruption.hpp"
 #include "surface/pairs/feature_distance.hpp"
 
 namespace morula {
@@ -94,6 +97,7 @@ class ModalCertifier {
     while (!stack.empty()) {
       const auto [a, b] = stack.back();
       stack.pop_back();
+      ask_now_and_then_();
       const Node &p = nodes_[a], &q = nodes_[b];
       if (a != b) {
         ++node_pairs;
@@ -118,6 +122,7 @@ class ModalCertifier {
   std::span<const Vec3> mean(std::uint32_t node) const { return std::span(means_).subspan(node * modes_, modes_); }
 
   std::uint32_t make_node(std::uint32_t begin, std::uint32_t end) {
+    ask_now_and_then_();
     const auto number = static_cast<std::uint32_t>(nodes_.size());
     Node node{begin, end};
     means_.resize(means_.size() + modes_);
@@ -215,7 +220,7 @@ class ModalCertifier {
 
   bool is_near_at_rest(std::uint32_t f, std::uint32_t g) const {
     return rest_distance_ > 0 &&
-           distance_at_rest(tree_, {PairKind::facet_facet, std::min(f, g), std::max(f, g)}) <= rest_distance_;
+           are_within_at_rest(tree_, {PairKind::facet_facet, std::min(f, g), std::max(f, g)}, rest_distance_);
   }
 
   SurfaceTreeState tree_;
@@ -223,6 +228,7 @@ class ModalCertifier {
   double largest_norm_, rest_distance_, pad_ = 0;
   std::vector<Vec3> moves_, means_;
   std::vector<Node> nodes_;
+  AskNowAndThen ask_now_and_then_{64};
 };
 
 }  // namespace
@@ -258,7 +264,7 @@ ModalCertificate::ModalCertificate(const MeshView& rest, const Modes& modes, con
   certifier.search([&](double norm, std::uint32_t a, std::uint32_t b) {
     open.push_back({norm, std::min(a, b), std::max(a, b)});
   });
-  std::sort(open.begin(), open.end());
+  sort_interruptibly(open, std::less<>());
   s.vertex_count = rest.vertex_count();
   s.mode_count = modes.mode_count;
   s.facets.assign(rest.facets.begin(), rest.facets.end());

@@ -145,6 +145,13 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
          positions[c.vertex[2]] * c.weight[2];
 }
 
+std::size_t Cover::most_patches_of_a_facet() const {
+  std::vector<std::uint32_t> patches(facet_count);
+  std::uint32_t most = 0;
+  for (const std::uint32_t f : patch_facet) most = std::max(most, ++patches[f]);
+  return most;
+}
+
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
   return cover(mesh, tree, {.nested = false}, workers);
 }
@@ -211,6 +218,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
   report.branching = tree.branching;
   report.depth = static_cast<std::uint32_t>(tree.level_count() - 1);
   report.mesh_hash = mesh_hash(mesh);
+  report.most_patches_of_a_facet = built.cover.most_patches_of_a_facet();
   report.dropped_spheres = tree.node_count() - built.tree.node_count();
   report.growth.resize(built.tree.level_count());
   for (std::size_t level = 0; level < built.tree.level_count(); ++level)

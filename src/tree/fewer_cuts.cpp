@@ -9,7 +9,9 @@
 //               they are; and a rule that measures what nodes own finds no larger radius about the same centre at rest.
 //               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
-//               one: the facet itself.
+//               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no
+//               more area than they have (joined_pieces.hpp): its corners are some of theirs, so the first line holds
+//               for these too.
 //   regions     are made anew, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
 //               gives its last patch away.
 #include <algorithm>
@@ -19,12 +21,16 @@
 #include <utility>
 
 #include "parallel/float_environment.hpp"
+#include "tree/joined_pieces.hpp"
+#include "tree/region.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
+// In place of a patch's owner: it is part of another patch of its owner now.
+constexpr std::uint32_t part_of_another = none - 1;
 // As in certify(): squares above it have lost no digit.
 constexpr double smallest_safe_square = 0x1p-900;
 
@@ -44,6 +50,8 @@ class Sharing {
   void look_at(std::uint32_t facet, std::span<const std::uint32_t> patches);
   bool takes_whole(std::uint32_t facet);
   void join_shares();
+  void join_patches(std::uint32_t facet, Share& share);
+  std::span<const std::uint32_t> corners_of(std::uint32_t patch) const;
   template <class Corners>
   bool contains(std::uint32_t leaf, const Corners& corners) const;
   double area_of(std::uint32_t patch) const;
@@ -58,6 +66,12 @@ class Sharing {
   std::vector<std::uint32_t> whole_owner_;   // of each facet; none: it is as it was
   std::vector<std::uint32_t> patch_counts_;  // of each leaf
   std::vector<Share> shares_;                // of one facet, the largest first
+  // Of patches that others have become part of: which corners [begin, end) they have now.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  // of each patch; empty: it is as it was
+  std::vector<std::uint32_t> joined_corners_;
+  PieceJoiner joiner_;
+  std::vector<Barycentric> polygon_;
+  std::vector<std::uint32_t> corners_;
 };
 
 Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
@@ -73,6 +87,7 @@ Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
     reach_[node] = safe ? farthest : -1;
   });
   owner_.resize(cover_.patch_count());
+  joined_.resize(cover_.patch_count());
   whole_owner_.assign(mesh.facet_count(), none);
   patch_counts_.resize(tree_.node_count());
   for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
@@ -104,8 +119,11 @@ void Sharing::look_at(std::uint32_t facet, std::span<const std::uint32_t> patche
     share->area += area_of(p);
     share->patches.push_back(p);
   }
+  for (Share& share : shares_) join_patches(facet, share);
   std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.area > b.area; });
-  if (!takes_whole(facet)) join_shares();
+  if (takes_whole(facet)) return;
+  join_shares();
+  for (Share& share : shares_) join_patches(facet, share);
 }
 
 bool Sharing::takes_whole(std::uint32_t facet) {
@@ -133,7 +151,7 @@ void Sharing::join_shares() {
     if (patch_counts_[giver.leaf] <= count) continue;
     const auto contains_giver = [&](const Share& taker) {
       return &taker != &giver && std::all_of(giver.patches.begin(), giver.patches.end(),
-                                             [&](std::uint32_t p) { return contains(taker.leaf, cover_.patch(p)); });
+                                             [&](std::uint32_t p) { return contains(taker.leaf, corners_of(p)); });
     };
     const auto taker = std::find_if(shares_.begin(), shares_.end(), contains_giver);
     if (taker == shares_.end()) continue;
@@ -143,6 +161,41 @@ void Sharing::join_shares() {
     taker->patches.insert(taker->patches.end(), giver.patches.begin(), giver.patches.end());
     shares_.erase(shares_.begin() + static_cast<std::ptrdiff_t>(k));
   }
+}
+
+// Patches of one facet and one leaf become one where their union is convex.
+void Sharing::join_patches(std::uint32_t facet, Share& share) {
+  if (share.patches.size() < 2) return;
+  joiner_.clear();
+  corners_.clear();
+  for (const std::uint32_t p : share.patches) {
+    const auto corners = corners_of(p);
+    polygon_.clear();
+    for (const std::uint32_t c : corners)
+      if (const auto b = barycentric_on(cover_, mesh_.facets[facet], c)) polygon_.push_back(*b);
+    if (polygon_.size() != corners.size()) return;  // patches off their facet, which validate() reports
+    joiner_.add(polygon_);
+    corners_.insert(corners_.end(), corners.begin(), corners.end());
+  }
+  const auto polygons = joiner_.join();
+  if (polygons.size() == share.patches.size()) return;
+  patch_counts_[share.leaf] -= static_cast<std::uint32_t>(share.patches.size() - polygons.size());
+  for (std::size_t k = 0; k < share.patches.size(); ++k) {
+    const std::uint32_t p = share.patches[k];
+    if (k >= polygons.size()) {
+      owner_[p] = part_of_another;
+      continue;
+    }
+    const auto begin = static_cast<std::uint32_t>(joined_corners_.size());
+    for (const std::uint32_t corner : polygons[k].corners) joined_corners_.push_back(corners_[corner]);
+    joined_[p] = {begin, static_cast<std::uint32_t>(joined_corners_.size())};
+  }
+  share.patches.resize(polygons.size());
+}
+
+std::span<const std::uint32_t> Sharing::corners_of(std::uint32_t patch) const {
+  const auto [begin, end] = joined_[patch];
+  return begin == end ? cover_.patch(patch) : std::span(joined_corners_).subspan(begin, end - begin);
 }
 
 template <class Corners>
@@ -178,7 +231,7 @@ Cover Sharing::assembled() const {
   for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
     if (!tree_.is_leaf(node)) continue;
     for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
-      if (owner_[p] != none && owner_[p] != node) patches_of[owner_[p]].push_back(p);
+      if (owner_[p] < part_of_another && owner_[p] != node) patches_of[owner_[p]].push_back(p);
   }
 
   Cover result;
@@ -207,13 +260,18 @@ Cover Sharing::assembled() const {
       if (owner_[p] == none)
         for (const std::uint32_t v : mesh_.facets[f]) add_corner(v);
       else
-        for (const std::uint32_t c : cover_.patch(p)) add_corner(c);
+        for (const std::uint32_t c : corners_of(p)) add_corner(c);
       result.corner_begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
     }
     for (std::uint32_t c = 0; c < tree_.child_count[node]; ++c) self(self, tree_.first_child[node] + c);
     result.region_end[node] = static_cast<std::uint32_t>(result.patch_count());
   };
   visit(visit, 0);
+  // A tree is kept for long.
+  result.cut_points.shrink_to_fit();
+  result.patch_facet.shrink_to_fit();
+  result.corner_begin.shrink_to_fit();
+  result.corners.shrink_to_fit();
   return result;
 }
 

@@ -100,6 +100,22 @@ std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, 
   return points;
 }
 
+std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  Barycentric b{0, 0, 0};
+  const auto add = [&](std::uint32_t vertex, double weight) {
+    if (weight == 0) return true;
+    const auto at = std::ranges::find(facet, vertex);
+    if (at == facet.end()) return false;
+    b[static_cast<std::size_t>(at - facet.begin())] += weight;
+    return true;
+  };
+  if (corner < cover.vertex_count) return add(corner, 1) ? std::optional(b) : std::nullopt;
+  const CutPoint& point = cover.cut_points[corner - cover.vertex_count];
+  const bool is_on_it = add(point.vertex[0], point.weight[0]) && add(point.vertex[1], point.weight[1]) &&
+                        add(point.vertex[2], point.weight[2]);
+  return is_on_it ? std::optional(b) : std::nullopt;
+}
+
 Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Region> regions) {
   Cover cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <morula/geometry/mesh.hpp>
 #include <morula/tree/cover.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -85,6 +86,9 @@ void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>&
 
 /// Every n-th of all corners with repetitions, polygon by polygon; n is 1, or more where they are `most` or more.
 std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, std::size_t most);
+
+/// Where a corner of a cover is on a facet; nothing when it lies elsewhere. facet: of three different vertices.
+std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet, std::uint32_t corner);
 
 /// Numbers the cut points (equal ones once) and lines the regions up in the order of the leaves, depth first.
 /// regions: one per node; those of inner nodes are ignored.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/float_environment.hpp"
+#include "tree/region.hpp"
 
 namespace morula {
 using namespace detail;
@@ -70,24 +71,6 @@ void check_regions(const SphereTree& tree, const Cover& cover, std::vector<std::
   }
 }
 
-// Barycentric coordinates of a corner on a facet; false when it lies elsewhere.
-bool on_facet(const Cover& cover, const Facet& facet, std::uint32_t corner, Barycentric& b) {
-  b = {0, 0, 0};
-  const auto add = [&](std::uint32_t vertex, double weight) {
-    if (weight == 0) return true;
-    for (int k = 0; k < 3; ++k)
-      if (facet[k] == vertex) {
-        b[k] += weight;
-        return true;
-      }
-    return false;
-  };
-  if (corner < cover.vertex_count) return add(corner, 1);
-  const CutPoint& point = cover.cut_points[corner - cover.vertex_count];
-  return add(point.vertex[0], point.weight[0]) && add(point.vertex[1], point.weight[1]) &&
-         add(point.vertex[2], point.weight[2]);
-}
-
 // Twice the signed area in barycentric coordinates, as a share of the facet.
 double barycentric_area(const Barycentric& a, const Barycentric& b, const Barycentric& c) {
   return (b[1] - a[1]) * (c[2] - a[2]) - (c[1] - a[1]) * (b[2] - a[2]);
@@ -111,12 +94,12 @@ void check_tiling(const MeshView& mesh, const Cover& cover, std::vector<std::str
     }
     polygon.clear();
     for (const std::uint32_t corner : cover.patch(p)) {
-      Barycentric b;
-      if (!on_facet(cover, facet, corner, b)) {
+      const std::optional<Barycentric> b = barycentric_on(cover, facet, corner);
+      if (!b) {
         faults.push_back("patch " + std::to_string(p) + " has a corner off its facet " + std::to_string(f));
         return;
       }
-      polygon.push_back(b);
+      polygon.push_back(*b);
     }
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const double turn =

@@ -37,7 +37,7 @@ TEST(InfoCommand, says_what_a_mesh_is_good_for) {
 // `info` says beforehand whether `measure` will have a looseness.
 TEST(InfoCommand, promises_the_looseness_that_measure_then_has) {
   const Workbench bench;
-  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0.2 0.2 -1\n";
   const std::string base = "f 1 3 2\n", front = "f 1 2 4\n", side = "f 1 4 3\n", slope = "f 2 3 4\n";
   const struct {
     std::string name, facets, said;
@@ -46,6 +46,8 @@ TEST(InfoCommand, promises_the_looseness_that_measure_then_has) {
       {"closed", base + front + side + slope, "every figure can be measured", true},
       {"turned", base + front + side + "f 2 4 3\n", "looseness counts crossings", true},
       {"open", base + front + side, "looseness is measured by the winding number", true},
+      {"three-sided", base + front + side + slope + "f 1 2 5\nf 2 3 5\nf 3 1 5\n",
+       "open: no boundary edge, but edges of an odd number of facets;", true},
       {"flat", base, "n/a where the surface encloses no space", false},
       {"open-turned", base + front + "f 1 3 4\n", "neither looseness nor protrusion", false},
   };

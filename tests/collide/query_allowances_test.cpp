@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <morula/collide/distance.hpp>
@@ -92,6 +93,40 @@ TEST(NearestPairAllowance, bounds_hold_to_the_last_bit) {
     ++apart;
   }
   EXPECT_GT(apart, 1000);
+}
+
+// The same answer, at every distance about the one where it changes.
+TEST(NearestPairAllowance, is_within_what_its_upper_bound_is_within) {
+  Random random(6);
+  int within = 0, beyond = 0, crossing = 0;
+  const auto whole = [&](double most) { return std::floor(random.uniform(-most, most + 1)); };
+  for (int round = 0; round < 30000; ++round) {
+    const double size = std::array{1.0, 0x1p-80, 0x1p-210, 0x1p70}[round / 5 % 4];
+    const Vec3 about = round % 7 == 0 ? size * 0x1p40 * random_vector(random) : Vec3{};
+    Triangle a = random_triangle(random, size, about), b = random_triangle(random, size, about);
+    // On a grid, and needles, points and what lies in one plane.
+    if (round % 5 == 1)
+      for (Triangle* t : {&a, &b})
+        for (Vec3& p : *t) p = size * Vec3{whole(2), whole(2), whole(1)};
+    if (round % 5 == 2) b[2] = b[1] + 1e-9 * (b[1] - b[0]);
+    if (round % 5 == 3) b[1] = b[2] = b[0];
+    if (round % 5 == 4)
+      for (Triangle* t : {&a, &b})
+        for (Vec3& p : *t) p.z = about.z;
+    const NearestPair nearest = nearest_pair(a, b);
+    const double upper = nearest.upper;
+    for (const double distance :
+         {0.0, upper, std::nextafter(upper, 0.0), std::nextafter(upper, 2 * upper + 1), 0.5 * upper, 2 * upper,
+          0.1 * size, size, 100 * size, upper * (1 + 0x1p-42), upper * (1 - 0x1p-42)}) {
+      const bool expected = upper <= distance;
+      ASSERT_EQ(are_within(a, b, distance), expected) << round << ' ' << upper << ' ' << distance;
+      (expected ? within : beyond) += 1;
+      crossing += nearest.crossing ? 1 : 0;
+    }
+  }
+  EXPECT_GT(within, 10000);
+  EXPECT_GT(beyond, 10000);
+  EXPECT_GT(crossing, 10000);
 }
 
 // Corners alone, and directions of any length: no other allowance is in the way.

@@ -57,6 +57,26 @@ TEST(Workers, throw_the_exception_of_the_lowest_chunk_and_stay_usable) {
   }
 }
 
+// A function of the host's that asks to end a loop of a million chunks is not asked a million times more.
+TEST(Workers, begin_no_other_chunk_after_an_exception) {
+  for (const bool on_host : {false, true}) {
+    Workers workers = on_host ? Workers(
+                                    [](std::size_t count, ChunkFunction chunk) {
+                                      for (std::size_t i = 0; i < count; ++i) chunk(i);
+                                    },
+                                    2)
+                              : Workers();
+    int called = 0;
+    EXPECT_THROW(workers.run(1000,
+                             [&](std::size_t i) {
+                               ++called;
+                               if (i == 3) throw std::runtime_error("3");
+                             }),
+                 std::runtime_error);
+    EXPECT_EQ(called, 4);
+  }
+}
+
 // Threads that come too late for a loop, that wait awake, that sleep, and more of them than processors.
 TEST(Workers, are_done_with_every_chunk_of_short_loops_in_a_row) {
   for (const unsigned threads : {2u, 3u, 9u}) {

@@ -206,6 +206,28 @@ std::string mujoco_mesh(std::int32_t facets = 4, float first = 0) {
   return bytes;
 }
 
+// A count of vertices is written first: 36, 292 and 548 begin with the byte of '$', as files of Gmsh do.
+TEST_F(Formats, meshes_of_mujoco_are_told_by_all_their_counts) {
+  for (const std::int32_t vertices : {35, 36, 37, 292, 548, 9252, 36 + (77 << 8)}) {
+    std::string bytes;
+    const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    for (const std::int32_t count : {vertices, 0, 0, vertices - 2}) add(count);
+    for (std::int32_t v = 0; v < vertices; ++v) {
+      for (const int x : {v, v * v % 101, v % 7}) add(static_cast<float>(x));
+    }
+    for (std::int32_t f = 0; f < vertices - 2; ++f) {
+      for (const std::int32_t corner : {f, f + 1, f + 2}) add(corner);
+    }
+    write("a/b/m/t.msh", bytes);
+    const robot::Robot r =
+        mjcf("<body name='a'><geom type='mesh' mesh='t'/></body>", "<asset><mesh name='t' file='m/t.msh'/></asset>");
+    const Mesh mesh = robot::surface_of(r.file, r.links[0].collision).mesh;
+    ASSERT_EQ(mesh.vertex_count(), static_cast<std::size_t>(vertices));
+    EXPECT_EQ(mesh.facet_count(), static_cast<std::size_t>(vertices - 2));
+    EXPECT_EQ(mesh.facets.back()[2], static_cast<std::uint32_t>(vertices - 1));
+  }
+}
+
 TEST_F(Formats, meshes_of_mujoco_are_read_and_broken_ones_refused) {
   static_assert(std::endian::native == std::endian::little, "the file is written as the machine has its numbers");
   write("a/b/m/t.obj", tetrahedron);

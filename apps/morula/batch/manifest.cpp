@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
@@ -15,8 +14,11 @@
 #include <sstream>
 #include <system_error>
 
+#include "batch/bytes.hpp"
 #include "shared/command.hpp"
 #include "shared/files.hpp"
+#include "shared/name_text.hpp"
+#include "shared/report.hpp"
 
 namespace morula::cli {
 namespace {
@@ -28,14 +30,46 @@ bool is_mesh(const fs::path& path) {
   return std::any_of(kinds.begin(), kinds.end(), [&](const MeshFileKind& known) { return known.extension == kind; });
 }
 
-std::vector<ManifestRow> meshes_below(const fs::path& folder) {
-  std::vector<ManifestRow> rows;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && is_mesh(entry.path()))
-      rows.push_back({entry.path().lexically_relative(folder).generic_string(), entry.path()});
-  std::sort(rows.begin(), rows.end(), [](const ManifestRow& a, const ManifestRow& b) { return a.name < b.name; });
-  return rows;
-}
+// Lists a folder and those below it. Links to folders are not followed: they may lead in circles and out of the folder.
+class FolderListing {
+ public:
+  explicit FolderListing(const fs::path& folder) : folder_(folder) {
+    std::error_code error;
+    list(folder, error);
+    if (error) throw UsageError(fmt::format("{}: cannot be listed: {}", folder.string(), error.message()));
+    while (!waiting_.empty()) {
+      const fs::path next = std::move(waiting_.back());
+      waiting_.pop_back();
+      list(next, error);
+      if (error) add(next, "cannot be listed: " + error.message());
+    }
+    std::sort(rows_.begin(), rows_.end(), [](const ManifestRow& a, const ManifestRow& b) { return a.name < b.name; });
+  }
+  std::vector<ManifestRow> take_rows() { return std::move(rows_); }
+
+ private:
+  void list(const fs::path& folder, std::error_code& error) {
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+      add_entry(entry->path());
+  }
+  void add_entry(const fs::path& path) {
+    std::error_code none;
+    const bool is_link = fs::is_symlink(path, none), is_folder = fs::is_directory(path, none);
+    if (is_folder && !is_link) waiting_.push_back(path);
+    if (is_folder && is_link)
+      add(path, "is a link to a folder, which is not followed; put the folder here, or list its meshes");
+    else if (is_mesh(path) || (is_link && !fs::exists(path, none)))
+      add(path, why_no_file(path).value_or(""));
+  }
+  void add(const fs::path& path, const std::string& reason) {
+    const std::string name = path.lexically_relative(folder_).generic_string();
+    rows_.push_back({name, name, path, reason.empty() ? "" : fmt::format("{}: {}", mesh_mark, reason)});
+  }
+
+  fs::path folder_;
+  std::vector<fs::path> waiting_;
+  std::vector<ManifestRow> rows_;
+};
 
 // One record of a CSV file, which may go over several lines; false at the end.
 bool read_record(std::istream& in, std::vector<std::string>& cells, std::size_t& line) {
@@ -86,8 +120,8 @@ std::vector<ManifestRow> rows_of_csv(std::istream& in, const fs::path& folder) {
     if (cells.size() != columns)
       throw UsageError(fmt::format("line {}: {} cells, but {} columns", line, cells.size(), columns));
     if (cells[mesh].empty()) throw UsageError(fmt::format("line {}: the cell of the mesh is empty", line));
-    rows.push_back(
-        {name < columns && !cells[name].empty() ? cells[name] : cells[mesh], referenced_file(cells[mesh], folder)});
+    const std::string& called = name < columns && !cells[name].empty() ? cells[name] : cells[mesh];
+    rows.push_back({called, cells[mesh], referenced_file(cells[mesh], folder)});
   }
   return rows;
 }
@@ -97,17 +131,57 @@ std::vector<ManifestRow> rows_of_text(std::istream& in, const fs::path& folder) 
   for (std::string line; std::getline(in, line);) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
     line.erase(0, line.find_first_not_of(" \t"));
-    if (!line.empty() && line[0] != '#') rows.push_back({line, referenced_file(line, folder)});
+    if (!line.empty() && line[0] != '#') rows.push_back({line, line, referenced_file(line, folder)});
   }
   return rows;
 }
 
+// Takes what a key is made of.
+class KeyHash {
+ public:
+  KeyHash(const std::string& extension, const std::vector<std::string>& words) {
+    hash_.take(fmt::format("morula {} batch {}\n{}\n", version, result_format, extension));
+    for (const std::string& word : words) hash_.take(word + "\n");
+  }
+  Hash128& next_file() {
+    hash_.take("\n");
+    return hash_;
+  }
+  std::string text() const { return hash_.text(); }
+
+ private:
+  static constexpr int result_format = 2;  // counts up when results hold something else
+  Hash128 hash_;
+};
+
+std::string key_of_readable_file(const fs::path& mesh, const std::vector<std::string>& words) {
+  const std::string kind = extension(mesh);
+  KeyHash key(kind, words);
+  const auto take = [&](const fs::path& file) {
+    if (const auto reason = hash_file(file, key.next_file())) throw FileError(*reason);
+  };
+  take(mesh);
+  if (kind != ".gltf") return key.text();
+  for (const std::string& buffer : buffers_of(bytes_of_file(mesh).value_or(""), kind)) {
+    const fs::path file = referenced_file(buffer, mesh.parent_path());
+    // The build says what is wrong with a buffer that cannot be read.
+    if (!why_no_file(file)) take(file);
+  }
+  return key.text();
+}
+
 }  // namespace
 
+std::vector<ManifestRow> rows_of_manifest(const std::string& text, bool is_csv, const fs::path& folder) {
+  std::istringstream in(text);
+  std::vector<ManifestRow> rows = is_csv ? rows_of_csv(in, folder) : rows_of_text(in, folder);
+  if (rows.empty()) throw UsageError("no line names a mesh");
+  return rows;
+}
+
 std::vector<ManifestRow> read_manifest(const fs::path& path) {
-  std::vector<ManifestRow> rows;
   if (fs::is_directory(path)) {
-    rows = meshes_below(path);
+    std::vector<ManifestRow> rows = FolderListing(path).take_rows();
     if (rows.empty())
       throw UsageError(path.string() + ": there is no mesh in this folder: " + readable_mesh_extensions());
     return rows;
@@ -116,13 +190,12 @@ std::vector<ManifestRow> read_manifest(const fs::path& path) {
     throw UsageError(path.string() + ": this is a mesh; a manifest is a folder of meshes, a .csv, or a list of paths");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UsageError(fmt::format("{}: {}", path.string(), std::generic_category().message(errno)));
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    rows = extension(path) == ".csv" ? rows_of_csv(in, path.parent_path()) : rows_of_text(in, path.parent_path());
+    return rows_of_manifest(text, extension(path) == ".csv", path.parent_path());
   } catch (const UsageError& error) {
     throw UsageError(fmt::format("{}: {}", path.string(), error.what()));
   }
-  if (rows.empty()) throw UsageError(path.string() + ": no line names a mesh");
-  return rows;
 }
 
 Shard parse_shard(const std::string& text) {
@@ -138,22 +211,39 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-std::string content_key(const fs::path& mesh, std::string_view options) {
-  // FNV-1a from two beginnings: what collides from one does not from the other.
-  std::array<std::uint64_t, 2> hash{0xcbf29ce484222325u, 0x84222325cbf29ce4u};
-  const auto take = [&](const char* bytes, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::uint64_t& h : hash) h = (h ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
+RowKey key_of_file(const ManifestRow& row, const std::vector<std::string>& words, const FileRoots* roots) {
+  const auto refused = [](const std::string& reason) {
+    return RowKey{{}, text_of_name(fmt::format("{}: {}", mesh_mark, reason))};
   };
-  const std::string words = fmt::format("morula {} {}\n", version, options);
-  take(words.data(), words.size());
-  std::ifstream in(mesh, std::ios::binary);
-  if (!in || fs::is_directory(mesh))
-    throw FileError(
-        fmt::format("{}: {}", mesh.string(), fs::exists(mesh) ? "cannot be read" : "there is no such file"));
-  std::array<char, 1 << 16> part;
-  while (in.read(part.data(), part.size()), in.gcount() > 0) take(part.data(), static_cast<std::size_t>(in.gcount()));
-  return fmt::format("{:016x}{:016x}", hash[0], hash[1]);
+  if (!row.refusal.empty()) return {{}, text_of_name(row.refusal)};
+  if (const auto outside = roots != nullptr ? roots->refusal(row.mesh, "--root") : std::nullopt)
+    return refused(*outside);
+  if (const auto reason = why_no_file(row.mesh)) return refused(*reason);
+  try {
+    return {key_of_readable_file(row.mesh, words), {}};
+  } catch (const FileError& reason) {
+    return refused(reason.what());
+  }
+}
+
+std::string key_of_bytes(std::span<const std::string_view> files, const std::string& extension,
+                         const std::vector<std::string>& words) {
+  KeyHash key(extension, words);
+  for (const std::string_view file : files) key.next_file().take(file);
+  return key.text();
+}
+
+std::vector<std::string> buffers_of(std::string_view mesh, const std::string& extension) {
+  std::vector<std::string> names;
+  if (extension != ".gltf") return names;
+  const Json scene = Json::parse(mesh, nullptr, false);
+  if (!scene.is_object() || !scene.contains("buffers") || !scene["buffers"].is_array()) return names;
+  for (const Json& buffer : scene["buffers"]) {
+    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
+    std::string name = buffer["uri"];
+    if (!name.starts_with("data:")) names.push_back(std::move(name));
+  }
+  return names;
 }
 
 }  // namespace morula::cli

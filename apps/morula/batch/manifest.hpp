@@ -1,25 +1,35 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Manifest: which meshes a batch is of.
+// Manifest: which meshes a batch is of, and the key of each.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
+#include <morula/io/file_reference.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace morula::cli {
 
+/// Stands in messages of results for the mesh, whose name differs between rows that share a result.
+inline constexpr std::string_view mesh_mark = "{mesh}";
+
 struct ManifestRow {
-  std::string name;            ///< what the table calls it: as the manifest has it, or the path within the folder
-  std::filesystem::path mesh;  ///< where it is
+  std::string name;            ///< as the manifest has it, or the path within the folder; bytes, perhaps not UTF-8
+  std::string reference;       ///< the mesh as it is written there; of a folder's rows the same as `name`
+  std::filesystem::path mesh;  ///< the file that it means
+  std::string refusal{};       ///< message of a row that the listing of a folder refuses; else empty
 };
 
-/// The rows of a folder (every mesh below it, by name), of a .csv with a column `mesh`, `path` or `file` (and `name`,
-/// perhaps), or of any other text: one path a line, lines that begin with # left out. Paths are relative to the
-/// manifest's folder. Throws UsageError, naming the line, for what cannot be read, and for a manifest without rows.
+/// The rows of a folder, of a .csv with a column `mesh`, `path` or `file` (and `name`, perhaps), or of any other text:
+/// one path a line, lines that begin with # left out. Paths are relative to the manifest's folder. A folder's rows, by
+/// name, are everything below it with the extension of a mesh, and what may hide meshes: folders that cannot be listed,
+/// links to folders, links that lead nowhere. Throws UsageError, naming the line, for what cannot be read, and for a
+/// manifest without rows.
 std::vector<ManifestRow> read_manifest(const std::filesystem::path& path);
+/// The same of the text of a manifest, whose paths are relative to `folder`.
+std::vector<ManifestRow> rows_of_manifest(const std::string& text, bool is_csv, const std::filesystem::path& folder);
 
 /// "2/8": the second of eight parts of equal size, taken in turn.
 struct Shard {
@@ -30,8 +40,18 @@ struct Shard {
 };
 Shard parse_shard(const std::string& text);
 
-/// What a result is known by: 128 bits of the file's bytes, the options, and the version, in hexadecimal. Files alike
-/// share a result. Throws FileError when the file cannot be read.
-std::string content_key(const std::filesystem::path& mesh, std::string_view options);
+/// A row's result has a key, 128 bits in hexadecimal, or there is none, and a message says why.
+struct RowKey {
+  std::string key, message;
+};
+
+/// The key of a file: of its bytes, its extension, the options and the version. Files that are alike share a result.
+/// The buffers of a .gltf count as parts of it. roots: the folders in which it has to lie; null: anywhere.
+RowKey key_of_file(const ManifestRow& row, const std::vector<std::string>& words, const FileRoots* roots);
+/// The same of bytes: of the mesh, and of the buffers that it names, in its order.
+std::string key_of_bytes(std::span<const std::string_view> files, const std::string& extension,
+                         const std::vector<std::string>& words);
+/// The files that a .gltf names as its buffers, as they are written; nothing for all other meshes.
+std::vector<std::string> buffers_of(std::string_view mesh, const std::string& extension);
 
 }  // namespace morula::cli

@@ -2,32 +2,37 @@
 // SPDX-License-Identifier: Apache-2.0
 // morula batch: a tree for each of many meshes, one process each; what fails is a row of the table.
 #include <fmt/format.h>
-#include <signal.h>  // NOLINT(modernize-deprecated-headers): POSIX has more in it
+#include <poll.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
+#include <cerrno>
 #include <chrono>
-#include <cstdio>
-#include <cstring>
-#include <list>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/io/csv.hpp>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
 #include <set>
-#include <thread>
+#include <system_error>
+#include <utility>
 
-#include "batch/job.hpp"
+#include "batch/bytes.hpp"
 #include "batch/manifest.hpp"
+#include "batch/options.hpp"
+#include "batch/task.hpp"
+#include "batch/worker.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/figures.hpp"
 #include "shared/files.hpp"
 #include "shared/interrupt.hpp"
+#include "shared/name_text.hpp"
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
@@ -44,18 +49,18 @@ struct BatchArguments {
   unsigned jobs = 0;
   std::optional<double> time_limit;
   std::optional<std::size_t> memory_limit;
-  bool resume = false, retry = false, no_trees = false, json = false;
+  bool resume = false, retry = false, no_trees = false, measure = false, quiet = false, json = false;
   // Of every build; empty or nothing: as `morula build` has it.
-  std::string method, quality, depth;
+  std::string method, quality, depth, reducers, optimiser;
   std::optional<unsigned> branching;
   std::optional<std::size_t> spheres;
-  std::optional<double> max_protrusion;
+  std::optional<double> max_protrusion, balance_excess;
   std::optional<std::size_t> seed;
   bool nested = false;
 };
 
-// Given to `morula build` as they are; also what tells one batch's results from another's.
-std::vector<std::string> build_arguments(const BatchArguments& o) {
+// Options of `morula build`, and --measure. They tell one batch's results from another's.
+std::vector<std::string> build_words(const BatchArguments& o) {
   std::vector<std::string> words;
   const auto add = [&](const char* option, const std::string& value) { words.insert(words.end(), {option, value}); };
   if (!o.method.empty()) add("--method", o.method);
@@ -65,114 +70,76 @@ std::vector<std::string> build_arguments(const BatchArguments& o) {
   if (o.spheres) add("--spheres", std::to_string(*o.spheres));
   if (o.max_protrusion) add("--max-protrusion", fmt::format("{}", *o.max_protrusion));
   if (o.seed) add("--seed", std::to_string(*o.seed));
+  if (!o.reducers.empty()) add("--reducers", o.reducers);
+  if (!o.optimiser.empty()) add("--optimiser", o.optimiser);
+  if (o.balance_excess) add("--balance-excess", fmt::format("{}", *o.balance_excess));
   if (o.nested) words.emplace_back("--nested");
+  if (o.measure) words.emplace_back("--measure");
   return words;
 }
 
-// Where everything of a batch is.
-struct Places {
-  fs::path folder;
-  fs::path result(const std::string& key) const { return folder / "results" / key.substr(0, 2) / (key + ".json"); }
-  fs::path tree(const std::string& key) const { return folder / "trees" / key.substr(0, 2) / (key + ".morula"); }
-  fs::path scratch(const std::string& key) const { return folder / fmt::format(".morula-batch-{}-{}", getpid(), key); }
+// What is kept of earlier batches under a key.
+struct Kept {
+  std::optional<Json> result;
+  bool is_damaged = false;  // a result that is not as it was written, or whose tree is not
 };
 
-std::optional<Json> parsed(const std::string& text) {
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) return std::nullopt;
-  return json;
+Kept find_kept(const BatchPlaces& places, const std::string& key, bool no_trees) {
+  constexpr std::uintmax_t most = 1 << 22;  // bytes; a result has some hundreds
+  Kept kept;
+  const fs::path path = places.result(key);
+  const std::optional<std::string> text = bytes_of_file(path, most);
+  if (text) kept.result = whole_result(*text, key);
+  std::error_code none;
+  kept.is_damaged = !kept.result && fs::symlink_status(path, none).type() != fs::file_type::not_found;
+  if (!kept.result || no_trees) return kept;
+  const std::optional<std::string> expected = tree_file_hash(*kept.result);
+  Hash128 found;
+  if (!expected || (!hash_file(places.tree(key), found) && found.text() == *expected)) return kept;
+  return {std::nullopt, true};
 }
 
-// What a build said of its failure; with --json that is a document of its own.
-std::string first_line(const std::string& text) {
-  const std::string line = text.substr(0, text.find('\n'));
-  if (const std::optional<Json> said = parsed(line); said && said->is_object())
-    for (const char* key : {"error", "note"})
-      if (said->contains(key)) return said->at(key).get<std::string>();
-  constexpr std::string_view begin = "morula: error: ";
-  return line.rfind(begin, 0) == 0 ? line.substr(begin.size()) : line;
+BatchTask task_of(const BatchArguments& o, const BatchPlaces& places, const fs::path& mesh, const std::string& key) {
+  return {.key = key,
+          .mesh = fs::absolute(mesh),
+          .tree = places.tree(key),
+          .result = places.result(key),
+          .words = build_words(o),
+          .time_limit = o.time_limit,
+          .megabytes = o.memory_limit,
+          .no_trees = o.no_trees};
 }
 
-// What is kept of one build. All but `cost` is the same on every run.
-Json result_of(const JobResult& job, const BatchArguments& o) {
-  Json result{{"status", "ok"}, {"message", ""}};
-  const auto failed = [&](const char* status, std::string message) {
-    result["status"] = status, result["message"] = std::move(message);
-  };
-  const std::string words = first_line(job.err);
-  if (job.end == JobResult::End::out_of_time) {
-    failed("time limit", fmt::format("not done after {} s", *o.time_limit));
-  } else if (job.end == JobResult::End::signalled) {
-    failed("crashed", fmt::format("ended by signal {} ({})", job.code, strsignal(job.code)));
-  } else if (job.code == exit_bad_use) {
-    failed("refused", words);
-  } else if (job.code == exit_internal_error && words.find("memory") != std::string::npos) {
-    failed("memory limit", words);
-  } else if (job.code != exit_done) {
-    failed("failed", words.empty() ? fmt::format("exit code {}", job.code) : words);
+// A folder of its own, gone in the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = fs::temp_directory_path() / "morula-batch-XXXXXX";
+    if (mkdtemp(name.data()) == nullptr)
+      throw UsageError(fmt::format("{}: no folder can be made: {}", name, std::generic_category().message(errno)));
+    path_ = name;
   }
-  if (const std::optional<Json> report = parsed(job.out); report && report->contains("tree_hash")) {
-    for (const char* key : {"vertices", "facets", "mesh_hash", "method", "branching", "depth", "spheres", "tree_hash",
-                            "complete", "covered"})
-      result[key] = report->at(key);
-    std::size_t nodes = 0;
-    for (const Json& level : report->at("levels")) nodes += level.at("nodes").get<std::size_t>();
-    result["nodes"] = nodes;
-  } else if (result["status"] == "ok") {
-    failed("failed", "the build said nothing of its tree");
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
   }
-  result["cost"] = {{"seconds", job.seconds}, {"cpu_seconds", job.cpu_seconds}, {"peak_mb", job.peak_megabytes}};
-  return result;
-}
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
 
-std::optional<Json> read_result(const fs::path& path) {
-  std::error_code missing;
-  if (!fs::exists(path, missing)) return std::nullopt;
-  std::string text;
-  if (std::FILE* file = std::fopen(path.c_str(), "rb")) {
-    std::array<char, 4096> part;
-    while (const std::size_t count = std::fread(part.data(), 1, part.size(), file)) text.append(part.data(), count);
-    std::fclose(file);
-  }
-  std::optional<Json> result = parsed(text);
-  // Results appear whole; one that cannot be read is somebody else's doing, and is made again.
-  if (!result || !result->is_object() || !result->contains("status")) return std::nullopt;
-  return result;
-}
-
-// An option that no build takes is told before any mesh is read.
-void try_options(const BatchArguments& o) {
-  const fs::path scratch = fs::temp_directory_path() / fmt::format("morula-batch-{}", getpid());
-  const fs::path mesh = scratch.string() + ".obj";
-  struct Remove {
-    const fs::path& path;
-    ~Remove() {
-      std::error_code ignored;
-      fs::remove(path, ignored);
-    }
-  } const remove{mesh};
-  write_mesh(mesh, sample_body("bar", 3));
-  const fs::path tree = scratch.string() + ".morula";
-  std::vector<std::string> arguments{"build", mesh.string(), "-o", tree.string(), "--threads", "1"};
-  const auto words = build_arguments(o);
-  arguments.insert(arguments.end(), words.begin(), words.end());
-  Job job(arguments, scratch, {});
-  std::optional<JobResult> result;
-  while (!(result = job.poll())) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  std::error_code ignored;
-  fs::remove(tree, ignored);
-  if (result->end == JobResult::End::exited && result->code == exit_bad_use) throw UsageError(first_line(result->err));
-}
+ private:
+  fs::path path_;
+};
 
 struct Work {
-  std::vector<ManifestRow> rows;        // of this shard
-  std::vector<std::string> keys;        // one per row; empty where the file cannot be read
-  std::vector<std::string> unreadable;  // its message
+  std::vector<TableRow> rows;           // of this shard
+  std::vector<fs::path> meshes;         // of each row
   std::map<std::string, Json> results;  // by key
   std::vector<std::size_t> waiting;     // rows, one per key without a result
+  std::size_t damaged = 0;              // keys among them that have had one
 };
 
-// In which all meshes of a batch have to lie.
+// Folders in which all meshes of a batch have to lie.
 FileRoots roots_of(const BatchArguments& o) {
   FileRoots roots({o.roots.begin(), o.roots.end()});
   const fs::path manifest(o.manifest);
@@ -180,214 +147,275 @@ FileRoots roots_of(const BatchArguments& o) {
   return roots;
 }
 
-Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const Places& places, const Shard& shard) {
-  std::string options;
-  for (const std::string& word : build_arguments(o)) options += word + " ";
-  Work work;
+Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const BatchPlaces& places, const Shard& shard) {
+  const std::vector<std::string> words = build_words(o);
   const FileRoots roots = roots_of(o);
+  Work work;
   std::set<std::string> seen;
   Progress progress("reading");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!shard.has(i)) continue;
     progress.update(static_cast<double>(i) / static_cast<double>(all.size()));
-    work.rows.push_back(all[i]);
-    std::string key, message;
-    try {
-      if (const std::optional<std::string> outside = roots.refusal(all[i].mesh, "--root"))
-        throw FileError(fmt::format("{}: {}", all[i].mesh.string(), *outside));
-      key = content_key(all[i].mesh, options + extension(all[i].mesh));
-    } catch (const FileError& error) {
-      message = error.what();
-    }
-    if (!key.empty() && seen.insert(key).second) {
-      std::optional<Json> result = read_result(places.result(key));
-      if (result && (!o.retry || result->at("status") == "ok"))
-        work.results.emplace(key, std::move(*result));
-      else
-        work.waiting.push_back(work.rows.size() - 1);
-    }
-    work.keys.push_back(std::move(key));
-    work.unreadable.push_back(std::move(message));
+    const auto [key, message] = key_of_file(all[i], words, &roots);
+    work.rows.push_back({text_of_name(all[i].name), key, message});
+    work.meshes.push_back(all[i].mesh);
+    if (key.empty() || !seen.insert(key).second) continue;
+    Kept kept = find_kept(places, key, o.no_trees);
+    work.damaged += kept.is_damaged ? 1 : 0;
+    if (kept.result && (!o.retry || kept.result->at("status") == "ok"))
+      work.results.emplace(key, std::move(*kept.result));
+    else
+      work.waiting.push_back(work.rows.size() - 1);
   }
   return work;
 }
 
-// Builds what waits, `jobs` at a time. False when a signal asked for the end.
-bool work_off(Work& work, const BatchArguments& o, const Places& places, unsigned jobs, const Interrupt& interrupt) {
-  struct Running {
-    Job job;
-    std::size_t row;
+// A bar for a person; otherwise a line after each tenth of the meshes, and after a minute without one.
+class BatchProgress {
+ public:
+  BatchProgress(std::size_t count, bool is_quiet)
+      : count_(count), is_quiet_(is_quiet), is_for_person_(isatty(STDERR_FILENO) != 0) {
+    if (is_for_person_ && !is_quiet_) bar_.emplace("building");
+  }
+  void update(std::size_t done, std::size_t failures) {
+    const std::string failed = failures == 0 ? "" : fmt::format(", {} failed", failures);
+    const std::string text = fmt::format("{} of {} meshes{}", done, count_, failed);
+    const double share = static_cast<double>(done) / static_cast<double>(count_);
+    if (bar_) bar_->update(share, text);
+    const bool is_due = 10 * done / count_ > 10 * told_ / count_ || since(line_) > 60;
+    if (is_quiet_ || is_for_person_ || !is_due || done == count_) return;
+    note("{}{}", text, done == 0 ? "" : time_left(since(begun_) * (1 - share) / share));
+    told_ = done;
+    line_ = Clock::now();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+
+  std::size_t count_, told_ = 0;
+  bool is_quiet_, is_for_person_;
+  std::optional<Progress> bar_;
+  Clock::time_point begun_ = Clock::now(), line_ = begun_;
+};
+
+// The workers of a batch, and the row that each is at.
+class Crew {
+ public:
+  Crew(Work& work, const BatchArguments& o, const BatchPlaces& places, unsigned jobs)
+      : work_(work), o_(o), places_(places), seats_(std::min<std::size_t>(jobs, work.waiting.size())) {}
+
+  // False when a signal asked for the end.
+  bool work_off(const Interrupt& interrupt) {
+    BatchProgress progress(std::max<std::size_t>(work_.waiting.size(), 1), o_.quiet);
+    while (done_ < work_.waiting.size()) {
+      if (interrupt.requested()) return false;
+      for (Seat& seat : seats_)
+        if (!seat.row && next_ < work_.waiting.size()) begin(seat, work_.waiting[next_++]);
+      wait();
+      for (Seat& seat : seats_)
+        if (seat.row) look_at(seat);
+      progress.update(done_, failures_);
+    }
+    return true;
+  }
+
+ private:
+  struct Seat {
+    std::unique_ptr<BatchWorker> worker;
+    std::optional<std::size_t> row;
+    bool is_second_try = false;
   };
-  std::list<Running> running;
-  std::size_t next = 0, done = 0, failures = 0;
-  const auto options = build_arguments(o);
-  Progress progress("building");
-  while (next < work.waiting.size() || !running.empty()) {
-    if (interrupt.requested()) return false;
-    while (running.size() < jobs && next < work.waiting.size()) {
-      const std::size_t row = work.waiting[next++];
-      const std::string& key = work.keys[row];
-      fs::create_directories(places.tree(key).parent_path());
-      fs::create_directories(places.result(key).parent_path());
-      std::vector<std::string> arguments{
-          "build", work.rows[row].mesh.string(), "-o", places.tree(key).string(), "--threads", "1", "--json"};
-      arguments.insert(arguments.end(), options.begin(), options.end());
-      running.push_back({Job(arguments, places.scratch(key), {o.time_limit, o.memory_limit}), row});
+
+  void begin(Seat& seat, std::size_t row) {
+    if (!seat.worker || seat.worker->is_gone()) seat.worker = std::make_unique<BatchWorker>();
+    seat.row = row;
+    seat.worker->give(task_of(o_, places_, work_.meshes[row], work_.rows[row].key));
+  }
+  void wait() {
+    std::vector<pollfd> waits;
+    for (const Seat& seat : seats_)
+      if (seat.row) waits.push_back({seat.worker->answers(), POLLIN, 0});
+    poll(waits.data(), waits.size(), 100);
+  }
+  void look_at(Seat& seat) {
+    const std::string& key = work_.rows[*seat.row].key;
+    const std::optional<std::string> answer = seat.worker->answer();
+    if (!answer && !seat.worker->is_gone()) return;
+    std::optional<Json> result = answer ? whole_result(*answer, key) : std::nullopt;
+    if (!result && !std::exchange(seat.is_second_try, true)) {
+      seat.worker.reset();
+      return begin(seat, *seat.row);
     }
-    bool any = false;
-    for (auto it = running.begin(); it != running.end();) {
-      const std::optional<JobResult> ended = it->job.poll();
-      if (!ended) {
-        ++it;
-        continue;
-      }
-      const std::string& key = work.keys[it->row];
-      Json result = result_of(*ended, o);
-      std::error_code ignored;
-      if (o.no_trees || result["status"] != "ok") fs::remove(places.tree(key), ignored);
-      write_whole(places.result(key), json_text(result, 1) + "\n");
-      failures += result["status"] != "ok" ? 1 : 0;
-      work.results.insert_or_assign(key, std::move(result));
-      it = running.erase(it);
-      ++done;
-      any = true;
+    if (!result) {
+      seat.worker.reset();
+      result = lost_result(task_of(o_, places_, work_.meshes[*seat.row], key));
     }
-    progress.update(static_cast<double>(done) / static_cast<double>(work.waiting.size()),
-                    failures == 0 ? fmt::format("{} of {} meshes", done, work.waiting.size())
-                                  : fmt::format("{} of {} meshes, {} failed", done, work.waiting.size(), failures));
-    if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    seat.row.reset();
+    seat.is_second_try = false;
+    failures_ += result->at("status") != "ok" ? 1 : 0;
+    ++done_;
+    work_.results.insert_or_assign(key, std::move(*result));
   }
-  return true;
-}
 
-constexpr std::array columns{"status", "message", "vertices", "facets",  "method",    "branching", "depth",
-                             "nodes",  "spheres", "complete", "covered", "mesh_hash", "tree_hash"};
+  Work& work_;
+  const BatchArguments& o_;
+  const BatchPlaces& places_;
+  std::vector<Seat> seats_;
+  std::size_t next_ = 0, done_ = 0, failures_ = 0;
+};
 
-std::string cell(const Json& value) {
-  return value.is_string() ? csv_cell(value.get<std::string>()) : value.is_null() ? "" : value.dump();
-}
-
-Json row_json(const Work& work, const BatchArguments& o, std::size_t row) {
-  Json line{{"name", work.rows[row].name}};
-  if (work.keys[row].empty()) {
-    line["key"] = nullptr;
-    line["status"] = "refused", line["message"] = work.unreadable[row];
-    return line;
-  }
-  const Json& result = work.results.at(work.keys[row]);
-  line["key"] = work.keys[row];
-  for (const char* column : columns)
-    if (result.contains(column)) line[column] = result.at(column);
-  if (!o.no_trees && result["status"] == "ok")
-    line["tree"] = fmt::format("trees/{}/{}.morula", work.keys[row].substr(0, 2), work.keys[row]);
-  return line;
-}
-
-// The tables: the same bytes whenever and however often the batch was interrupted. What it cost is in one of its own.
-std::map<std::string, std::size_t> write_tables(const Work& work, const BatchArguments& o, const Places& places,
-                                                const std::string& suffix) {
-  std::string csv = "name,key", lines, costs = "name,key,seconds,cpu_seconds,peak_mb\n";
-  for (const char* column : columns) csv += fmt::format(",{}", column);
-  csv += ",tree\n";
-  std::map<std::string, std::size_t> counts;
-  for (std::size_t row = 0; row < work.rows.size(); ++row) {
-    const Json line = row_json(work, o, row);
-    ++counts[line["status"].get<std::string>()];
-    lines += json_text(line, -1) + "\n";
-    csv += csv_cell(work.rows[row].name) + "," + work.keys[row];
-    for (const char* column : columns) csv += "," + (line.contains(column) ? cell(line[column]) : "");
-    csv += "," + (line.contains("tree") ? cell(line["tree"]) : "") + "\n";
-    if (work.keys[row].empty()) continue;
-    const Json& cost = work.results.at(work.keys[row]).at("cost");
-    costs += fmt::format("{},{},{},{},{}\n", csv_cell(work.rows[row].name), work.keys[row], cost["seconds"].dump(),
-                         cost["cpu_seconds"].dump(), cost["peak_mb"].dump());
-  }
-  write_whole(places.folder / ("table" + suffix + ".csv"), csv);
-  write_whole(places.folder / ("table" + suffix + ".jsonl"), lines);
-  write_whole(places.folder / ("cost" + suffix + ".csv"), costs);
-  return counts;
-}
-
-int run_batch(const BatchArguments& o) {
-  const Shard shard = parse_shard(o.shard);
+void require_sense(const BatchArguments& o) {
+  parse_shard(o.shard);
   if (o.time_limit && !(*o.time_limit > 0)) throw UsageError("--time-limit: give seconds above 0");
-  if (o.memory_limit && *o.memory_limit < 64) throw UsageError("--memory-limit: give at least 64 MB");
-  const Places places{o.output};
-  if (fs::exists(places.folder / "results") && !o.resume && !o.retry && shard.is_all())
-    throw UsageError(o.output +
-                     " holds results of an earlier batch: add --resume to go on with them, or name another folder");
-  const std::vector<ManifestRow> rows = read_manifest(o.manifest);
-  try_options(o);
-  require_folder_place(places.folder);
-  fs::create_directories(places.folder);
-  Work work = plan(rows, o, places, shard);
-  const std::size_t kept = work.results.size();
-  const Workers workers = make_workers(o.jobs);
-  const Interrupt interrupt;
-  if (!work_off(work, o, places, static_cast<unsigned>(workers.thread_count()), interrupt))
-    return say_interrupted(interrupt.exit_code(),
-                           fmt::format("what is done is kept; the same command with --resume goes on"));
-  const std::string suffix = shard.is_all() ? "" : fmt::format("-{}-of-{}", shard.number, shard.count);
-  const auto counts = write_tables(work, o, places, suffix);
-  const std::size_t good = counts.contains("ok") ? counts.at("ok") : 0;
+}
+
+// An option that no build takes is an error before any mesh is read: a small body is built with all of them.
+void try_options(const BatchArguments& o) {
+  const TemporaryFolder folder;
+  const BatchPlaces places{folder.path()};
+  write_mesh(folder.path() / "bar.obj", sample_body("bar", 3));
+  BatchTask task = task_of(o, places, folder.path() / "bar.obj", "trial");
+  task.time_limit = 60;
+  task.megabytes.reset();
+  const std::optional<Json> result = BatchSeat().build(task);
+  if (result->at("status") == "crashed")
+    throw UsageError(fmt::format("a small build with these options {}; is there room for temporary files in {}?",
+                                 result->at("message").get<std::string>(), fs::temp_directory_path().string()));
+  if (result->at("status") == "refused") throw UsageError(result->at("message").get<std::string>());
+}
+
+void require_no_results(const BatchArguments& o, const BatchPlaces& places, const Shard& shard) {
+  if (!fs::exists(places.folder / "results") || o.resume || o.retry || !shard.is_all()) return;
+  throw UsageError(o.output +
+                   " holds results of an earlier batch: add --resume to go on with them, or name another folder");
+}
+
+void write_batch_tables(const BatchTables& tables, const BatchPlaces& places, const std::string& suffix) {
+  write_whole(places.folder / ("table" + suffix + ".csv"), tables.csv);
+  write_whole(places.folder / ("table" + suffix + ".jsonl"), tables.jsonl);
+  write_whole(places.folder / ("cost" + suffix + ".csv"), tables.cost);
+}
+
+int report_batch(const BatchArguments& o, const Work& work, std::size_t kept, const BatchTables& tables,
+                 const fs::path& table) {
   if (o.json) {
     print_json({{"meshes", work.rows.size()},
                 {"built", work.waiting.size()},
                 {"kept", kept},
-                {"statuses", counts},
-                {"table", (places.folder / ("table" + suffix + ".csv")).string()}});
+                {"remade", work.damaged},
+                {"statuses", tables.statuses},
+                {"table", table.string()}});
   } else {
     fmt::print("{} meshes, {} built now, {} kept from before\n", work.rows.size(), work.waiting.size(), kept);
-    for (const auto& [status, count] : counts) fmt::print("  {:<14} {}\n", status, count);
-    fmt::print("table: {}\n", (places.folder / ("table" + suffix + ".csv")).string());
+    for (const auto& [status, count] : tables.statuses) fmt::print("  {:<14} {}\n", status, count);
+    fmt::print("table: {}\n", table.string());
   }
-  return good == work.rows.size() ? exit_done : exit_check_failed;
+  const auto good = tables.statuses.find("ok");
+  return good != tables.statuses.end() && good->second == work.rows.size() ? exit_done : exit_check_failed;
+}
+
+int run_batch(const BatchArguments& o) {
+  require_sense(o);
+  const Shard shard = parse_shard(o.shard);
+  const BatchPlaces places{fs::absolute(o.output)};
+  require_no_results(o, places, shard);
+  const std::vector<ManifestRow> rows = read_manifest(o.manifest);
+  try_options(o);
+  require_folder_place(o.output);
+  fs::create_directories(places.folder);
+  Work work = plan(rows, o, places, shard);
+  const std::size_t kept = work.results.size();
+  if (work.damaged > 0) note_text(remade_text(work.damaged));
+  const Workers workers = make_workers(o.jobs);
+  const Interrupt interrupt;
+  if (!Crew(work, o, places, static_cast<unsigned>(workers.thread_count())).work_off(interrupt))
+    return say_interrupted(interrupt.exit_code(), "; what is done is kept, and the same command with --resume goes on");
+  const std::string suffix = shard.is_all() ? "" : fmt::format("-{}-of-{}", shard.number, shard.count);
+  const BatchTables tables = batch_tables(work.rows, work.results, o.no_trees);
+  write_batch_tables(tables, places, suffix);
+  return report_batch(o, work, kept, tables, fs::path(o.output) / ("table" + suffix + ".csv"));
+}
+
+void add_batch_options(CLI::App& command, BatchArguments& o) {
+  add_option(command, "manifest", o.manifest, "A folder of meshes, a .csv with a column mesh, or a list of paths")
+      ->required()
+      ->type_name("MANIFEST");
+  add_option(command, "-o,--output", o.output, "Folder of results: trees, table.csv, table.jsonl, cost.csv")
+      ->required()
+      ->type_name("FOLDER");
+  add_option(command, "--root", o.roots,
+             "Folder, besides the manifest's own, in which its meshes may lie; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  add_option(command, "--jobs", o.jobs, "Processes at once; all processors when not given")
+      ->type_name("N")
+      ->transform(whole_number(1, 1024));
+  add_option(command, "--shard", o.shard, "Only every n-th mesh: 2/8 is the second of eight parts, for job arrays")
+      ->type_name("I/N");
+  add_option(command, "--time-limit", o.time_limit, "Seconds for a mesh; what is not done by then is a failed row")
+      ->type_name("S")
+      ->transform(number_above_zero());
+  add_option(command, "--memory-limit", o.memory_limit,
+             "Memory for a mesh, besides the program's own, from 64; what needs more is a failed row")
+      ->type_name("MB")
+      ->transform(whole_number(64, std::size_t{1} << 30));
+  add_flag(command, "--resume", o.resume,
+           "Go on with the results that the folder holds; a damaged result or tree is built again");
+  add_flag(command, "--retry", o.retry, "The same, and try again what failed");
+  add_flag(command, "--no-trees", o.no_trees, "Keep the table alone");
+  add_flag(command, "--measure", o.measure,
+           "Also measure looseness, bare area, gap and protrusion of every level, as columns");
+  add_flag(command, "--quiet", o.quiet, "No progress on stderr");
+  add_option(command, "--method", o.method, "As of morula build, as are the next ones")->type_name("NAME");
+  add_option(command, "--quality", o.quality, "draft, fast, default, best")->type_name("NAME");
+  add_option(command, "--depth", o.depth, "Levels below the root, or auto")->type_name("N");
+  add_option(command, "--branching", o.branching, "Most children of a node")->type_name("N")->transform(whole_number());
+  add_option(command, "--spheres", o.spheres, "A flat set of at most N spheres")
+      ->type_name("N")
+      ->transform(whole_number());
+  add_option(command, "--max-protrusion", o.max_protrusion, "As few spheres as needed to stick out by at most LENGTH")
+      ->type_name("LENGTH")
+      ->transform(number_above_zero());
+  add_flag(command, "--nested", o.nested, "Every sphere contains its children's");
+  add_option(command, "--seed", o.seed, "Of every random choice")->type_name("N")->transform(whole_number());
+  add_option(command, "--reducers", o.reducers, "For medial and combined")->type_name("LIST");
+  add_option(command, "--optimiser", o.optimiser, "none, refit, simplex, balance")->type_name("NAME");
+  add_option(command, "--balance-excess", o.balance_excess, "For the optimiser balance")
+      ->type_name("SHARE")
+      ->transform(real_number(0));
+  add_json(command, o.json);
 }
 
 }  // namespace
 
+std::string remade_text(std::size_t count) {
+  return fmt::format("{} in the folder {} damaged or had lost {} and {} built again", counted(count, "result"),
+                     count == 1 ? "was" : "were", count == 1 ? "its tree," : "their trees,", count == 1 ? "is" : "are");
+}
+
+std::vector<std::string> checked_build_words(const std::vector<std::string>& options) {
+  CLI::App app("", "morula");
+  CLI::App* const command = add_command(app, "batch", "");
+  BatchArguments o;
+  add_batch_options(*command, o);
+  std::vector<std::string> words{"batch", "manifest", "-o", "output"};
+  words.insert(words.end(), options.begin(), options.end());
+  std::reverse(words.begin(), words.end());  // as the parser takes them
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(parse_message(app, error));
+  }
+  require_sense(o);
+  try_options(o);
+  return build_words(o);
+}
+
 void add_batch(CLI::App& app, Run& run) {
   const auto o = std::make_shared<BatchArguments>();
   CLI::App* command = add_command(app, "batch", "Build a tree for each of many meshes, one process each");
-  add_option(*command, "manifest", o->manifest, "A folder of meshes, a .csv with a column mesh, or a list of paths")
-      ->required()
-      ->type_name("MANIFEST");
-  add_option(*command, "-o,--output", o->output, "Folder of results: trees, table.csv, table.jsonl, cost.csv")
-      ->required()
-      ->type_name("FOLDER");
-  add_option(*command, "--root", o->roots,
-             "Folder, besides the manifest's own, in which its meshes may lie; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
-  add_option(*command, "--jobs", o->jobs, "Processes at once; all processors when not given")
-      ->type_name("N")
-      ->transform(whole_number(1, 1024));
-  add_option(*command, "--shard", o->shard, "Only every n-th mesh: 2/8 is the second of eight parts, for job arrays")
-      ->type_name("I/N");
-  add_option(*command, "--time-limit", o->time_limit, "Seconds for a mesh; what is not done by then is a failed row")
-      ->type_name("S")
-      ->transform(number_above_zero());
-  add_option(*command, "--memory-limit", o->memory_limit, "Memory for a mesh; what needs more is a failed row")
-      ->type_name("MB")
-      ->transform(whole_number());
-  add_flag(*command, "--resume", o->resume, "Go on with the results that the folder holds");
-  add_flag(*command, "--retry", o->retry, "The same, and try again what failed");
-  add_flag(*command, "--no-trees", o->no_trees, "Keep the table alone");
-  add_option(*command, "--method", o->method, "As of morula build, as are the next ones")->type_name("NAME");
-  add_option(*command, "--quality", o->quality, "draft, fast, default, best")->type_name("NAME");
-  add_option(*command, "--depth", o->depth, "Levels below the root, or auto")->type_name("N");
-  add_option(*command, "--branching", o->branching, "Most children of a node")
-      ->type_name("N")
-      ->transform(whole_number());
-  add_option(*command, "--spheres", o->spheres, "A flat set of at most N spheres")
-      ->type_name("N")
-      ->transform(whole_number());
-  add_option(*command, "--max-protrusion", o->max_protrusion, "As few spheres as needed to stick out by at most LENGTH")
-      ->type_name("LENGTH")
-      ->transform(number_above_zero());
-  add_flag(*command, "--nested", o->nested, "Every sphere contains its children's");
-  add_option(*command, "--seed", o->seed, "Of every random choice")->type_name("N")->transform(whole_number());
-  add_json(*command, o->json);
+  add_batch_options(*command, *o);
   set_footer(
       *command,
       "Example:\n"

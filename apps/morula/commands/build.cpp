@@ -130,6 +130,8 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& b
       {{"levels", build_levels_json(built, figures)},
        {"early_leaves", built.report.early_leaves},
        {"leftover_patches", built.report.leftover_patches},
+       {"patches", built.cover.patch_count()},
+       {"most_patches_of_a_facet", built.report.most_patches_of_a_facet},
        {"notes", built.report.notes},
        {"complete", built.report.complete},
        {"covered", certificate.covered},
@@ -165,6 +167,7 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
              counted(built.cover.patch_count(), "patch", "patches"));
+  fmt::print("patches       at most {} of one facet\n", built.report.most_patches_of_a_facet);
   if (o.nested) fmt::print("nested        yes: every sphere contains its children's\n");
   fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
              seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),
@@ -225,7 +228,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   options.stop = interrupt.token();
   CoveredTree built = [&] {
     Progress progress(fmt::format("building {}", o.method));
-    const int depth = o.depth.value_or(automatic_depth(mesh.facet_count(), o.branching));
+    const int depth = o.depth ? *o.depth : automatic_depth(mesh, o.branching);
     options.progress = [&, depth](const BuildProgress& now) {
       const std::string last = o.flat() ? "" : fmt::format(" of {}", depth);
       progress.update(now.share,

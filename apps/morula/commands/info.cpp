@@ -43,12 +43,12 @@ std::vector<std::string> consequences(const MeshReport& r) {
     notes.push_back(
         fmt::format("open: {}; looseness is measured by the winding number, n/a where the surface encloses "
                     "no space; protrusion cannot be answered; trees still cover",
-                    counted(r.boundary_edges, "boundary edge")));
+                    why_open(r)));
   } else {
     notes.push_back(
         fmt::format("open: {}, and its facets disagree on what is outside; neither looseness nor protrusion "
                     "can be answered; trees still cover",
-                    counted(r.boundary_edges, "boundary edge")));
+                    why_open(r)));
   }
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* meaning) {
     if (count > 0) notes.push_back(fmt::format("{}: {}", counted(count, one, many), meaning));
@@ -167,8 +167,8 @@ void print_tree(const InfoArguments& o, const TreeFile& file) {
              file.report.depth, file.report.seed);
   fmt::print("mesh       {}, {}, hash {}\n", counted(file.cover->vertex_count, "vertex", "vertices"),
              counted(file.cover->facet_count, "facet"), hash_text(file.report.mesh_hash));
-  fmt::print("cover      {}, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
-             counted(file.cover->cut_points.size(), "cut point"));
+  fmt::print("cover      {}, at most {} of one facet, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
+             file.cover->most_patches_of_a_facet(), counted(file.cover->cut_points.size(), "cut point"));
   for (const KnownPose& pose : file.poses) {
     fmt::print("pose       {}: {}\n", pose.name, counted(pose.built->tree.node_count(), "sphere"));
   }
@@ -190,6 +190,7 @@ Json tree_json(const InfoArguments& o, const TreeFile& file) {
     json["cover"] = {{"vertices", file.cover->vertex_count},
                      {"facets", file.cover->facet_count},
                      {"patches", file.cover->patch_count()},
+                     {"most_patches_of_a_facet", file.cover->most_patches_of_a_facet()},
                      {"cut_points", file.cover->cut_points.size()},
                      {"corners", file.cover->corners.size()}};
     json["method"] = file.report.method;

@@ -42,8 +42,7 @@ Json state_json(const MeshReport& r) {
 }
 
 std::string state_text(const MeshReport& r) {
-  return fmt::format("{}, {}, {}{}",
-                     r.closed ? "closed" : fmt::format("open ({})", counted(r.boundary_edges, "boundary edge")),
+  return fmt::format("{}, {}, {}{}", r.closed ? "closed" : fmt::format("open ({})", why_open(r)),
                      r.oriented ? "oriented" : "not oriented", r.manifold ? "manifold" : "not manifold",
                      r.has_volume() ? fmt::format(", volume {}", figure(r.volume)) : "");
 }

@@ -10,7 +10,8 @@
 
 namespace CLI {
 class App;
-}
+class ParseError;
+}  // namespace CLI
 
 namespace morula::cli {
 
@@ -41,6 +42,8 @@ CLI::Option* add_option(CLI::App& to, const std::string& names, T& value, const 
 CLI::Option* add_flag(CLI::App& to, const std::string& names, bool& value, const std::string& description);
 /// The last lines of the help.
 void set_footer(CLI::App& command, const std::string& text);
+/// The parser's message, with what it leaves out: which option was nearly right, and where the help is.
+std::string parse_message(const CLI::App& app, const CLI::ParseError& error);
 /// Called once the command's arguments are parsed.
 void on_use(CLI::App& command, std::function<void()> action);
 

@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "shared/name_text.hpp"
+
 namespace morula::cli {
 namespace {
 
@@ -29,8 +31,7 @@ Written& written() {
 std::atomic<bool> as_json{false};
 
 std::string json_line(const nlohmann::ordered_json& json) {
-  // Names of files need not be text in UTF-8.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.dump() + "\n";
 }
 
 }  // namespace
@@ -40,18 +41,19 @@ void write_messages_as_json(bool yes) {
 }
 
 void note_text(const std::string& text) {
-  say_text(as_json ? json_line({{"note", text}}) : "morula: note: " + text + "\n");
+  say_text(as_json ? json_line({{"note", text_of_name(text)}}) : "morula: note: " + text + "\n");
 }
 
 int complain_text(int exit_code, std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
-  say_text(as_json ? json_line({{"error", text}, {"exit_code", exit_code}}) : "morula: error: " + text + "\n");
+  say_text(as_json ? json_line({{"error", text_of_name(text)}, {"exit_code", exit_code}})
+                   : "morula: error: " + text + "\n");
   return exit_code;
 }
 
 int say_interrupted(int exit_code, const std::string& what_is_left) {
   const std::string text = "interrupted" + what_is_left;
-  say_text(as_json ? json_line({{"error", text}, {"exit_code", exit_code}}) : "morula: " + text + "\n");
+  say_text(as_json ? json_line({{"error", text_of_name(text)}, {"exit_code", exit_code}}) : "morula: " + text + "\n");
   return exit_code;
 }
 

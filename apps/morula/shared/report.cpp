@@ -92,9 +92,14 @@ Json growth_json(const BuildReport& report) {
   return {{"dropped_spheres", report.dropped_spheres}, {"levels", levels}};
 }
 
+std::string why_open(const MeshReport& report) {
+  if (report.boundary_edges > 0) return counted(report.boundary_edges, "boundary edge");
+  return "no boundary edge, but edges of an odd number of facets";
+}
+
 std::string why_no_inside(const MeshReport& report) {
   if (report.has_volume()) return {};
-  if (!report.closed) return fmt::format("the mesh is open ({})", counted(report.boundary_edges, "boundary edge"));
+  if (!report.closed) return fmt::format("the mesh is open ({})", why_open(report));
   return fmt::format("facets of the mesh disagree on what is outside ({})",
                      counted(report.misoriented_edges, "misoriented edge"));
 }

@@ -35,6 +35,8 @@ Json level_json(const SphereTree& tree);
 std::string growth_text(const BuildReport& report);
 Json growth_json(const BuildReport& report);
 
+/// What leaves an open mesh open: "4 boundary edges".
+std::string why_open(const MeshReport& report);
 /// Why looseness or protrusion cannot be answered on this mesh; empty when they can.
 std::string why_no_inside(const MeshReport& report);
 /// "bunny.obj: 1234 vertices, 2464 facets".

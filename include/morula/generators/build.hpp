@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/mesh_view.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/tree/cover.hpp>
 #include <optional>
@@ -65,8 +66,8 @@ struct BuildProgress {
 struct BuildOptions {
   Method method = Method::morula;
   int branching = 8;  ///< most children of a node, 2…64
-  /// Levels below the root, 0…8; nothing: automatic_depth, and the tree of a body like a ball, whose parts are as large
-  /// as the whole at rest, is one sphere. Without effect when one of the next two is given.
+  /// Levels below the root, 0…8; nothing: automatic_depth of the mesh, and the tree of a body like a ball, whose parts
+  /// are as large as the whole at rest, is one sphere. Without effect when one of the next two is given.
   std::optional<int> depth{};
   /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
   /// leaves. The tree above it is as deep as it needs to be, up to max_depth.
@@ -100,11 +101,17 @@ class BuildStopped : public std::runtime_error {
   BuildStopped() : std::runtime_error("build: stopped on request") {}
 };
 
-/// Depth of a tree that is not told how deep to be: the most levels, at most 8, whose leaves number at most 512 and at
-/// most a quarter of the facets; at least 1. With branching 8: 1 below 256 facets, 2 below 2,048, 3 from there on.
+/// The most levels that a tree has which is not told how deep to be: at most 8, with at most 512 leaves and at most a
+/// quarter as many as facets; at least 1. With branching 8: 1 below 256 facets, 2 below 2,048, 3 from there on.
 /// Finer leaves cost time in every update and follow the facets' corners, not the shape. facet_count: of the mesh.
 /// branching: at least 2.
 int automatic_depth(std::size_t facet_count, int branching);
+
+/// Depth of a tree that is not told how deep to be: automatic_depth of its number of facets, less where these are
+/// needles. A facet falls into a patch for each leaf that it reaches; as many levels are left out, down to 1, as bring
+/// the patches to be expected to twice those of as many equilateral facets. mesh: finite, of the range of
+/// build(). Cost: linear in facets.
+int automatic_depth(const MeshView& mesh, int branching);
 
 /// Builds a tree whose every level covers the surface: each sphere contains its region, regions of siblings are
 /// disjoint, and a node's region is the union of its children's (region wrapping; child spheres may stick out of their

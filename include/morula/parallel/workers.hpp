@@ -40,8 +40,8 @@ class Workers {
   Workers& operator=(Workers&&) noexcept;
 
   unsigned thread_count() const;
-  /// Calls chunk(i) once for every i < count. If chunks throw, the exception of the lowest i is thrown again here.
-  /// No allocation. One call at a time; a call from inside a chunk runs on the calling thread.
+  /// Calls chunk(i) once for every i < count; after one that throws some are left out. The exception of the lowest i is
+  /// thrown again here. No allocation. One call at a time; a call from inside a chunk runs on the calling thread.
   void run(std::size_t count, ChunkFunction chunk);
 
  private:

@@ -15,6 +15,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace morula::robot {
@@ -38,6 +39,7 @@ struct Shape {
   bool part_centered = false;            ///< its box is centred on the origin before everything else
   std::filesystem::path described_in{};  ///< the file that describes it, where the robot's file includes others
 };
+std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
 
 struct Inertial {
   double mass = 0;
@@ -74,6 +76,7 @@ struct Joint {
 
   bool moves() const { return kind == Kind::revolute || kind == Kind::continuous || kind == Kind::prismatic; }
 };
+std::string_view name(Joint::Kind kind);  ///< as URDF has it: "fixed", "revolute", …
 
 struct Robot {
   enum class Format { urdf, mjcf, sdf };
@@ -131,7 +134,7 @@ enum class RoundShapes {
 struct LinkSurface {
   Mesh mesh;
   std::vector<Sphere> spheres;
-  std::vector<std::string> notes{};  ///< meshes without a facet, which are passed over
+  std::vector<std::string> notes{};  ///< of meshes: those without a facet, and what is not read of the others
   bool empty() const { return mesh.facets.empty() && spheres.empty(); }
 };
 /// Throws FileError for meshes that cannot be read.
@@ -145,8 +148,10 @@ std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const doubl
 std::vector<double> rest_values(const Robot& robot);
 
 /// COLLADA: triangles and polygons of the scene, in its units turned to metres; axes as written, as robots' tools take
-/// them. Not all of it where a part is named: what is below the nodes, or belongs to the geometries, of this name or
-/// id. Throws FileError, also where there is no such part.
+/// them. Holes of polygons are filled. Not all of it where a part is named: what is below the nodes, or belongs to the
+/// geometries, of this name or id. Throws FileError, also where there is no such part.
 Mesh read_collada(const std::filesystem::path& path, const std::string& part = {});
+/// The same, with what a user may have to know about the file.
+Mesh read_collada(const std::filesystem::path& path, const std::string& part, MeshInfo& info);
 
 }  // namespace morula::robot

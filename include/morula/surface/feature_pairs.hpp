@@ -38,6 +38,10 @@ struct FacetMasks {
 };
 
 /// Pairs that are left out. Of one surface with itself, pairs that share a vertex always are.
+///
+/// The pairs that `rings` and `rest_distance` leave out are a table, which the first query with these values makes and
+/// the surface keeps: at most 512 bytes per facet, and the last four tables. Without a table, which would be larger,
+/// every query tests those pairs one by one.
 struct PairFilter {
   /// Of one surface with itself: pairs of which some two vertices are at most so many edges apart. 0: the same vertex.
   std::uint32_t rings = 0;

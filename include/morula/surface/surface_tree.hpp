@@ -33,7 +33,7 @@ class SurfaceTree {
   ///
   /// rest: a mesh at rest. Its positions stay known for filters that ask for distances at rest. Throws
   /// std::invalid_argument, naming the first offender, where require_usable() and require_usable_scale() do.
-  /// Cost: O(F log F) time, some 180 bytes per facet.
+  /// Cost: O(F log F) time, some 180 bytes per facet; PairFilter has the memory of what filters add.
   explicit SurfaceTree(const MeshView& rest);
   ~SurfaceTree();
   SurfaceTree(SurfaceTree&&) noexcept;

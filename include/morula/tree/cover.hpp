@@ -37,6 +37,8 @@ struct Cover {
   std::vector<std::uint32_t> region_end;
 
   std::size_t patch_count() const { return patch_facet.size(); }
+  /// The most patches that any one facet is cut into. Cost: linear in patches and facets.
+  std::size_t most_patches_of_a_facet() const;
   std::span<const std::uint32_t> patch(std::size_t p) const {
     return std::span(corners).subspan(corner_begin[p], corner_begin[p + 1] - corner_begin[p]);
   }
@@ -68,6 +70,9 @@ struct BuildReport {
   std::size_t leftover_patches = 0;  ///< patches outside their own sphere, handed to the one that grew least
   std::size_t dropped_spheres = 0;   ///< spheres that owned nothing
   std::vector<std::string> notes;    ///< fallbacks taken, in words
+
+  // Of the cover, which files have: not written into them, but there after reading.
+  std::size_t most_patches_of_a_facet = 0;  ///< no facet is cut into more
 
   // Of the run that built the tree; not written into files.
   bool complete = true;               ///< false: ended by a time limit, or short of the protrusion asked for
@@ -114,7 +119,8 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// The same tree's cover with fewer cuts: build() and cover() end with it; trees kept from before gain by it too.
 ///
 /// A facet that several leaves share goes whole to one of them, the one with the most of it first, whose sphere and all
-/// spheres above reach as far already; else what one has of it to another, likewise. No node's farthest corner is
+/// spheres above reach as far already; else what one has of it to another, likewise. What a leaf has of a facet becomes
+/// one patch where it is convex, fewer where it is not. No node's farthest corner is
 /// farther from its centre than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
 /// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.

@@ -16,24 +16,7 @@ void bind_robot_description(nb::module_& m) {
   using robot::Robot;
   using robot::Shape;
   Record<Shape>(m, "Shape", doc::Shape)
-      .property("kind",
-                [](const Shape& s) -> std::string {
-                  switch (s.kind) {
-                    case Shape::Kind::mesh:
-                      return "mesh";
-                    case Shape::Kind::box:
-                      return "box";
-                    case Shape::Kind::cylinder:
-                      return "cylinder";
-                    case Shape::Kind::sphere:
-                      return "sphere";
-                    case Shape::Kind::capsule:
-                      return "capsule";
-                    case Shape::Kind::ellipsoid:
-                      break;
-                  }
-                  return "ellipsoid";
-                })
+      .property("kind", [](const Shape& s) { return std::string(name(s.kind)); })
       .field("origin", &Shape::origin, doc::Shape_origin)
       .field("size", &Shape::size, doc::Shape_size)
       .field("radius", &Shape::radius, doc::Shape_radius)
@@ -65,24 +48,7 @@ void bind_robot_description(nb::module_& m) {
       .field("offset", &Joint::Mimic::offset);
   Record<Joint>(m, "Joint", "A joint between two links.")
       .field("name", &Joint::name)
-      .property("kind",
-                [](const Joint& j) -> std::string {
-                  switch (j.kind) {
-                    case Joint::Kind::fixed:
-                      return "fixed";
-                    case Joint::Kind::revolute:
-                      return "revolute";
-                    case Joint::Kind::continuous:
-                      return "continuous";
-                    case Joint::Kind::prismatic:
-                      return "prismatic";
-                    case Joint::Kind::floating:
-                      return "floating";
-                    case Joint::Kind::planar:
-                      break;
-                  }
-                  return "planar";
-                })
+      .property("kind", [](const Joint& j) { return std::string(name(j.kind)); })
       .property(
           "parent", [](const Joint& j) { return index_or_none(j.parent); }, "A link.")
       .property(

@@ -8,6 +8,7 @@
 namespace morula::python {
 
 void bind_accuracy(nanobind::module_& m);
+void bind_batch(nanobind::module_& m);
 void bind_build(nanobind::module_& m);
 void bind_choices(nanobind::module_& m);
 void bind_command(nanobind::module_& m);

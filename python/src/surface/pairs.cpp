@@ -109,7 +109,7 @@ void bind_pairs(nb::module_& m) {
              {},
              {}});
         ask(query, a, b, workers);
-        return ProximityPairs{{query.pairs().begin(), query.pairs().end()}};
+        return ProximityPairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance"),
       nb::arg("nearest_features_once") = false, nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
@@ -141,7 +141,7 @@ void bind_pairs(nb::module_& m) {
              {},
              {}});
         ask(query, a, b, workers);
-        return SweptPairs{{query.pairs().begin(), query.pairs().end()}};
+        return SweptPairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("rings") = 0,
       nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("keeps") = nb::none(),
@@ -156,7 +156,7 @@ void bind_pairs(nb::module_& m) {
       [](const HeldSurface& a, const HeldSurface* b, double distance, std::uint32_t rings, Threads* workers) {
         SweptQuery query({distance, true, filter_of(rings, 0, false, nullptr), {}, {}});
         ask(query, a, b, workers);
-        return FeaturePairs{{query.candidates().begin(), query.candidates().end()}};
+        return FeaturePairs{copy_of(query.candidates())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("rings") = 0,
       nb::arg("workers") = nb::none(), doc::SweptOptions_candidates_only);
@@ -167,7 +167,7 @@ void bind_pairs(nb::module_& m) {
         SurfaceCrossingQuery query(
             {filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)), {}, {}});
         ask(query, a, b, workers);
-        return FeaturePairs{{query.pairs().begin(), query.pairs().end()}};
+        return FeaturePairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
       nb::arg("same_component") = false, nb::arg("keeps") = nb::none(), nb::arg("workers") = nb::none(),

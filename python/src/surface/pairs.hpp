@@ -3,11 +3,13 @@
 // Pairs of features of surfaces, and which of them a query keeps.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <morula/parallel/workers.hpp>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/swept.hpp>
+#include <span>
 #include <vector>
 
 #include "held_query.hpp"
@@ -22,6 +24,23 @@ struct ProximityPairs {
 struct SweptPairs {
   std::vector<SweptPair> pairs;
 };
+
+/// A copy of millions of pairs takes a while: Ctrl-C ends it.
+template <class Pair>
+std::vector<Pair> copy_of(std::span<const Pair> pairs) {
+  return without_gil([&] {
+    constexpr std::size_t at_once = 1u << 16;
+    std::vector<Pair> copy;
+    copy.reserve(pairs.size());
+    SignalCheck check;
+    for (std::size_t i = 0; i < pairs.size(); i += at_once) {
+      const auto piece = pairs.subspan(i, std::min(at_once, pairs.size() - i));
+      copy.insert(copy.end(), piece.begin(), piece.end());
+      check();
+    }
+    return copy;
+  });
+}
 
 inline constexpr const char* pair_filter_wanted = "None or a function of (kind, a, b)";
 

@@ -39,6 +39,7 @@ void bind_cover(nb::module_& m) {
       .def_ro("vertex_count", &Cover::vertex_count, doc::Cover_vertex_count)
       .def_ro("facet_count", &Cover::facet_count)
       .def_prop_ro("patch_count", &Cover::patch_count)
+      .def_prop_ro("most_patches_of_a_facet", &Cover::most_patches_of_a_facet, doc::Cover_most_patches_of_a_facet)
       .def_prop_ro(
           "cut_vertices",
           [](nb::handle self) {
@@ -109,28 +110,29 @@ void bind_cover(nb::module_& m) {
       .field("leftover_patches", &BuildReport::leftover_patches, doc::BuildReport_leftover_patches)
       .field("dropped_spheres", &BuildReport::dropped_spheres, doc::BuildReport_dropped_spheres)
       .field("notes", &BuildReport::notes, doc::BuildReport_notes)
+      .field("most_patches_of_a_facet", &BuildReport::most_patches_of_a_facet, doc::BuildReport_most_patches_of_a_facet)
       .field("complete", &BuildReport::complete, doc::BuildReport_complete)
       .field("level_seconds", &BuildReport::level_seconds, doc::BuildReport_level_seconds)
       .field("protrusion_bound", &BuildReport::protrusion_bound, doc::BuildReport_protrusion_bound);
   using Growth = std::vector<std::tuple<std::size_t, double, double>>;
-  using ReportState =
-      std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint64_t, std::uint64_t, Growth, std::size_t,
-                 std::size_t, std::size_t, std::vector<std::string>, bool, std::vector<double>, std::optional<double>>;
+  using ReportState = std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint64_t, std::uint64_t, Growth,
+                                 std::size_t, std::size_t, std::size_t, std::vector<std::string>, std::size_t, bool,
+                                 std::vector<double>, std::optional<double>>;
   report.python()
       .def("__getstate__",
            [](const BuildReport& r) {
              Growth growth;
              for (const LevelGrowth& g : r.growth) growth.emplace_back(g.grown, g.largest_factor, g.largest_growth);
              return ReportState(r.method, r.branching, r.depth, r.seed, r.mesh_hash, growth, r.early_leaves,
-                                r.leftover_patches, r.dropped_spheres, r.notes, r.complete, r.level_seconds,
-                                r.protrusion_bound);
+                                r.leftover_patches, r.dropped_spheres, r.notes, r.most_patches_of_a_facet, r.complete,
+                                r.level_seconds, r.protrusion_bound);
            })
       .def("__setstate__", [](BuildReport& self, const ReportState& s) {
         new (&self) BuildReport();
         Growth growth;
         std::tie(self.method, self.branching, self.depth, self.seed, self.mesh_hash, growth, self.early_leaves,
-                 self.leftover_patches, self.dropped_spheres, self.notes, self.complete, self.level_seconds,
-                 self.protrusion_bound) = s;
+                 self.leftover_patches, self.dropped_spheres, self.notes, self.most_patches_of_a_facet, self.complete,
+                 self.level_seconds, self.protrusion_bound) = s;
         for (const auto& [grown, factor, most] : growth) self.growth.push_back({grown, factor, most});
       });
 }

@@ -3,6 +3,7 @@
 // Bodies whose spheres follow their vertices, modes or bones.
 #include <morula/morula.hpp>
 #include <morula/update/rule_levels.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -78,9 +79,11 @@ std::shared_ptr<PosedBody> copied(const PosedBody& self) {
   return copy;
 }
 
-/// All frames in one call: spheres in mesh coordinates, frame after frame.
-template <class Frame>
-Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to) {
+/// All frames in one call: spheres in mesh coordinates, frame after frame. However it ends, by the last frame, by one
+/// that is refused or by Ctrl-C, keep(frame) is called for the frame that the body is in then, if any.
+template <class Frame, class Keep>
+Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to,
+                               const Keep& keep) {
   const std::size_t node_count = self.pose().spheres.size();
   std::vector<Sphere> spheres;
   std::size_t at = 0;
@@ -90,13 +93,21 @@ Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
     SignalCheck check;
     spheres.resize(frame_count * node_count);
     UpdateStatus last;
-    for (; at < frame_count; ++at) {
-      last = update_to(*self.owned, at, static_cast<Workers&>(call));
-      if (!last) return last;
-      const PosedTree& pose = self.pose();
-      for (std::uint32_t node = 0; node < node_count; ++node) spheres[at * node_count + node] = pose.sphere(node);
-      check();
+    std::optional<std::size_t> reached;
+    try {
+      for (; at < frame_count; ++at) {
+        last = update_to(*self.owned, at, static_cast<Workers&>(call));
+        if (!last) break;
+        reached = at;
+        const PosedTree& pose = self.pose();
+        for (std::uint32_t node = 0; node < node_count; ++node) spheres[at * node_count + node] = pose.sphere(node);
+        check();
+      }
+    } catch (...) {
+      if (reached) keep(*reached);
+      throw;
     }
+    if (reached) keep(*reached);
     return last;
   });
   if (!status) throw std::invalid_argument("frame " + std::to_string(at) + ": " + message(status));
@@ -179,25 +190,25 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                            "the body's vertices, in every frame");
             std::vector<Positions> one;
             for (std::size_t i = 0; i < frames.frame_count(); ++i) one.emplace_back(frames, i);
-            auto spheres = follow(self, one.size(), workers,
-                                  [&](Body& body, std::size_t i, Workers& w) { return body.update(one[i].view(), w); });
-            if (!one.empty()) {
-              // The last frame stays borrowed, as by update().
-              std::vector<Positions> last;
-              last.push_back(std::move(one.back()));
-              without_gil([&] {
-                const std::unique_lock lock(self.mutex);
-                std::swap(self.last, last);
-              });
-            }
-            return spheres;
+            // The frame that the body ends in stays borrowed, as by update(); those before are released with the
+            // interpreter's lock.
+            std::vector<Positions> last;
+            last.reserve(1);
+            return follow(
+                self, one.size(), workers,
+                [&](Body& body, std::size_t i, Workers& w) { return body.update(one[i].view(), w); },
+                [&](std::size_t i) {
+                  last.push_back(std::move(one[i]));
+                  std::swap(self.last, last);
+                });
           },
           nb::arg("frames"), nb::arg("workers") = nb::none(),
           nb::sig("def follow(self, frames: morula.typing.FloatArray, workers: Workers | None = None) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
           "A whole motion in one call. frames: (frames, vertices, 3) float32 or float64, not copied. Returns the "
           "spheres of every frame, (frames, nodes, 4) float64 in mesh coordinates. The body stays in the last frame. "
-          "ValueError names the frame that is refused.")
+          "ValueError names the frame that is refused; the body stays in the one before, and after Ctrl-C in the one "
+          "that it had reached.")
       .def(
           "update_modal",
           [](PosedBody& self, ArrayGiven given, Threads* workers) {
@@ -212,9 +223,12 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           [](PosedBody& self, ArrayGiven given, Threads* workers) {
             std::vector<std::size_t> shape;
             const std::vector<double> all = numbers_of(given.object, "coordinates", {-1, -1}, shape);
-            return follow(self, shape[0], workers, [&](Body& body, std::size_t i, Workers& w) {
-              return body.update_modal(std::span(all).subspan(i * shape[1], shape[1]), w);
-            });
+            return follow(
+                self, shape[0], workers,
+                [&](Body& body, std::size_t i, Workers& w) {
+                  return body.update_modal(std::span(all).subspan(i * shape[1], shape[1]), w);
+                },
+                [](std::size_t) {});
           },
           nb::arg("coordinates"), nb::arg("workers") = nb::none(),
           "update_modal() for coordinates (frames, modes); the spheres of every frame, (frames, nodes, 4).")

@@ -12,7 +12,7 @@ namespace {
 int depth_of(const BuildOptions& options, const MeshView& mesh) {
   constexpr int of_flat_sets = 3;
   if (options.spheres > 0 || options.max_protrusion > 0) return of_flat_sets;
-  return options.depth.value_or(automatic_depth(mesh.facets.size(), options.branching));
+  return options.depth ? *options.depth : automatic_depth(mesh, options.branching);
 }
 
 }  // namespace

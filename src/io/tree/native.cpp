@@ -170,6 +170,7 @@ std::vector<KnownPose> read_poses(const std::filesystem::path& path, const JsonF
       file.fail("pose " + std::to_string(poses.size()) + ": " + faults.front());
     built->report = read_report(file, file.member(entry, "report", owner));
     built->report.mesh_hash = from_hex(file, file.member(entry, "hash", owner));
+    built->report.most_patches_of_a_facet = built->cover.most_patches_of_a_facet();
     const std::vector<double> numbers = arrays.numbers(prefix + "positions", 3);
     for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3)
       pose.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
@@ -284,6 +285,7 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   if (const auto faults = validate(result.tree, *result.cover); !faults.empty()) file.fail(faults.front());
   result.report = read_report(file, file.member(file.root(), "report", "the header"));
   result.report.mesh_hash = from_hex(file, file.member(mesh, "hash", "the mesh"));
+  result.report.most_patches_of_a_facet = result.cover->most_patches_of_a_facet();
   result.poses = read_poses(path, file, arrays, mesh);
   return result;
 }

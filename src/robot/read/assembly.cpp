@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 namespace morula::robot {
@@ -93,25 +94,17 @@ std::string unread_shape_note(const std::string& link, const FileError& error) {
   return fmt::format("a shape of {} that is not asked for is left out: {}", link, error.what());
 }
 
-namespace {
-
-std::string_view word_for(Shape::Kind kind) {
-  switch (kind) {
-    case Shape::Kind::mesh:
-      return "mesh";
-    case Shape::Kind::box:
-      return "box";
-    case Shape::Kind::cylinder:
-      return "cylinder";
-    case Shape::Kind::sphere:
-      return "sphere";
-    case Shape::Kind::capsule:
-      return "capsule";
-    case Shape::Kind::ellipsoid:
-      return "ellipsoid";
-  }
-  return "shape";
+std::string_view name(Shape::Kind kind) {
+  constexpr std::array names{"mesh", "box", "cylinder", "sphere", "capsule", "ellipsoid"};
+  return names[static_cast<std::size_t>(kind)];
 }
+
+std::string_view name(Joint::Kind kind) {
+  constexpr std::array names{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+namespace {
 
 /// In how many directions it has a size.
 int extents(const Shape& shape) {
@@ -138,10 +131,10 @@ bool has_surface(const Shape& shape, const std::string& link, bool needed, std::
   const int count = extents(shape);
   if (needed && count == 2) {
     notes.push_back(fmt::format("a {} in {} (line {}) is flat: it is covered as a plate without thickness",
-                                word_for(shape.kind), link, shape.line));
+                                name(shape.kind), link, shape.line));
   }
   if (needed && count < 2) {
-    notes.push_back(fmt::format("a {} of size 0 in {} (line {}) is left out", word_for(shape.kind), link, shape.line));
+    notes.push_back(fmt::format("a {} of size 0 in {} (line {}) is left out", name(shape.kind), link, shape.line));
   }
   return count >= 2;
 }

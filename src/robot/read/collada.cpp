@@ -8,7 +8,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "geometry/polygon.hpp"
+#include "io/mesh/reading.hpp"
 #include "robot/read/xml.hpp"
 
 namespace morula::robot {
@@ -45,9 +45,10 @@ struct Reader {
   const std::string& part;
   std::unordered_map<std::string, const XMLElement*> by_id{};
   Mesh mesh{};
-  detail::PolygonCutter cutter{};
+  detail::MeshReading reading{};
+  detail::PolygonReader cutter{reading};
   std::vector<std::uint32_t> polygon{};
-  std::size_t instances = 0, elements = 0;
+  std::size_t instances = 0, elements = 0, faces = 0, holed = 0;
 
   /// A few nodes that hold each other several times would be more than anybody can draw.
   void count_instance(const XMLElement& at) {
@@ -144,11 +145,11 @@ struct Reader {
   }
 
   /// The facets from `first` on are a polygon's, about its first corner: others take their place where these are wrong.
-  void cut_polygon(std::size_t first, bool turned) {
+  void cut_polygon(const XMLElement& at, std::size_t first, bool turned) {
     const std::span<Facet> facets = std::span(mesh.facets).subspan(first);
     polygon.assign({facets[0][0], facets[0][turned ? 2 : 1]});
     for (const Facet& f : facets) polygon.push_back(f[turned ? 1 : 2]);
-    cutter.cut(mesh.positions, polygon, facets);
+    cutter.cut(mesh.positions, polygon, mesh.facets, first, {faces - 1, static_cast<std::size_t>(at.GetLineNum())});
     if (!turned) return;
     for (Facet& f : facets) std::swap(f[1], f[2]);
   }
@@ -167,10 +168,19 @@ struct Reader {
     if (const XMLElement* counts = at.FirstChildElement("vcount"); counts != nullptr && kind == "polylist") {
       sizes = indices(*counts);
     }
-    for (const XMLElement* p = at.FirstChildElement("p"); p != nullptr; p = p->NextSiblingElement("p")) {
-      const std::vector<std::size_t> all = indices(*p);
+    const auto corners_in = [&](const XMLElement& p) {
+      const std::vector<std::size_t> all = indices(p);
       std::vector<std::size_t> corners;
       for (std::size_t i = offset; i < all.size(); i += stride) corners.push_back(all[i]);
+      return corners;
+    };
+    for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) {
+      // A polygon with holes: its outline, then one <h> a hole.
+      const bool has_holes = std::string_view(it->Name()) == "ph";
+      const XMLElement* p = has_holes ? it->FirstChildElement("p") : it;
+      if (p == nullptr || std::string_view(p->Name()) != "p") continue;
+      holed += has_holes && it->FirstChildElement("h") != nullptr ? 1 : 0;
+      const std::vector<std::size_t> corners = corners_in(*p);
       const auto fan = [&](std::size_t begin, std::size_t size) {
         for (std::size_t k = 2; k < size; ++k) {
           add_facet(*p, base, count, {corners[begin], corners[begin + k - 1], corners[begin + k]}, turned);
@@ -179,7 +189,8 @@ struct Reader {
       const auto cut = [&](std::size_t begin, std::size_t size) {
         const std::size_t first = mesh.facets.size();
         fan(begin, size);
-        if (size > 3) cut_polygon(first, turned);
+        ++faces;
+        if (size > 3) cut_polygon(*p, first, turned);
       };
       if (kind == "triangles") {
         for (std::size_t i = 0; i + 3 <= corners.size(); i += 3) fan(i, 3);
@@ -268,6 +279,11 @@ struct Reader {
 }  // namespace
 
 Mesh read_collada(const std::filesystem::path& path, const std::string& part) {
+  MeshInfo info;
+  return read_collada(path, part, info);
+}
+
+Mesh read_collada(const std::filesystem::path& path, const std::string& part, MeshInfo& info) {
   const Xml xml(path, "COLLADA");
   Reader reader{xml, part};
   const bool all = part.empty();
@@ -297,6 +313,12 @@ Mesh read_collada(const std::filesystem::path& path, const std::string& part) {
     throw FileError(all ? fmt::format("{}: the scene holds no facets", path.string())
                         : fmt::format("{}: there is no node or geometry {} with facets", path.string(), part));
   }
+  reader.cutter.finish("polygon");
+  if (reader.holed > 0)
+    reader.reading.info.notes.push_back(detail::counted(reader.holed, "polygon") +
+                                        (reader.holed == 1 ? " has" : " have") +
+                                        " holes, which are filled; export triangles to keep them");
+  info = std::move(reader.reading.info);
   return std::move(reader.mesh);
 }
 

@@ -132,7 +132,7 @@ bool is_blank_stl(const std::filesystem::path& file, const std::string& ending) 
   return bytes.find_first_not_of(std::string_view("\0 ", 2)) == std::string::npos;
 }
 
-Mesh mesh_of(const Shape& shape) {
+Mesh mesh_of(const Shape& shape, MeshInfo& info) {
   const std::filesystem::path& file = shape.file;
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -144,9 +144,9 @@ Mesh mesh_of(const Shape& shape) {
                     "file of its own",
                     file.string(), shape.part));
   }
-  Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part)
+  Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part, info)
               : is_mujoco_mesh(file) ? read_mujoco_mesh(file)
-                                     : read_mesh(file);
+                                     : read_mesh(file, info);
   if (shape.part_centered) {
     Box box;
     for (const Vec3& p : mesh.positions) box.add(p);
@@ -166,7 +166,10 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
     switch (shape.kind) {
       case Shape::Kind::mesh:
         try {
-          const Mesh mesh = mesh_of(shape);
+          MeshInfo info;
+          const Mesh mesh = mesh_of(shape, info);
+          for (const std::string& note : info.notes)
+            surface.notes.push_back(fmt::format("mesh {} (line {}): {}", shape.file_name, shape.line, note));
           if (mesh.facets.empty()) {
             surface.notes.push_back(
                 fmt::format("mesh {} (line {}) has no facet and is left out", shape.file_name, shape.line));

@@ -110,9 +110,9 @@ struct UrdfReader {
                                         xml.text(at, "name"), at.GetLineNum()));
       return Joint::Kind::floating;
     }
-    constexpr std::array names{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (type == names[i]) return static_cast<Joint::Kind>(i);
+    using enum Joint::Kind;
+    for (const Joint::Kind known : {fixed, revolute, continuous, prismatic, floating, planar}) {
+      if (type == name(known)) return known;
     }
     xml.fail(at,
              fmt::format("a joint is {}: fixed, revolute, continuous, prismatic, floating and planar are known", type));

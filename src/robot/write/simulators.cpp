@@ -224,10 +224,9 @@ void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
 
 void add_sdf_joint(XMLElement* model, const Description& d, const Joint& joint) {
   if (is_free(joint)) return;
-  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic"};
   XMLElement* at = add_element(model, "joint");
   set(at, "name", joint.name);
-  set(at, "type", kinds[static_cast<std::size_t>(joint.kind)]);
+  set(at, "type", std::string(name(joint.kind)));
   add_pose(at, joint.origin, d.robot.links[joint.parent].name);
   add_text(at, "parent", d.robot.links[joint.parent].name);
   add_text(at, "child", d.robot.links[joint.child].name);

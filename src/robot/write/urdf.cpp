@@ -99,10 +99,9 @@ void add_visual(XMLElement* link, const Shape& shape, const Description& d, cons
 constexpr double unknown_velocity = 2, unknown_effort = 100;
 
 void add_urdf_joint(XMLElement* root, const Robot& robot, const Joint& joint) {
-  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
   XMLElement* at = add_element(root, "joint");
   set(at, "name", joint.name);
-  set(at, "type", kinds[static_cast<std::size_t>(joint.kind)]);
+  set(at, "type", std::string(name(joint.kind)));
   set(add_element(at, "parent"), "link", robot.links[joint.parent].name);
   set(add_element(at, "child"), "link", robot.links[joint.child].name);
   add_origin(at, joint.origin);

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <functional>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/scale.hpp>
 
+#include "parallel/interruptible_sort.hpp"
+#include "parallel/interruption.hpp"
 #include "surface/boxes/tree_state.hpp"
 
 namespace morula::detail {
@@ -31,6 +34,7 @@ class Sorter {
   /// Into runs of so many facets, the last of them perhaps shorter, by halves along the longest axis; then each of
   /// those.
   void divide(std::size_t begin, std::size_t end, std::size_t run) {
+    ask_now_and_then_();
     const std::size_t runs = (end - begin + run - 1) / run;
     if (runs > 1) {
       const std::size_t cut = begin + (runs + 1) / 2 * run;
@@ -53,6 +57,7 @@ class Sorter {
 
   std::vector<std::uint32_t>& order_;
   std::vector<Vec3> middle_;
+  AskNowAndThen ask_now_and_then_{16};
 };
 
 /// Edge by edge: each pair of different vertices of a facet.
@@ -64,7 +69,7 @@ std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facet
       const std::uint32_t v = f[k], w = f[(k + 1) % 3];
       if (v != w) edges.push_back({std::min(v, w), std::max(v, w)});
     }
-  std::sort(edges.begin(), edges.end());
+  sort_interruptibly(edges, std::less<>());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
 }
@@ -73,7 +78,9 @@ void give_vertices(SurfaceTreeState& s) {
   s.slot_of_vertex.assign(s.rest.size(), SurfaceTreeState::no_slot);
   s.own_vertices = {0};
   s.corners_begin = {0};
+  AskNowAndThen ask_now_and_then(64);
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+    ask_now_and_then();
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
       corners.insert(corners.end(), s.facets[s.order[i]].begin(), s.facets[s.order[i]].end());
@@ -96,7 +103,9 @@ void give_vertices(SurfaceTreeState& s) {
 void give_edges(SurfaceTreeState& s) {
   std::vector<std::uint8_t> is_given(s.edges.size());
   s.own_edges_begin = {0};
+  AskNowAndThen ask_now_and_then(64);
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+    ask_now_and_then();
     for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i) {
       const Facet& f = s.facets[s.order[i]];
       for (std::size_t k = 0; k < 3; ++k) {
@@ -135,6 +144,7 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   for (std::size_t v = 0; v < s.rest.size(); ++v) s.rest[v] = mesh.positions[v];
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
+  s.rest_reach = std::max(max_norm(box.lower), max_norm(box.upper));
   s.edges = all_edges(s.facets);
   Sorter(mesh, s.order).sort();
   give_vertices(s);

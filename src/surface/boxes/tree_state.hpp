@@ -9,8 +9,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/surface/surface_tree.hpp>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -20,6 +22,14 @@
 #include "surface/boxes/surface_boxes.hpp"
 
 namespace morula::detail {
+
+class ExcludedPairs;
+
+/// The tables of excluded pairs that queries asked for last: excluded_pairs() makes them.
+struct ExclusionTables {
+  std::mutex mutex;
+  std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
+};
 
 struct SurfaceTreeState {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
@@ -42,6 +52,8 @@ struct SurfaceTreeState {
   std::vector<std::uint32_t> ring_begin, ring;  // neighbours of a vertex along edges, ascending
   std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
   Vec3 origin;                                  // what boxes are about
+  double rest_reach = 0;                        // the largest |coordinate| at rest of a vertex that a facet uses
+  std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
 
   // The present pose or step.
   SurfaceBoxes boxes;  // of an older one while a body is followed

@@ -41,13 +41,13 @@ ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, s
   return found;
 }
 
-double distance_at_rest(const SurfaceTreeState& s, const FeaturePair& pair) {
+bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance) {
   std::array<Vec3, 3> a, b;
   const FeatureVertices in_a(s, feature_a(pair.kind), pair.a), in_b(s, feature_b(pair.kind), pair.b);
   for (std::size_t i = 0; i < in_a.size(); ++i) a[i] = s.rest[in_a[i]];
   for (std::size_t i = 0; i < in_b.size(); ++i) b[i] = s.rest[in_b[i]];
-  if (pair.kind == PairKind::facet_facet) return nearest_pair(a, {b[0], b[1], b[2]}).upper;
-  return nearest_points(pair, std::span(a).first(in_a.size()), std::span(b).first(in_b.size())).distance;
+  if (pair.kind == PairKind::facet_facet) return are_within(a, b, distance);
+  return nearest_points(pair, std::span(a).first(in_a.size()), std::span(b).first(in_b.size())).distance <= distance;
 }
 
 }  // namespace morula::detail

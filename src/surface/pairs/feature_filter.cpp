@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "surface/pairs/feature_distance.hpp"
-
 namespace morula::detail {
 namespace {
 
@@ -62,7 +60,8 @@ std::uint32_t FeatureFilter::Masks::with(Feature feature, std::uint32_t number) 
                                     : facet_with[number];
 }
 
-Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b) {
+Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b,
+                            Features features, Workers& workers) {
   if (!fits(filter.masks_a, a)) return {.code = Status::Code::bad_option};
   if (b != nullptr && !fits(filter.masks_b, *b)) return {.code = Status::Code::bad_option, .body = 1};
   filter_ = &filter;
@@ -73,17 +72,12 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
   } else {
     masks_b_ = masks_a_;
   }
-  const bool within = b == nullptr && (filter.same_component || filter.rings > 0 || filter.rest_distance > 0);
+  const ExclusionRule rule{filter.rings, filter.rest_distance, features};
+  excluded_ = b == nullptr && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
+  tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
+  const bool within = b == nullptr && (filter.same_component || tests_each_);
   keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;
   return {};
-}
-
-bool FeatureFilter::are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t rings) const {
-  if (v == w) return true;
-  if (rings == 0) return false;
-  const auto begin = a_->ring.begin() + a_->ring_begin[v], end = a_->ring.begin() + a_->ring_begin[v + 1];
-  if (rings == 1) return std::binary_search(begin, end, w);
-  return std::any_of(begin, end, [&](std::uint32_t next) { return are_joined(next, w, rings - 1); });
 }
 
 bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
@@ -91,11 +85,7 @@ bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
   if (b_ == nullptr) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
     if (filter_->same_component && a_->component[in_a[0]] == a_->component[in_b[0]]) return false;
-    if (filter_->rings > 0)
-      for (const std::uint32_t v : in_a)
-        for (const std::uint32_t w : in_b)
-          if (are_joined(v, w, filter_->rings)) return false;
-    if (filter_->rest_distance > 0 && distance_at_rest(*a_, pair) <= filter_->rest_distance) return false;
+    if (tests_each_ && ExclusionTest(*a_, excluded_->rule()).excludes(pair)) return false;
   }
   if ((masks_a_.are_given() || masks_b_.are_given()) &&
       ((masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0 ||

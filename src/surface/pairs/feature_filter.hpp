@@ -5,11 +5,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <morula/surface/feature_pairs.hpp>
 #include <span>
 #include <vector>
 
 #include "surface/boxes/tree_state.hpp"
+#include "surface/pairs/excluded_pairs.hpp"
 
 namespace morula::detail {
 
@@ -51,8 +53,13 @@ class FeatureFilter {
  public:
   /// Throws std::invalid_argument, naming the option, for one that is out of range by itself.
   static void require_usable(const PairFilter& filter);
-  /// ok, or bad_option for masks that do not fit the surfaces.
-  Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b);
+  /// ok, or bad_option for masks that do not fit the surfaces. Makes the table of excluded pairs where there is none.
+  Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b, Features features,
+               Workers& workers);
+  /// What the search is to drop by itself: pairs that keeps() is not asked about. Null: nothing.
+  const ExcludedPairs* excluded() const {
+    return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
+  }
   /// For pairs that share no vertex.
   bool keeps(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
 
@@ -67,12 +74,13 @@ class FeatureFilter {
     std::uint32_t with(Feature feature, std::uint32_t number) const;
   };
   bool keeps_one(const FeaturePair& pair) const;
-  bool are_joined(std::uint32_t v, std::uint32_t w, std::uint32_t rings) const;
 
   const PairFilter* filter_ = nullptr;
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
   Masks masks_a_, masks_b_;
+  std::shared_ptr<const ExcludedPairs> excluded_;  // of one surface with itself, where the filter excludes any
   bool keeps_all_ = false;
+  bool tests_each_ = false;  // there is no table of excluded pairs
 };
 
 }  // namespace morula::detail

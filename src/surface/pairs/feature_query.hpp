@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
 #include "surface/pairs/feature_filter.hpp"
 #include "surface/pairs/pair_search.hpp"
@@ -50,20 +51,12 @@ class FeaturePoints {
 template <class Look>
 auto one_by_one(const Look& look) {
   return [look](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
-    for (const FeaturePair& pair : pairs)
+    AskNowAndThen ask_now_and_then(128);
+    for (const FeaturePair& pair : pairs) {
+      ask_now_and_then();
       if (const auto one = look(a, b, pair)) found.push_back(*one);
+    }
   };
-}
-
-/// Millions of pairs take seconds to sort.
-template <class Value, class Less>
-void sort_interruptibly(std::vector<Value>& values, const Less& less) {
-  constexpr std::uint32_t comparisons_between = 1u << 16;
-  std::uint32_t compared = 0;
-  std::sort(values.begin(), values.end(), [&](const Value& p, const Value& q) {
-    if (++compared % comparisons_between == 0) ask_to_go_on();
-    return less(p, q);
-  });
 }
 
 template <class Found>
@@ -85,7 +78,7 @@ class FeatureQuery {
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = a.askable(0);
     if (status && b != nullptr) static_cast<Status&>(status) = b->askable(1);
-    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b);
+    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, ask.features, workers);
     if (!status) return status;
     search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
     ask_ = ask;
@@ -107,8 +100,8 @@ class FeatureQuery {
     // Pairs that were farther apart are gone.
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) =
-        filter_.start(options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b());
+    static_cast<Status&>(status) = filter_.start(
+        options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b(), ask_.features, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }
@@ -128,6 +121,7 @@ class FeatureQuery {
   template <class Options, class Narrow>
   SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
     const SurfaceTreeState &a = search_.a(), &b = search_.b();
+    search_.exclude(filter_.excluded());
     SurfaceMeter meter(options.budget, options.clock);
     std::size_t count = 0;
     is_finished_ = search_.run(

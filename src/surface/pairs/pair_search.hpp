@@ -12,6 +12,7 @@
 #include "parallel/float_environment.hpp"
 #include "surface/boxes/feature_boxes.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
+#include "surface/pairs/excluded_pairs.hpp"
 #include "surface/pairs/height_fields.hpp"
 
 namespace morula::detail {
@@ -44,6 +45,8 @@ class PairSearch {
   /// by_spheres: of surfaces that follow bodies, pairs whose features are farther apart than that may be missing.
   void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features, bool by_spheres,
              Workers& workers);
+  /// Of one surface with itself: what is not to be found. It has to live until the last run(). Null: nothing.
+  void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
   bool is_started() const { return a_ != nullptr; }
   /// Have the surfaces moved since?
   bool is_current() const {
@@ -97,13 +100,13 @@ class PairSearch {
   const FeatureBoxes& boxes_b() const { return b_ != nullptr ? boxes_b_ : boxes_a_; }
   template <class Find>
   void compare(const BlockPair& pair, std::size_t chunk, const Find& find) const;
-  /// All groups of i against all of j.
+  /// All groups of i against all of j. excluded: 64 bits for each i and j, and where they end for all of them.
   template <class GroupA, class GroupB, class Found>
   void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
-                      const Found& found) const {
+                      const std::uint64_t*& excluded, const Found& found) const {
     for (std::uint32_t i = 0; i < groups_a; ++i)
-      for (std::uint32_t j = 0; j < groups_b; ++j)
-        for (std::uint64_t bits = meet_(group_a(i), group_b(j), reach_); bits != 0; bits &= bits - 1) {
+      for (std::uint32_t j = 0; j < groups_b; ++j, ++excluded)
+        for (std::uint64_t bits = meet_(group_a(i), group_b(j), reach_) & ~*excluded; bits != 0; bits &= bits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
           found(8 * i + bit / 8, 8 * j + bit % 8);
         }
@@ -116,6 +119,7 @@ class PairSearch {
   MeetGroups meet_ = nullptr;
   QueryBoxes boxes_;
   FeatureBoxes boxes_a_, boxes_b_;
+  const ExcludedPairs* excluded_ = nullptr;
   HeightFields fields_;
   std::vector<Entry> open_;
 
@@ -143,11 +147,13 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
   const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
   const bool with_itself = b_ == nullptr, one_block = with_itself && a == b;
+  const std::uint64_t* excluded = excluded_ != nullptr ? excluded_->of(a, b) : ExcludedPairs::none();
+  if (ExcludedPairs::are_all(excluded)) return;
   const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
   if (features_ == Features::facets) {
-    compare_groups(1, facets_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
+    compare_groups(1, facets_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
       if (one_block && i >= j) return;
       std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
       if (with_itself) {
@@ -163,23 +169,24 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
   const auto vertices_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.vertices(b, i); };
   const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
   const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
-  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, [&](std::uint32_t i, std::uint32_t j) {
+  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
     const std::uint32_t vertex = in_a.vertex(a, i);
     if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
     find(chunk, FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
   });
   if (!one_block) {
-    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, [&](std::uint32_t i, std::uint32_t j) {
-      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
-      if (with_itself) {
-        if (has(in_a.facet_corners(a, i), vertex)) return;
-        find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
-      } else {
-        find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
-      }
-    });
+    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, excluded,
+                   [&](std::uint32_t i, std::uint32_t j) {
+                     const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
+                     if (with_itself) {
+                       if (has(in_a.facet_corners(a, i), vertex)) return;
+                       find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
+                     } else {
+                       find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
+                     }
+                   });
   }
-  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b,
+  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, excluded,
                  [&](std::uint32_t i, std::uint32_t j) {
                    if (one_block && i >= j) return;
                    std::uint32_t e = in_a.edge(a, i), f = in_b.edge(b, j);

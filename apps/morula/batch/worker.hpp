@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// A worker as the batch that started it has it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch/task.hpp"
+
+namespace morula::cli {
+
+/// How a worker is started where the command runs inside another program (an interpreter): that program, and its words
+/// before the worker's. Otherwise this program. To be set before the first worker.
+void start_workers_as(const std::string& program, const std::vector<std::string>& words);
+
+/// A worker that was started. It has one task at a time.
+class BatchWorker {
+ public:
+  /// Throws std::system_error where no process can be made.
+  BatchWorker();
+  /// Ends it, and the build that it runs.
+  ~BatchWorker();
+  BatchWorker(const BatchWorker&) = delete;
+  BatchWorker& operator=(const BatchWorker&) = delete;
+
+  void give(const BatchTask& task);
+  /// To be polled for input: there is an answer, or the worker is gone.
+  int answers() const { return from_; }
+  /// Reads what is there, without waiting. The result's text, once it is whole.
+  std::optional<std::string> answer();
+  /// Asks it to end, with the build that it runs. For any thread.
+  void ask_to_end() const;
+  /// Has it ended, without an answer?
+  bool is_gone() const { return is_gone_; }
+
+ private:
+  pid_t process_ = -1;
+  int to_ = -1, from_ = -1;
+  std::string read_;
+  bool is_gone_ = false;
+};
+
+/// A place for workers, one at a time: a worker that is lost is replaced.
+class BatchSeat {
+ public:
+  /// Gives one task and waits for its result. One for which two workers in turn were lost is `crashed`. Nothing where
+  /// the seat was stopped.
+  std::optional<Json> build(const BatchTask& task);
+  /// From another thread: ends the build that is waited for, and all later ones at once.
+  void stop();
+
+ private:
+  std::mutex mutex_;  // of both members
+  std::unique_ptr<BatchWorker> worker_;
+  bool is_stopped_ = false;
+
+  bool has_worker();
+};
+
+}  // namespace morula::cli

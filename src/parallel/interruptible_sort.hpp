@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// std::sort that asks whether to go on: millions of values take seconds.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/interruption.hpp"
+
+namespace morula::detail {
+
+template <class Value, class Less>
+void sort_interruptibly(std::vector<Value>& values, const Less& less) {
+  AskNowAndThen ask_now_and_then(1u << 16);
+  std::sort(values.begin(), values.end(), [&](const Value& p, const Value& q) {
+    ask_now_and_then();
+    return less(p, q);
+  });
+}
+
+}  // namespace morula::detail

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Excluded pairs: which pairs of features of one surface are neighbors or near at rest, as a table made once.
+//
+// A row per block lists the blocks at or after it with which it has an excluded pair. An entry has 64 bits for every
+// eight features against eight others, in the order in which PairSearch compares them, so that a search drops the
+// excluded ones of 64 pairs at once. Runs of blocks whose pairs are all excluded share an entry without bits, so that a
+// table has as many entries as there are blocks at the border of what is excluded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <morula/parallel/workers.hpp>
+#include <morula/surface/feature_pairs.hpp>
+#include <vector>
+
+#include "surface/boxes/feature_boxes.hpp"
+
+namespace morula::detail {
+
+/// What PairFilter::rings and rest_distance exclude.
+struct ExclusionRule {
+  std::uint32_t rings = 0;
+  double rest_distance = 0;
+  Features features = Features::all;
+  bool excludes_any() const { return rings > 0 || rest_distance > 0; }
+  bool operator==(const ExclusionRule&) const = default;
+};
+
+/// Whether a rule excludes a pair, decided for that pair alone. Slow: for tables, and where there is none.
+class ExclusionTest {
+ public:
+  ExclusionTest(const SurfaceTreeState& surface, const ExclusionRule& rule);
+  bool excludes(const FeaturePair& pair) const { return are_neighbors(pair) || are_near_at_rest(pair); }
+  bool are_near_at_rest(const FeaturePair& pair) const;
+  /// Are features in these boxes all farther apart at rest, or all as near?
+  bool are_surely_apart(const Box& a, const Box& b) const;
+  bool are_surely_near(const Box& a, const Box& b) const;
+
+ private:
+  /// Some vertex of the one is at most so many edges from some vertex of the other.
+  bool are_neighbors(const FeaturePair& pair) const;
+
+  const SurfaceTreeState& surface_;
+  ExclusionRule rule_;
+  double rounding_;
+};
+
+class ExcludedPairs {
+ public:
+  /// A table takes at most so much memory, bytes per facet. A larger one is not kept.
+  static constexpr std::size_t most_bytes_per_facet = 512;
+  /// Nor is one for rings that hold more vertices than this about some vertex: it would take too long to make.
+  static constexpr std::size_t most_vertices_in_rings = 4096;
+
+  ExcludedPairs(const SurfaceTreeState& surface, const ExclusionRule& rule, Workers& workers);
+  const ExclusionRule& rule() const { return rule_; }
+  /// False: the table would be too large, and has no rows.
+  bool is_kept() const { return is_kept_; }
+  std::size_t bytes() const;
+
+  /// 64 bits for each eight features against eight others of two blocks, a <= b. With Features::facets facets against
+  /// facets alone. Else groups of vertices of a against facets of b; if b is another block, facets of a against groups
+  /// of vertices of b; then for each group of edges of a all groups of edges of b.
+  const std::uint64_t* of(std::uint32_t a, std::uint32_t b) const;
+  /// What of() returns where no pair is excluded.
+  static const std::uint64_t* none() { return none_; }
+  /// Of what of() returned: are all pairs excluded?
+  static bool are_all(const std::uint64_t* masks) { return masks == all_; }
+
+ private:
+  // Blocks have at most 24 vertices and 24 edges.
+  static constexpr std::size_t most_masks = 3 + 3 + 3 * 3;
+  static const std::uint64_t none_[most_masks], all_[most_masks];
+  static constexpr std::uint32_t no_masks = 0xffffffffu;
+  /// Of one block, or of blocks in a row whose pairs are all excluded.
+  struct Entry {
+    std::uint32_t first, last;
+    std::uint32_t masks;  // where they begin; no_masks: all pairs are excluded
+  };
+  friend class ExclusionRows;
+
+  ExclusionRule rule_;
+  bool is_kept_ = false;
+  std::vector<std::uint32_t> begin_;  // row of block b: entries_[begin_[b] … begin_[b + 1]), ascending
+  std::vector<Entry> entries_;
+  std::vector<std::uint64_t> masks_;
+};
+
+/// The table of a surface for a rule, which has to exclude something. The surface keeps the last four. Any number of
+/// threads may call this at the same time.
+std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surface, const ExclusionRule& rule,
+                                                    Workers& workers);
+
+}  // namespace morula::detail

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Convex pieces of one facet as fewer: what keeps a needle from falling into more pieces at every cut.
+#pragma once
+
+#include <cstdint>
+#include <morula/geometry/triangle.hpp>
+#include <span>
+#include <vector>
+
+namespace morula::detail {
+
+/// Joins pieces of one facet where their union is convex. Reuse it to avoid allocation.
+class PieceJoiner {
+ public:
+  /// A convex polygon, by the numbers of its corners: those of all pieces, in the order in which they were added.
+  struct Polygon {
+    std::vector<std::uint32_t> corners;
+    double area;                                          // in barycentric coordinates
+    double lowest_b1, highest_b1, lowest_b2, highest_b2;  // the box around it
+  };
+
+  void clear();
+  /// corners: of a convex polygon, counter-clockwise.
+  void add(std::span<const Barycentric> corners);
+  std::size_t size() const { return polygons_.size(); }
+
+  /// As few polygons as pairwise joining leaves, and none more than were added. A joined polygon is the convex hull of
+  /// its pieces, exactly, and its corners are corners of theirs: it owns no corner that was not owned, and a sphere
+  /// that contains the pieces contains it. It has as much area as they have, but for rounding, so nothing is covered
+  /// twice. Pieces that are joined with none keep their corners as they were.
+  /// Cost: quadratic in the number of pieces.
+  std::span<const Polygon> join();
+
+ private:
+  bool join_all();
+  bool join_two(std::size_t first, std::size_t second);
+  bool is_their_union(double area);
+  void take_corners(const Polygon& polygon);
+  double take_hull();
+  Polygon polygon_of(std::vector<std::uint32_t> corners, double area) const;
+
+  std::vector<Barycentric> corners_;
+  std::vector<Polygon> polygons_;
+  std::vector<std::uint32_t> points_, hull_;
+};
+
+}  // namespace morula::detail
