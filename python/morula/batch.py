@@ -606,3 +606,7 @@ def _tree_in(data: bytes, mesh: MeshLike) -> _morula.CoveredTree:
         copy = pathlib.Path(scratch) / "tree.morula"
         copy.write_bytes(data)
         return _morula.read_covered_tree(copy, mesh)
+
+
+if __name__ == "__main__":
+    raise SystemExit("morula.batch is no command: python -m morula batch is")
