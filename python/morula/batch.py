@@ -85,7 +85,7 @@ class Place:
 
     def absolute(self) -> str:
         """For workers that stand in another folder."""
-        return os.path.abspath(self.local) if self.local is not None else str(self.name)
+        return str(self.local.absolute()) if self.local is not None else str(self.name)
 
     def parent(self) -> Place:
         if self.local is not None:
@@ -606,3 +606,7 @@ def _tree_in(data: bytes, mesh: MeshLike) -> _morula.CoveredTree:
         copy = pathlib.Path(scratch) / "tree.morula"
         copy.write_bytes(data)
         return _morula.read_covered_tree(copy, mesh)
+
+
+if __name__ == "__main__":
+    raise SystemExit("morula.batch is no command: python -m morula batch is")

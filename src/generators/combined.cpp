@@ -54,7 +54,9 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
     const auto divider = [&](const FitInput& by, const BuildRun& level) {
       return divide_by(by, level, reducer, settings);
     };
-    const FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
+    const auto one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); };
+    const FlatSetBy by{.one_level = one_level,
+                       .parts = one_level,
                        .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
                        .improve =
                            [&](std::vector<BuildNode>& nodes) {

@@ -30,6 +30,8 @@
 namespace morula::detail {
 namespace {
 
+constexpr std::size_t enough_seeds = 200;  // balls to choose seeds from, for one node
+
 // How much work goes where; levels of children 1, 2, and all below.
 struct Effort {
   NodeFit::Settings fit;
@@ -43,7 +45,8 @@ struct Effort {
   std::array<float, 2> balance;  // on levels 1 and 2
   int exchanges;                 // rounds per level
   enum class Slabs { unseen, seen, seen_finely };
-  Slabs slabs;  // of tubes
+  Slabs slabs;                     // of tubes
+  bool begins_with_seeds = false;  // the first start is inscribed balls, not one ball that is split
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
                       .first_cell = 0.45,
@@ -63,6 +66,14 @@ constexpr Effort draft = [] {
   effort.sweeps = 0;
   return effort;
 }();
+// The smaller sets that a flat set grows from, of efforts that only split: a set that begins with seeds takes no
+// longer, and is 0.8 to 0.9 times as loose; on rings, 0.3 times.
+constexpr Effort from_seeds(Effort effort) {
+  effort.medial_samples = enough_seeds;
+  effort.begins_with_seeds = true;
+  effort.changes = {0, 0, 0};
+  return effort;
+}
 constexpr Effort standard{.fit = {.spacing = 0.1, .cell = 0.2, .cells_per_radius = 4, .balance = 0, .exact_rounds = 3},
                           .first_cell = 0.35,
                           .sweeps = 2,
@@ -92,7 +103,6 @@ const Effort& effort_of(Quality quality) {
   return quality == Quality::best ? best : standard;
 }
 
-constexpr std::size_t enough_seeds = 200;  // balls to choose seeds from, for one node
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
@@ -188,7 +198,12 @@ class OwnDivider {
     NodeFit::Settings settings = effort_.fit;
     settings.cell = effort_.first_cell;
     NodeFit fit(input_, node, points, most, 0, settings);
-    fit.group().split_from_one();
+    const std::vector<GroupBall> seeds =
+        effort_.begins_with_seeds ? seeds_for(node, fit, Dilation::length) : std::vector<GroupBall>{};
+    if (seeds.empty())
+      fit.group().split_from_one();
+    else
+      fit.group().take_in_grid(seeds);
     for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
     return fit.group().spheres();
   }
@@ -238,6 +253,12 @@ class OwnDivider {
         combined_reducer({kind}, BuildOptions{})({samples.points, samples.normals, node.sphere,
                                                   static_cast<std::size_t>(run_.branching), node.seed, input_.shape});
     return proposals.front().reducer == no_proposal ? std::vector<Sphere>{} : proposals.front().spheres;
+  }
+
+  // None on a mesh without an inside.
+  std::vector<GroupBall> seeds_for(const BuildNode& node, const NodeFit& fit, Dilation dilation) const {
+    const GroupPoints few = some_of(fit.points());
+    return medial_seeds(touching(node, fit, few), few, static_cast<std::size_t>(run_.branching), dilation);
   }
 
   static GroupPoints some_of(const GroupPoints& points) {
@@ -319,13 +340,15 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   const bool grows = flat && !is_flat_set(run);
-  const bool asks_for_distances = effort.inscribed || grows;
+  const Effort seeded =
+      !effort.inscribed && is_flat_set(run) && run.spheres > other_start_of ? from_seeds(effort) : effort;
+  const bool asks_for_distances = seeded.medial_samples > 0 || grows;
   std::optional<ObjectShape> object;
   asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
   const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
-  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
+  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(seeded, run), run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
       // Siblings have shared demand out evenly: level 1 keeps what it owns.
@@ -338,19 +361,23 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (is_flat_set(run)) {
     const ObjectLines fine(mesh, shape, flat_set_cells, workers);
     const FitInput fine_input = fit_input(mesh, shape, fine);
-    const auto divider = [&](const FitInput& by, const BuildRun& level_run) -> Divider {
+    const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
       const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OwnDivider(by, *level, effort, balls, {}, workers)](const BuildNode& node) {
+      return [level, divide = OwnDivider(by, *level, how, balls, {}, workers)](const BuildNode& node) {
         return divide(node);
       };
     };
-    const FlatSetBy by{
-        .one_level = [&](std::size_t most) { return divider(input, run.one_level(most)); },
-        .levels = [&](int depth) { return divider(fine_input, of_levels(run, depth)); },
-        .improve = effort.exchanges == 0
-                       ? LevelHook{}
-                       : [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); },
-        .quick = effort.balance[0] == 0};
+    FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
+                 .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), fast); },
+                 .levels = {},
+                 .improve = {},
+                 .grows = true};
+    if (seeded.begins_with_seeds)
+      by.other_start = [&](std::size_t most) { return divider(fine_input, run.one_level(most), seeded); };
+    if (effort.exchanges > 0) {
+      by.levels = [&](int depth) { return divider(fine_input, of_levels(run, depth), effort); };
+      by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); };
+    }
     return flat_set(input, fine, run, by, workers);
   }
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {

@@ -93,7 +93,10 @@ TEST(BatchResult, of_other_json_is_none) {
   for (const char* other : {"", "null", "1", "\"ok\"", "[]", "{}", R"({"status":"ok"})", R"([{"status":"ok"}])", "[[[[",
                             R"({"key":1,"hash":2,"status":3,"message":4})"})
     EXPECT_FALSE(cli::whole_result(other, key)) << other;
-  EXPECT_FALSE(cli::whole_result(std::string(100'000, '['), key));
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  EXPECT_FALSE(cli::whole_result(deep, key));
+  EXPECT_FALSE(cli::whole_result("{\"x\":" + deep + "," + text.substr(text.find('{') + 1), key));
+  EXPECT_FALSE(cli::whole_result(std::string(1'000'000, '['), key));
   const json result = json::parse(text);
   for (const auto& [name, value] : result.items()) {
     for (const json& wrong : {json(), json(7), json("7"), json::array(), json::object(), json(true)}) {
@@ -140,6 +143,9 @@ TEST(BatchKey, of_a_gltf_counts_its_buffers) {
   EXPECT_EQ((std::set<std::string>{without, first, key()}).size(), 3u);
   folder.file("a b.bin", "one");
   EXPECT_EQ(key(), first);
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  folder.file("a.gltf", R"({"buffers":)" + deep + "}");
+  EXPECT_FALSE(key().empty());
 }
 
 }  // namespace

@@ -219,7 +219,10 @@ TEST(Batch, keeps_what_is_done_when_it_is_interrupted) {
               "kill -INT $!\nwait $!\n");
   const CommandResult result = bench.shell("MORULA=$MORULA bash interrupt.bash");
   EXPECT_EQ(result.exit_code, 130) << result.err;
-  EXPECT_NE(result.err.find("--resume"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("interrupted; what is done is kept, and the same command with --resume goes on"),
+            std::string::npos)
+      << result.err;
+  for (const std::string& line : bench.listing()) EXPECT_EQ(line.find(".tmp"), std::string::npos) << line;
   const CommandResult rest =
       bench.run("batch list.txt -o out --quality best --resume --no-trees --time-limit 0.05 --json");
   EXPECT_EQ(rest.json().at("built"), 1) << "bar was done";

@@ -96,7 +96,8 @@ TEST(JoinedPieces, of_a_needle_are_one_for_each_run_of_slabs) {
   for (int trial = 0; trial < 200; ++trial) {
     const std::size_t of = static_cast<std::size_t>(trial) % 3;
     std::vector<double> cuts{0, 1};
-    for (int k = static_cast<int>(random.uniform(1, 40)); k > 0; --k) cuts.push_back(random.uniform());
+    for (int k = static_cast<int>(random.uniform(1, 40)); k > 0; --k)
+      cuts.push_back(random.uniform() * random.uniform());
     std::sort(cuts.begin(), cuts.end());
     std::vector<Piece> pieces;
     std::size_t runs = 0;

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Worker: a process that takes one mesh of a batch after the other and forks a process for each.
 //
-// A build cannot spoil the next one: it runs in a process of its own, whose memory is gone with it, and hands back no
-// more than an exit status, texts of limited use and a file, which the worker reads as it would read those of
-// strangers. The worker itself reads no mesh and has one thread. A build that crashes, hangs or takes all memory costs
-// its own mesh.
+// A build cannot spoil the next one. It runs in a process of its own, whose memory is gone when it ends. The worker
+// gets an exit status, texts of limited length and a file from it, and trusts none of them. The worker itself reads no
+// mesh and has one thread. A build that crashes, hangs or takes all memory costs its own mesh.
 #pragma once
 
 namespace morula::cli {

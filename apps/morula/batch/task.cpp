@@ -29,8 +29,11 @@ constexpr std::array columns{"status",    "message", "vertices",  "facets",    "
                              "tree_hash", "closed",  "looseness", "bare_area", "gap",     "protrusion"};
 constexpr std::array costs{"seconds", "cpu_seconds", "peak_mb"};
 
+// Values nested deeper than any of ours are left out: whoever writes them could exhaust the stack of what reads them.
 std::optional<Json> parsed(const std::string& text) {
-  Json json = Json::parse(text, nullptr, false);
+  constexpr int deepest = 8;
+  const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) { return depth <= deepest; };
+  Json json = Json::parse(text, is_shallow, false);
   if (json.is_discarded()) return std::nullopt;
   return json;
 }

@@ -145,27 +145,8 @@ int measure_built(const BatchTask& task, const Streams& streams) {
   }
 }
 
-// The process of one build: `morula build`, then figures where they are asked for.
-[[noreturn]] void run_build(const BatchTask& task, const Streams& streams, pid_t worker) {
-#ifdef __linux__
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a worker that is killed leaves nothing running
-  if (getppid() != worker) _exit(127);
-#else
-  (void)worker;
-#endif
-  if (task.megabytes) {
-    const rlim_t bytes = own_address_space() + (static_cast<rlim_t>(*task.megabytes) << 20);
-    const rlimit limit{bytes, bytes};
-    setrlimit(RLIMIT_AS, &limit);
-  }
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  const int null = open("/dev/null", O_RDONLY);
-  if (null < 0 || dup2(null, STDIN_FILENO) < 0 || dup2(streams.out.number(), STDOUT_FILENO) < 0 ||
-      dup2(streams.errors.number(), STDERR_FILENO) < 0)
-    _exit(127);
-  signal(SIGTERM, SIG_DFL);
-  watch_signals();
+// `morula build`, then figures where they are wanted. Returns the exit code.
+int build_and_measure(const BatchTask& task, const Streams& streams) {
   std::vector<std::string> words{"morula", "build", task.mesh.native(), "-o", task.tree.native(), "--threads",
                                  "1",      "--json"};
   bool measures = false;
@@ -178,8 +159,42 @@ int measure_built(const BatchTask& task, const Streams& streams) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  int code = command_line(static_cast<int>(words.size()), pointers.data());
-  if (code == exit_done && measures) code = measure_built(task, streams);
+  const int code = command_line(static_cast<int>(words.size()), pointers.data());
+  return code == exit_done && measures ? measure_built(task, streams) : code;
+}
+
+void limit_memory(const BatchTask& task) {
+  if (task.megabytes) {
+    const rlim_t bytes = own_address_space() + (static_cast<rlim_t>(*task.megabytes) << 20);
+    const rlimit limit{bytes, bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  }
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+}
+
+// The process of one build. Nothing leaves it but its exit: what it throws must not go on as a second worker.
+[[noreturn]] void run_build(const BatchTask& task, const Streams& streams, pid_t worker) noexcept {
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a worker that is killed leaves nothing running
+  if (getppid() != worker) _exit(127);
+#else
+  (void)worker;
+#endif
+  const int null = open("/dev/null", O_RDONLY);
+  if (null < 0 || dup2(null, STDIN_FILENO) < 0 || dup2(streams.out.number(), STDOUT_FILENO) < 0 ||
+      dup2(streams.errors.number(), STDERR_FILENO) < 0)
+    _exit(127);
+  signal(SIGTERM, SIG_DFL);
+  int code = exit_internal_error;
+  try {
+    write_messages_as_json(true);
+    limit_memory(task);
+    watch_signals();
+    code = build_and_measure(task, streams);
+  } catch (const std::bad_alloc&) {
+    code = complain_text(exit_internal_error, "not enough memory");
+  }
   std::fflush(nullptr);
   _exit(code);
 }
@@ -192,7 +207,7 @@ static void note_request_to_end(int) {
 }
 }
 
-// Is nobody there any more who would take an answer?
+// True when nobody takes an answer any more: the input is closed, or the worker was asked to end.
 bool should_leave() {
   if (asked_to_end != 0) return true;
   pollfd input{STDIN_FILENO, 0, 0};
@@ -217,15 +232,15 @@ ProcessEnd wait_for(pid_t build, int end_of_build, const BatchTask& task) {
   std::array<pollfd, 2> waits{{{STDIN_FILENO, 0, 0}, {end_of_build, POLLIN, 0}}};
   while (wait4(build, &status, WNOHANG, &usage) == 0) {
     if (should_leave()) leave_with(build);
-    double rest = 1;
-    if (task.time_limit) rest = *task.time_limit - (seconds_since_start() - begun);
+    double rest = 1;  // seconds until the time is over, or until the next look
+    if (task.time_limit) rest = std::min(rest, *task.time_limit - (seconds_since_start() - begun));
     if (rest < 0) {
       kill(build, rest > -grace ? SIGTERM : SIGKILL);
       end.how = How::out_of_time;
       usleep(2'000);
       continue;
     }
-    poll(waits.data(), waits.size(), std::clamp(static_cast<int>(rest * 1000) + 1, 1, 1000));
+    poll(waits.data(), waits.size(), static_cast<int>(rest * 1000) + 1);
     // Its end is seen a moment before it can be waited for.
     if (waits[1].revents != 0) usleep(100);
   }

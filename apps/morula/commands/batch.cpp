@@ -7,7 +7,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -17,6 +19,7 @@
 #include <morula/io/whole_output.hpp>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "batch/bytes.hpp"
@@ -110,8 +113,11 @@ BatchTask task_of(const BatchArguments& o, const BatchPlaces& places, const fs::
 // A folder of its own, gone in the end.
 class TemporaryFolder {
  public:
-  TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("morula-batch-{}", getpid())) {
-    fs::create_directories(path_);
+  TemporaryFolder() {
+    std::string name = fs::temp_directory_path() / "morula-batch-XXXXXX";
+    if (mkdtemp(name.data()) == nullptr)
+      throw UsageError(fmt::format("{}: no folder can be made: {}", name, std::generic_category().message(errno)));
+    path_ = name;
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -262,7 +268,6 @@ class Crew {
 void require_sense(const BatchArguments& o) {
   parse_shard(o.shard);
   if (o.time_limit && !(*o.time_limit > 0)) throw UsageError("--time-limit: give seconds above 0");
-  if (o.memory_limit && *o.memory_limit < 64) throw UsageError("--memory-limit: give at least 64 MB");
 }
 
 // An option that no build takes is an error before any mesh is read: a small body is built with all of them.
@@ -274,6 +279,9 @@ void try_options(const BatchArguments& o) {
   task.time_limit = 60;
   task.megabytes.reset();
   const std::optional<Json> result = BatchSeat().build(task);
+  if (result->at("status") == "crashed")
+    throw UsageError(fmt::format("a small build with these options {}; is there room for temporary files in {}?",
+                                 result->at("message").get<std::string>(), fs::temp_directory_path().string()));
   if (result->at("status") == "refused") throw UsageError(result->at("message").get<std::string>());
 }
 
@@ -322,7 +330,7 @@ int run_batch(const BatchArguments& o) {
   const Workers workers = make_workers(o.jobs);
   const Interrupt interrupt;
   if (!Crew(work, o, places, static_cast<unsigned>(workers.thread_count())).work_off(interrupt))
-    return say_interrupted(interrupt.exit_code(), "what is done is kept; the same command with --resume goes on");
+    return say_interrupted(interrupt.exit_code(), "; what is done is kept, and the same command with --resume goes on");
   const std::string suffix = shard.is_all() ? "" : fmt::format("-{}-of-{}", shard.number, shard.count);
   const BatchTables tables = batch_tables(work.rows, work.results, o.no_trees);
   write_batch_tables(tables, places, suffix);
@@ -351,7 +359,7 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_option(command, "--memory-limit", o.memory_limit,
              "Memory for a mesh, besides the program's own, from 64; what needs more is a failed row")
       ->type_name("MB")
-      ->transform(whole_number());
+      ->transform(whole_number(64, std::size_t{1} << 30));
   add_flag(command, "--resume", o.resume,
            "Go on with the results that the folder holds; a damaged result or tree is built again");
   add_flag(command, "--retry", o.retry, "The same, and try again what failed");

@@ -167,8 +167,7 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
              counted(built.cover.patch_count(), "patch", "patches"));
-  fmt::print("patches       {} of {}, at most {} of one facet\n", built.cover.patch_count(),
-             counted(built.cover.facet_count, "facet"), built.report.most_patches_of_a_facet);
+  fmt::print("patches       at most {} of one facet\n", built.report.most_patches_of_a_facet);
   if (o.nested) fmt::print("nested        yes: every sphere contains its children's\n");
   fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
              seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),

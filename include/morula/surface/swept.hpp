@@ -31,7 +31,7 @@ struct SweptOptions {
 /// the gap between two features is the least of linear functions of time, so it is positive between two times at which
 /// it is; along a direction that turns evenly it is the least of quadratic ones, bounded by their Bernstein
 /// coefficients. Each direction is that of the nearest points where the one before ended, and all of it counts rounding
-/// against the pair. Features that pass within some 2^-46 of their size are found though they miss.
+/// against the pair. Features that pass within some 2^-44 of their size are found though they miss.
 class SweptQuery {
  public:
   /// Throws std::invalid_argument for a distance that is negative or not finite, and for a negative budget.

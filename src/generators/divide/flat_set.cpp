@@ -9,6 +9,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "generators/divide/largest_protrusion.hpp"
 #include "generators/driver/driver.hpp"
@@ -19,8 +20,8 @@
 namespace morula::detail {
 namespace {
 
-// The sizes that a set of so many spheres is compared with, and that size. A set is never looser than one of a size
-// below it in this list, since it goes through the same sets on the way to its own.
+// The sizes that a set of so many spheres goes through, and that size. A set is never looser than one of a size below
+// it in this list, since it goes through the same sets on the way to its own.
 std::vector<std::size_t> sizes_up_to(std::size_t spheres) {
   std::vector<std::size_t> sizes;
   for (const std::size_t few : {2, 3, 4, 6})
@@ -45,7 +46,8 @@ class FlatSet {
         run_(run),
         by_(by),
         workers_(workers),
-        halve_(by.one_level(2)),
+        halve_(by.parts(2)),
+        quarter_(by.parts(4)),
         too_small_(smallest_radius(run)),
         root_(root_node(input.mesh, run, {})) {}
 
@@ -58,17 +60,25 @@ class FlatSet {
     const std::vector<std::size_t> sizes = sizes_up_to(run_.spheres);
     double gone = 0, all = 0;
     for (const std::size_t n : sizes) all += static_cast<double>(n);
-    // Each smaller set as it would be on its own, so that the next cannot be looser.
-    for (std::size_t k = 0; k < sizes.size() && in_time; ++k) {
+    for (const std::size_t size : sizes) {
+      if (!in_time) break;
       run_.throw_if_stopped();
-      Set now = one_level(sizes[k]);
-      if (by_.improve && sizes[k] == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
-      if (by_.quick || is_slender(now))
-        if (std::optional<Set> other = last_level(sizes[k]); other && other->outside < now.outside)
-          now = *std::move(other);
+      // As it would be on its own, so that the larger sets cannot be looser.
+      Set now = sought(by_.one_level(size));
+      if (by_.improve && size == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
+      if (by_.levels && (by_.quick || is_slender(now)))
+        if (std::optional<Set> other = last_level(size); other && other->outside < now.outside) now = *std::move(other);
+      if (by_.grows) grow(now, size);
+      // Growing is no rival to seeking a few spheres.
+      if (by_.grows && best.leaves.size() > 1 && size > few_spheres) {
+        grow(best, size);
+        improve(best);
+      }
       if (now.outside < best.outside) best = std::move(now);
-      spend_rest(best, sizes[k]);
-      gone += static_cast<double>(sizes[k]);
+      if (by_.other_start && size == other_start_of && size < run_.spheres)
+        if (now = sought(by_.other_start(size)); now.outside < best.outside) best = std::move(now);
+      grow(best, size);
+      gone += static_cast<double>(size);
       const double share = 0.95 * gone / all;
       run_.tell(share, 1, (run_.seconds() - prepared) * (1 - share) / share);
       in_time = !run_.out_of_time();
@@ -91,20 +101,25 @@ class FlatSet {
     return set;
   }
 
-  Set one_level(std::size_t most) {
-    Division division = children_of(root_, by_.one_level(most), too_small_);
+  Set sought(const Divider& divide) {
+    Division division = children_of(root_, divide, too_small_);
     if (division.children.empty()) return only_root();
     Set set{std::move(division.children), 0, division.leftover_patches, division.reducer};
-    for (BuildNode& leaf : set.leaves) leaf.parent = 0;
     set.outside = outside(set.leaves);
-    if (!by_.improve) return set;
+    improve(set);
+    return set;
+  }
+
+  void improve(Set& set) {
+    if (!by_.improve || set.leaves.size() < 2) return;
     std::vector<BuildNode> improved = set.leaves;
+    // Children of one node: they may hand parts to all others.
+    for (BuildNode& leaf : improved) leaf.parent = 0;
     by_.improve(improved);
     if (const double now = outside(improved); now < set.outside) {
       set.leaves = std::move(improved);
       set.outside = now;
     }
-    return set;
   }
 
   // Spheres that sit side by side like slabs: their centres are much nearer than their surfaces are.
@@ -170,33 +185,53 @@ class FlatSet {
     return set;
   }
 
-  // Places that are left go to the spheres that take in most, as long as that helps.
-  void spend_rest(Set& set, std::size_t most) {
-    if (set.leaves.size() >= most) return;
+  // Places that are left go to the spheres that take in most, as long as the union gets smaller. Which sphere is
+  // divided next does not depend on `most`: of two sets that grow from the same one, the larger goes through the
+  // smaller, so it is never looser.
+  void grow(Set& set, std::size_t most) {
     std::vector<double> worth;
     for (const BuildNode& leaf : set.leaves) worth.push_back(union_.outside(leaf.sphere));
+    // Halves first. Where they do not help, quarters may: of a plate, two spheres take in as much as one.
     constexpr int most_failures = 3;
-    for (int failures = 0; set.leaves.size() < most && failures < most_failures && !run_.out_of_time();) {
+    std::vector<int> tried(worth.size(), 1);  // parts that a sphere was divided into in vain
+    int parts = 2, failures = 0;
+    while (set.leaves.size() + static_cast<std::size_t>(parts) <= most + 1 && !run_.out_of_time()) {
       run_.throw_if_stopped();
-      const auto worst = std::max_element(worth.begin(), worth.end());
-      if (!(*worst > 0)) return;
-      const auto at = worst - worth.begin();
-      *worst = 0;
-      Division halves = children_of(set.leaves[static_cast<std::size_t>(at)], halve_, too_small_);
-      ++failures;
-      if (halves.children.size() != 2) continue;
-      std::vector<BuildNode> leaves = set.leaves;
-      leaves[static_cast<std::size_t>(at)] = std::move(halves.children[0]);
-      leaves.push_back(std::move(halves.children[1]));
-      const double now = outside(leaves);
-      if (!(now < set.outside)) continue;
-      set.leaves = std::move(leaves);
-      set.outside = now;
-      set.leftover_patches += halves.leftover_patches;
-      worth[static_cast<std::size_t>(at)] = union_.outside(set.leaves[static_cast<std::size_t>(at)].sphere);
-      worth.push_back(union_.outside(set.leaves.back().sphere));
-      failures = 0;
+      std::size_t worst = worth.size();
+      for (std::size_t i = 0; i < worth.size(); ++i)
+        if (tried[i] < parts && worth[i] > 0 && (worst == worth.size() || worth[i] > worth[worst])) worst = i;
+      if (worst < worth.size() && divide(set, worst, parts == 2 ? halve_ : quarter_)) {
+        worth[worst] = union_.outside(set.leaves[worst].sphere);
+        tried[worst] = 1;
+        for (std::size_t i = worth.size(); i < set.leaves.size(); ++i)
+          worth.push_back(union_.outside(set.leaves[i].sphere));
+        tried.resize(worth.size(), 1);
+        parts = 2, failures = 0;
+        continue;
+      }
+      if (worst < worth.size()) tried[worst] = parts;
+      if (worst < worth.size() && ++failures < most_failures) continue;
+      if (!by_.grows || parts == 4) return;
+      parts = 4, failures = 0;
     }
+  }
+
+  // Whether the parts of a leaf, in its place, take in less.
+  bool divide(Set& set, std::size_t at, const Divider& divider) {
+    Division parts = children_of(set.leaves[at], divider, too_small_);
+    if (parts.children.size() < 2) return false;
+    const std::size_t before = set.leaves.size();
+    BuildNode whole = std::exchange(set.leaves[at], std::move(parts.children[0]));
+    std::move(parts.children.begin() + 1, parts.children.end(), std::back_inserter(set.leaves));
+    const double now = outside(set.leaves);
+    if (!(now < set.outside)) {
+      set.leaves.resize(before);
+      set.leaves[at] = std::move(whole);
+      return false;
+    }
+    set.outside = now;
+    set.leftover_patches += parts.leftover_patches;
+    return true;
   }
 
   // Leaves [begin, end) of `order` in groups of equal size, as many as a node may have children, cut across where they
@@ -303,7 +338,7 @@ class FlatSet {
   const BuildRun& run_;
   const FlatSetBy& by_;
   Workers& workers_;
-  Divider halve_;
+  Divider halve_, quarter_;
   double too_small_;
   BuildNode root_;
   std::vector<BuildNode> first_level_;  // of trees; none where parts do not change hands
