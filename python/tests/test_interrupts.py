@@ -95,7 +95,7 @@ CALLS = {
         "mesh = morula.sample_body('limb', 128); built = morula.build(mesh, method='octree', depth=4); "
         "query = morula.ContactQuery(margin=1.0); "
         "query.add(*(morula.Collider(morula.Body(mesh, built)) for _ in range(2)))",
-        "query.run()", "query.run().finished"),
+        "query.run()", "len(query.run().finished) > 0"),
     "PenetrationQuery.run": (
         "mesh = morula.sample_body('limb', 64); body = morula.Body(mesh, morula.build(mesh, method='octree')); "
         "query = morula.PenetrationQuery(morula.Collider(body), morula.Collider(body))",
