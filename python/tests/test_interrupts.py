@@ -21,9 +21,9 @@ import morula
 #: Seconds of processor time, of each thread that works: a call looks at signals at least that often. It is twice what
 #: calls take with the caches to themselves.
 LIMIT = 0.4
-#: Calls that look later: while millions of points are read, a surface is sorted, a front is freed, gains are counted.
+#: Calls that look later: while millions of points are read, a surface is sorted, a front is freed.
 LATER = {"SignedDistance": 1.0, "closest points": 1.0, "rays": 1.0, "SurfaceTree": 1.2, "ContactQuery.run": 0.8,
-         "Body.follow": 0.8, "fullest balls": 6.0}
+         "Body.follow": 0.8}
 #: Seconds from the signal to the end of the program, however busy the machine is.
 PATIENCE = 30.0
 #: By name: what is made, the call, and what is asked of the same objects afterwards.

@@ -88,7 +88,11 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
     for_each_point(balls[i], [&](std::size_t point) { points += taken[point] == 0 ? 1 : 0; });
     return points;
   };
-  for (std::size_t i = 0; i < balls.size(); ++i) gains[i] = gain(i);
+  detail::AskNowAndThen ask_now_and_then(16);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    ask_now_and_then();
+    gains[i] = gain(i);
+  }
   // Gains only fall, so one that was computed before is a bound: the heap's top is computed again until it stays.
   std::vector<std::size_t> heap(balls.size());
   for (std::size_t i = 0; i < heap.size(); ++i) heap[i] = i;
@@ -100,6 +104,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
   std::make_heap(heap.begin(), heap.end(), later);
   std::vector<Sphere> chosen;
   while (!heap.empty() && chosen.size() < count && !stop.stop_requested()) {
+    ask_now_and_then();
     std::pop_heap(heap.begin(), heap.end(), later);
     const std::size_t i = heap.back();
     const std::size_t now = gain(i);
