@@ -333,3 +333,9 @@ def test_a_killed_run_ends_as_one_that_was_not(folder, tmp_path):
     morula.batch.run(folder, options, output=tmp_path / "b", resume=True)
     same_tables(tmp_path / "a", tmp_path / "b")
     assert trees_in(tmp_path / "a") == trees_in(tmp_path / "b") and len(trees_in(tmp_path / "b")) == 4
+
+
+def test_the_module_names_the_command_that_is_meant():
+    done = subprocess.run([sys.executable, "-m", "morula.batch", "meshes"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "python -m morula batch" in done.stderr
