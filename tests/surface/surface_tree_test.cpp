@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <morula/surface/obstacles.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
@@ -171,6 +173,91 @@ TEST(SurfaceQueries, go_on_with_the_filter_that_is_set_now) {
   ASSERT_FALSE(whole.pairs().empty());
   EXPECT_TRUE(std::equal(whole.pairs().begin(), whole.pairs().end(), pieces.pairs().begin(), pieces.pairs().end(),
                          [](const FeaturePair& a, const FeaturePair& b) { return a == b; }));
+}
+
+/// Where a query stands, copied.
+struct Stand {
+  std::vector<FeaturePair> pairs;
+  std::vector<std::vector<std::uint32_t>> open;
+  bool operator==(const Stand&) const = default;
+};
+template <class Query>
+Stand stand_of(const Query& query) {
+  Stand stand;
+  stand.pairs.assign(query.pairs().begin(), query.pairs().end());
+  for (const OpenFacets& facets : query.open())
+    for (const auto& side : {facets.a, facets.b}) stand.open.emplace_back(side.begin(), side.end());
+  return stand;
+}
+
+/// Asks, ends the surfaces in the given way, and asks about others.
+template <class Query, class Options>
+void expect_outlives_surfaces(const Options& options, bool with_itself, bool by_assignment) {
+  const Mesh mesh = test::joined(test::icosphere(3), test::translated(test::icosphere(3), {0.3, 0.1, 0}));
+  const Mesh other = test::joined(test::icosphere(2), test::translated(test::icosphere(2), {0.2, 0, 0}));
+  auto a = std::make_unique<SurfaceTree>(mesh), b = std::make_unique<SurfaceTree>(mesh);
+  Query query(options);
+  const auto ask = [&](Query& of) { return with_itself ? of.run(*a) : of.run(*a, *b); };
+  ASSERT_FALSE(ask(query).finished);
+  const Stand before = stand_of(query);
+  ASSERT_FALSE(before.open.empty());
+  const std::weak_ptr<const detail::SurfaceTreeState> left = a->state().weak_from_this();
+  if (by_assignment) {
+    *a = SurfaceTree(other), *b = SurfaceTree(other);
+  } else {
+    a = std::make_unique<SurfaceTree>(other), b = std::make_unique<SurfaceTree>(other);
+  }
+  EXPECT_TRUE(stand_of(query) == before);
+  EXPECT_EQ(query.resume().code, Status::Code::other_frame);
+  EXPECT_TRUE(stand_of(query) == before);
+  Query fresh(options);
+  EXPECT_EQ(ask(query).finished, ask(fresh).finished);
+  EXPECT_TRUE(stand_of(query) == stand_of(fresh));
+  EXPECT_TRUE(left.expired()) << "nobody asks about it any more";
+}
+
+TEST(SurfaceQueries, outlive_surfaces_that_end_or_become_others) {
+  for (const bool with_itself : {true, false})
+    for (const bool by_assignment : {true, false}) {
+      expect_outlives_surfaces<ProximityQuery>(ProximityOptions{.distance = 0.05, .filter = {}, .budget = Budget(256)},
+                                               with_itself, by_assignment);
+      expect_outlives_surfaces<SweptQuery>(SweptOptions{.distance = 0.05, .filter = {}, .budget = Budget(256)},
+                                           with_itself, by_assignment);
+      expect_outlives_surfaces<SurfaceCrossingQuery>(SurfaceCrossingOptions{.filter = {}, .budget = Budget(256)},
+                                                     with_itself, by_assignment);
+    }
+}
+
+TEST(SurfaceQueries, of_obstacles_outlive_surfaces_that_end_or_become_others) {
+  const Mesh mesh = test::icosphere(4), other = test::icosphere(2);
+  for (const bool by_assignment : {true, false}) {
+    auto surface = std::make_unique<SurfaceTree>(mesh);
+    ObstacleOptions options;
+    options.margin = 10;
+    options.budget = Budget(64);
+    ObstacleQuery query(options), fresh(options);
+    const HalfSpace floor{{0, 0, 1}, 0};
+    ASSERT_FALSE(query.run(*surface, floor).finished);
+    const auto open_now = [&] {
+      std::vector<std::vector<std::uint32_t>> open;
+      for (const auto& facets : query.open()) open.emplace_back(facets.begin(), facets.end());
+      return open;
+    };
+    const auto open = open_now();
+    const std::size_t found = query.contacts().size();
+    ASSERT_FALSE(open.empty());
+    const std::weak_ptr<const detail::SurfaceTreeState> left = surface->state().weak_from_this();
+    if (by_assignment)
+      *surface = SurfaceTree(other);
+    else
+      surface = std::make_unique<SurfaceTree>(other);
+    EXPECT_EQ(open_now(), open);
+    EXPECT_EQ(query.resume().code, Status::Code::other_frame);
+    EXPECT_EQ(query.contacts().size(), found);
+    EXPECT_EQ(query.run(*surface, floor).finished, fresh.run(*surface, floor).finished);
+    EXPECT_EQ(query.contacts().size(), fresh.contacts().size());
+    EXPECT_TRUE(left.expired()) << "nobody asks about it any more";
+  }
 }
 
 TEST(SurfaceQueries, find_all_pairs_where_the_distance_is_beyond_float) {

@@ -35,6 +35,8 @@ class SurfaceTree {
   /// std::invalid_argument, naming the first offender, where require_usable() and require_usable_scale() do.
   /// Cost: O(F log F) time, some 180 bytes per facet; PairFilter has the memory of what filters add.
   explicit SurfaceTree(const MeshView& rest);
+  /// A query that stands at the surface keeps its memory until it is asked again; results and open() stay readable.
+  /// resume() is refused with other_frame, here and where another surface is assigned.
   ~SurfaceTree();
   SurfaceTree(SurfaceTree&&) noexcept;
   SurfaceTree& operator=(SurfaceTree&&) noexcept;
@@ -76,7 +78,7 @@ class SurfaceTree {
   const detail::SurfaceTreeState& state() const { return *state_; }
 
  private:
-  std::unique_ptr<detail::SurfaceTreeState> state_;
+  std::shared_ptr<detail::SurfaceTreeState> state_;
 };
 
 }  // namespace morula

@@ -116,12 +116,20 @@ Status SurfaceTreeState::move(Workers& workers) {
 
 SurfaceTree::SurfaceTree(const MeshView& rest) {
   const StandardFloats standard;
-  state_ = std::make_unique<SurfaceTreeState>(make_surface_tree(rest));
+  state_ = std::make_shared<SurfaceTreeState>(make_surface_tree(rest));
   state_->move(serial_workers());
 }
-SurfaceTree::~SurfaceTree() = default;
+// Queries that stand at it see another frame.
+SurfaceTree::~SurfaceTree() {
+  if (state_) state_->forget();
+}
 SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
-SurfaceTree& SurfaceTree::operator=(SurfaceTree&&) noexcept = default;
+SurfaceTree& SurfaceTree::operator=(SurfaceTree&& other) noexcept {
+  if (this == &other) return *this;
+  const SurfaceTree gone(std::move(*this));
+  state_ = std::move(other.state_);
+  return *this;
+}
 
 Status SurfaceTree::update(const PositionView& positions, Workers& workers) {
   return update(positions, positions, workers);

@@ -31,7 +31,8 @@ struct ExclusionTables {
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
 };
 
-struct SurfaceTreeState {
+/// Queries share it with the surface: what they stand at stays readable when the surface is gone or is another.
+struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
 
   // The surface, and how it is sorted.

@@ -23,6 +23,7 @@ class ObstacleSearch {
  public:
   void start(const SurfaceTreeState& surface, Workers& workers) {
     surface_ = &surface;
+    kept_ = surface.weak_from_this().lock();
     boxes_.start(surface, nullptr, 0, false, workers);
     frame_ = surface.frame;
     candidates_ = 0;
@@ -183,6 +184,7 @@ class ObstacleSearch {
   }
 
   const SurfaceTreeState* surface_ = nullptr;
+  std::shared_ptr<const SurfaceTreeState> kept_;  // the same, of a SurfaceTree
   std::uint64_t frame_ = 0;
   QueryBoxes boxes_;
   std::vector<Entry> open_, entries_, next_, blocks_;

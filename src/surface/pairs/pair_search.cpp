@@ -81,6 +81,8 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
                        bool by_spheres, Workers& workers) {
   a_ = &a;
   b_ = b == &a ? nullptr : b;
+  kept_a_ = a.weak_from_this().lock();
+  kept_b_ = b_ != nullptr ? b_->weak_from_this().lock() : nullptr;
   frame_a_ = a.frame;
   frame_b_ = b_ != nullptr ? b_->frame : 0;
   features_ = features;

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <morula/surface/feature_pairs.hpp>
 #include <vector>
 
@@ -113,6 +114,7 @@ class PairSearch {
   }
 
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
+  std::shared_ptr<const SurfaceTreeState> kept_a_, kept_b_;  // the same, of a SurfaceTree
   std::uint64_t frame_a_ = 0, frame_b_ = 0;
   Features features_ = Features::all;
   BoxReach reach_{};
