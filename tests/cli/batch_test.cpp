@@ -162,6 +162,16 @@ TEST(Batch, of_shards_is_the_whole) {
   EXPECT_EQ(bench.read("parts/table.csv"), bench.read("whole/table.csv"));
 }
 
+TEST(Batch, of_a_shard_without_meshes_is_done) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 3");
+  bench.write("list.txt", "bar.obj\n");
+  EXPECT_EQ(bench.require("batch list.txt -o out --method octree --shard 1/2").out.rfind("1 mesh, 1 built now", 0), 0u);
+  EXPECT_EQ(bench.require("batch list.txt -o out --method octree --shard 2/2").out.rfind("0 meshes, 0 built now", 0),
+            0u);
+  EXPECT_TRUE(rows_of(bench, "out/table-2-of-2.jsonl").empty());
+}
+
 TEST(Batch, ends_what_takes_too_long_or_too_much) {
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 96");
