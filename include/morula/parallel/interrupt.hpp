@@ -20,8 +20,9 @@ struct Interruption;
 /// the object is as it was before, or empty, and may be asked again. The same exception ends every later call, until
 /// the Interrupt is destroyed.
 ///
-/// ask: called on the thread that made the Interrupt, from once in some 10 ms to a million times a second: whatever
-/// costs more than a look at a clock is for every 20 ms. Workers of a pool end with the chunks that they are in. Where
+/// ask: called on the thread that made the Interrupt, mostly from once in some 10 ms to a million times a second, at
+/// times only after 0.4 s, or 1.2 s on millions of points or facets: whatever costs more than a look at a clock is for
+/// every 20 ms. Files, repair() and inspect() do not ask. Workers of a pool end with the chunks that they are in. Where
 /// an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
 /// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time.
 ///
