@@ -331,6 +331,7 @@ TEST(Batch, makes_a_row_of_a_folder_that_cannot_be_listed) {
   const Workbench bench;
   const bool is_root = geteuid() == 0;
   if (is_root && bench.shell("setpriv --reuid=65534 --regid=65534 --clear-groups true").exit_code != 0)
+    // Without setpriv (a stripped container) root has no way to meet such a folder.
     GTEST_SKIP() << "root may list every folder, and cannot become another user here";
   fs::create_directories(bench / "in/closed");
   bench.require("sample bar -o in/bar.obj --resolution 4");
@@ -480,6 +481,7 @@ std::string status_after_kills_of_the_worker(int times) {
 
 TEST(Batch, replaces_a_worker_that_is_lost) {
   if (!fs::exists("/proc/self/task/" + std::to_string(getpid()) + "/children"))
+    // The test has to find the worker: kernels without CONFIG_PROC_CHILDREN hide it.
     GTEST_SKIP() << "this system does not list the children of a process";
   EXPECT_EQ(status_after_kills_of_the_worker(1), "ok");
   EXPECT_EQ(status_after_kills_of_the_worker(2), "crashed");

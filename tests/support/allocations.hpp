@@ -19,4 +19,14 @@ extern std::atomic<std::size_t> live_bytes;
 /// n: the n-th allocation from now on fails, once. 0: none does.
 extern std::atomic<std::size_t> allocation_to_fail;
 
+/// What a call allocates after two like it.
+template <class Call>
+std::size_t allocations_once_warm(const Call& call) {
+  call();
+  call();
+  const std::size_t before = allocations;
+  call();
+  return allocations - before;
+}
+
 }  // namespace morula::test

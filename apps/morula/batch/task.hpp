@@ -39,7 +39,7 @@ struct ProcessEnd {
 /// but the cost and the last hash are the same on every run. `is_kept` becomes false for a result that says nothing
 /// about the mesh: a tree that could not be written.
 Json result_of(const ProcessEnd& end, const BatchTask& task, bool& is_kept);
-/// A result that is told without a build.
+/// The result of a mesh for which no build is started: the status says what happened, the message why.
 Json result_without_build(const std::string& key, const std::string& status, const std::string& message);
 
 /// The result of a task over which two workers in turn were lost.
