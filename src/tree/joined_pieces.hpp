@@ -35,7 +35,6 @@ class PieceJoiner {
  private:
   bool join_all();
   bool join_two(std::size_t first, std::size_t second);
-  bool is_their_union(double area);
   void take_corners(const Polygon& polygon);
   double take_hull();
   Polygon polygon_of(std::vector<std::uint32_t> corners, double area) const;

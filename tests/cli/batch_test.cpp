@@ -162,6 +162,15 @@ TEST(Batch, of_shards_is_the_whole) {
   EXPECT_EQ(bench.read("parts/table.csv"), bench.read("whole/table.csv"));
 }
 
+TEST(Batch, names_the_folder_for_temporary_files_that_is_missing) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 3");
+  bench.write("list.txt", "bar.obj\n");
+  const CommandResult result = bench.shell("TMPDIR=/nowhere $MORULA batch list.txt -o out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("set TMPDIR to one that is"), std::string::npos) << result.err;
+}
+
 TEST(Batch, of_a_shard_without_meshes_is_done) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 3");

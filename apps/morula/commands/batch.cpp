@@ -114,7 +114,13 @@ BatchTask task_of(const BatchArguments& o, const BatchPlaces& places, const fs::
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = fs::temp_directory_path() / "morula-batch-XXXXXX";
+    std::error_code error;
+    const fs::path among = fs::temp_directory_path(error);
+    if (error)
+      throw UsageError("the folder for temporary files, which TMPDIR names, is not there: " + error.message() +
+                       "; set TMPDIR to one that is");
+    // mkdtemp() puts letters in the place of each X.
+    std::string name = among / "morula-batch-XXXXXX";
     if (mkdtemp(name.data()) == nullptr)
       throw UsageError(fmt::format("{}: no folder can be made: {}", name, std::generic_category().message(errno)));
     path_ = name;
