@@ -225,14 +225,20 @@ def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) ->
     return [_mesh_named(*row, folder) for row in rows], folder
 
 
+def _buffers_beside(mesh: Place, data: bytes) -> Iterable[tuple[str, bytes]]:
+    """The buffers that glTF names in its folder, and that are there."""
+    for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
+        if name.startswith("/") or "://" in name or ".." in name.split("/"):
+            continue
+        buffer = (mesh.parent() / name).read_if_there()
+        if buffer is not None:
+            yield name, buffer
+
+
 def _key_elsewhere(mesh: Place, words: list[str]) -> tuple[str, str]:
     try:
         data = mesh.read()
-        files = [data]
-        for name in engine.buffers_of(data, mesh.suffix):
-            buffer = (mesh.parent() / urllib.parse.unquote(name)).read_if_there()
-            if buffer is not None:
-                files.append(buffer)
+        files = [data, *(buffer for _, buffer in _buffers_beside(mesh, data))]
     except Exception as fault:  # noqa: BLE001: of whatever file system; it is a row
         return "", f"{{mesh}}: cannot be read: {type(fault).__name__}: {fault}"
     return engine.key_of_bytes(files, mesh.suffix, words), ""
@@ -311,17 +317,13 @@ def _trees_in(archive: Place) -> Iterable[tuple[str, bytes]]:
 
 
 def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
-    """A mesh from elsewhere, with the buffers of a .gltf."""
+    """A mesh from elsewhere, with the buffers that glTF names."""
     copy = folder / f"mesh{mesh.suffix}"
     data = mesh.read()
     copy.write_bytes(data)
-    for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
-        if name.startswith("/") or "://" in name or ".." in name.split("/"):
-            continue
-        buffer = (mesh.parent() / name).read_if_there()
-        if buffer is not None:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(buffer)
+    for name, buffer in _buffers_beside(mesh, data):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(buffer)
     return copy
 
 
