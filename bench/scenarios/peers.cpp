@@ -106,6 +106,7 @@ std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered,
                             {"leaves", static_cast<double>(mesh.facet_count())}};
   }
   exact.figures = {{"ns/vertex", nanoseconds_per_vertex(exact.seconds, mesh)},
+                   {"spheres", static_cast<double>(built.tree.node_count())},
                    {"leaves", static_cast<double>(built.tree.leaf_count())},
                    {"cut points", static_cast<double>(body.update(frames.front()).cut_points_moved)}};
   if (best) exact.figures.push_back({"times faster than the best peer", *best / own});

@@ -20,7 +20,6 @@ import io
 import json
 import os
 import pathlib
-import socket
 import sys
 import tarfile
 import tempfile
@@ -36,6 +35,7 @@ from . import _morula
 if not hasattr(_morula, "batch_engine"):
     raise ImportError("morula.batch needs the command, which this package was built without: it needs CLI11 and fmt (docs/python.md)")
 from ._morula import batch_engine as engine
+from ._places import Place
 
 if TYPE_CHECKING:
     from .typing import MeshLike
@@ -43,120 +43,9 @@ if TYPE_CHECKING:
 __all__ = ["RayExecutor", "Row", "run", "tree_of"]
 
 Row = dict[str, Any]
-Name = Union[str, pathlib.Path]
 Manifest = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
 
 engine.start_workers_as(sys.executable, [sys.executable, "-m", "morula"])
-
-
-#: Where a file takes its name in one step; elsewhere, as in stores of objects, one appears whole by itself.
-_RENAMES = {"file", "local", "sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs", "arrow_hdfs"}
-
-
-class Place:
-    """A file or folder, on this machine or wherever fsspec reaches."""
-
-    def __init__(self, name: str | os.PathLike[str], storage_options: Mapping[str, Any] | None = None) -> None:
-        text = os.fspath(name)
-        self.options = dict(storage_options or {})
-        self.local: pathlib.Path | None = None
-        self._fs: Any = None
-        if text.startswith("file://"):
-            from urllib.request import url2pathname
-
-            text = url2pathname(urllib.parse.urlsplit(text).path)
-        if "://" not in text:
-            self.local = pathlib.Path(text)
-            self.name: Name = self.local
-            return
-        try:
-            import fsspec  # type: ignore[import-not-found,import-untyped,unused-ignore]
-        except ImportError:
-            raise ImportError(f"{text}: only files of this machine can be used without fsspec: pip install fsspec") from None
-        self._fs, self._path = fsspec.core.url_to_fs(text, **self.options)
-        self.name = text if text.endswith("://") else text.rstrip("/")
-
-    def __truediv__(self, name: str) -> Place:
-        return Place(self.local / name if self.local is not None else f"{self.name}/{name}", self.options)
-
-    @property
-    def suffix(self) -> str:
-        return pathlib.PurePosixPath(str(self.name)).suffix.lower()
-
-    def absolute(self) -> str:
-        """For workers that stand in another folder."""
-        return str(self.local.absolute()) if self.local is not None else str(self.name)
-
-    def parent(self) -> Place:
-        if self.local is not None:
-            return Place(self.local.parent)
-        above = str(self.name).rpartition("/")[0]
-        return Place(above + "/" if above.endswith(":/") else above, self.options)
-
-    def exists(self) -> bool:
-        """Is there anything, a link that leads nowhere included?"""
-        return os.path.lexists(self.local) if self.local is not None else bool(self._fs.exists(self._path))
-
-    def is_folder(self) -> bool:
-        return self.local.is_dir() if self.local is not None else bool(self._fs.isdir(self._path))
-
-    def make_folder(self) -> None:
-        if self.local is not None:
-            self.local.mkdir(parents=True, exist_ok=True)
-        else:
-            self._fs.makedirs(self._path, exist_ok=True)
-
-    def name_in(self, folder: Place) -> str:
-        """Of two places elsewhere: this one's path below the other."""
-        return str(self._path)[len(str(folder._path).rstrip("/")) + 1 :]
-
-    def files(self) -> list[Name]:
-        """All below a folder elsewhere, sorted."""
-        return sorted(str(self._fs.unstrip_protocol(path)) for path in self._fs.find(self._path))
-
-    def read(self) -> bytes:
-        """OSError where there is no file; a FIFO is none."""
-        if self.local is not None:
-            data = engine.read(self.local)
-            if data is None:
-                raise OSError(f"{self.local}: is no file that can be read")
-            return data
-        found: bytes = self._fs.cat_file(self._path)
-        return found
-
-    def read_if_there(self) -> bytes | None:
-        try:
-            return self.read()
-        except FileNotFoundError:
-            return None
-        except OSError:
-            if self.local is not None:
-                return None
-            raise
-
-    def write(self, content: str | bytes) -> None:
-        """Whole or not at all."""
-        data = content.encode() if isinstance(content, str) else content
-        mark = f"{socket.gethostname()}.{os.getpid()}.{time.monotonic_ns()}"
-        if self.local is not None:
-            beside = self.local.with_name(f".{self.local.name}.{mark}")
-            beside.write_bytes(data)
-            os.replace(beside, self.local)
-            return
-        self._fs.makedirs(self._path.rpartition("/")[0], exist_ok=True)
-        kinds = self._fs.protocol if isinstance(self._fs.protocol, (list, tuple)) else (self._fs.protocol,)
-        if _RENAMES.isdisjoint(kinds):
-            self._fs.pipe_file(self._path, data)
-            return
-        folder, _, last = self._path.rpartition("/")
-        self._fs.pipe_file(f"{folder}/.{last}.{mark}", data)
-        self._fs.mv(f"{folder}/.{last}.{mark}", self._path)
-
-    def remove(self) -> None:
-        if self.local is not None:
-            self.local.unlink()
-        else:
-            self._fs.rm_file(self._path)
 
 
 class _Mesh(NamedTuple):
@@ -225,14 +114,20 @@ def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) ->
     return [_mesh_named(*row, folder) for row in rows], folder
 
 
+def _buffers_beside(mesh: Place, data: bytes) -> Iterable[tuple[str, bytes]]:
+    """The buffers that glTF names in its folder, and that are there."""
+    for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
+        if name.startswith("/") or "://" in name or ".." in name.split("/"):
+            continue
+        buffer = (mesh.parent() / name).read_if_there()
+        if buffer is not None:
+            yield name, buffer
+
+
 def _key_elsewhere(mesh: Place, words: list[str]) -> tuple[str, str]:
     try:
         data = mesh.read()
-        files = [data]
-        for name in engine.buffers_of(data, mesh.suffix):
-            buffer = (mesh.parent() / urllib.parse.unquote(name)).read_if_there()
-            if buffer is not None:
-                files.append(buffer)
+        files = [data, *(buffer for _, buffer in _buffers_beside(mesh, data))]
     except Exception as fault:  # noqa: BLE001: of whatever file system; it is a row
         return "", f"{{mesh}}: cannot be read: {type(fault).__name__}: {fault}"
     return engine.key_of_bytes(files, mesh.suffix, words), ""
@@ -311,17 +206,13 @@ def _trees_in(archive: Place) -> Iterable[tuple[str, bytes]]:
 
 
 def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
-    """A mesh from elsewhere, with the buffers of a .gltf."""
+    """A mesh from elsewhere, with the buffers that glTF names."""
     copy = folder / f"mesh{mesh.suffix}"
     data = mesh.read()
     copy.write_bytes(data)
-    for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
-        if name.startswith("/") or "://" in name or ".." in name.split("/"):
-            continue
-        buffer = (mesh.parent() / name).read_if_there()
-        if buffer is not None:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(buffer)
+    for name, buffer in _buffers_beside(mesh, data):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(buffer)
     return copy
 
 

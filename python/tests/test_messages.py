@@ -197,6 +197,7 @@ def test_placements_are_matrices_of_any_precision(body):
     collider.place((1, 2, 3))
     assert collider.placement.translation == (1, 2, 3)
     assert "placement.T" in message(collider.place, matrix.T, error=ValueError)
+    assert "not finite" in message(collider.place, numpy.full((4, 4), numpy.nan), error=ValueError)
     bent = matrix.copy()
     bent[0, 0] *= 1.001
     said = message(collider.place, bent, error=ValueError)

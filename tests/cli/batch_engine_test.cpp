@@ -130,22 +130,40 @@ TEST(BatchResult, that_is_forged_makes_a_table_or_is_none) {
   EXPECT_GT(whole, 20);
 }
 
-TEST(BatchKey, of_a_gltf_counts_its_buffers) {
-  const ScratchFolder folder;
-  const auto key = [&] {
-    return cli::key_of_file({"a", "a", folder.path() / "a.gltf", {}}, {"--method", "octree"}, nullptr).key;
+// One chunk, of JSON.
+std::string binary_gltf(const std::string& json) {
+  const auto number = [](std::size_t n) {
+    return std::string{static_cast<char>(n & 255), static_cast<char>(n >> 8 & 255), static_cast<char>(n >> 16 & 255),
+                       static_cast<char>(n >> 24)};
   };
-  folder.file("a.gltf", R"({"buffers":[{"uri":"a%20b.bin"},{"uri":"data:,x"},{"uri":7},7]})");
-  const std::string without = key();
-  folder.file("a b.bin", "one");
-  const std::string first = key();
-  folder.file("a b.bin", "two");
-  EXPECT_EQ((std::set<std::string>{without, first, key()}).size(), 3u);
-  folder.file("a b.bin", "one");
-  EXPECT_EQ(key(), first);
-  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
-  folder.file("a.gltf", R"({"buffers":)" + deep + "}");
-  EXPECT_FALSE(key().empty());
+  return "glTF" + number(2) + number(20 + json.size()) + number(json.size()) + "JSON" + json;
+}
+
+TEST(BatchKey, of_gltf_counts_its_buffers) {
+  for (const bool is_binary : {false, true}) {
+    const ScratchFolder folder;
+    const std::string name = is_binary ? "meshes/a.glb" : "meshes/a.gltf";
+    const auto write = [&](const std::string& json) { folder.file(name, is_binary ? binary_gltf(json) : json); };
+    const auto key = [&] {
+      return cli::key_of_file({"a", "a", folder.path() / name, {}}, {"--method", "octree"}, nullptr).key;
+    };
+    write(R"({"buffers":[{"uri":"a%20b.bin"},{"uri":"../c.bin"},{"uri":"data:,x"},{"uri":7},7]})");
+    const std::string without = key();
+    folder.file("meshes/a b.bin", "one");
+    const std::string first = key();
+    folder.file("meshes/a b.bin", "two");
+    EXPECT_EQ((std::set<std::string>{without, first, key()}).size(), 3u) << name;
+    folder.file("meshes/a b.bin", "one");
+    EXPECT_EQ(key(), first) << name;
+    // What no reader opens is not looked at.
+    folder.file("c.bin", "one");
+    EXPECT_EQ(key(), first) << name;
+    const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+    write(R"({"buffers":)" + deep + "}");
+    EXPECT_FALSE(key().empty()) << name;
+  }
+  EXPECT_TRUE(cli::buffers_of(binary_gltf(R"({"buffers":[{"uri":"a"}]})").substr(0, 30), ".glb").empty());
+  EXPECT_TRUE(cli::buffers_of("glTF", ".glb").empty());
 }
 
 }  // namespace

@@ -78,6 +78,46 @@ TEST(ReadRobot, what_readers_of_others_take_is_taken_with_a_note) {
   }
 }
 
+TEST(ReadRobot, a_mass_below_0_and_second_shapes_are_left_out_and_told) {
+  const ScratchFolder scratch;
+  const auto link = [](const char* name, const char* mass) {
+    return std::string("<link name='") + name + "'><inertial>" + mass +
+           "</inertial><collision name='c'><geometry>\n<box><size>1 1 1</size></box>"
+           "<sphere><radius>9</radius></sphere></geometry></collision></link>\n";
+  };
+  const std::vector<std::filesystem::path> files{
+      scratch.file("r.urdf",
+                   "<robot name='r'>\n<link name='a'><inertial><mass value='-1'/></inertial><collision>\n<geometry>"
+                   "<box size='1 1 1'/><sphere radius='9'/></geometry></collision></link></robot>"),
+      scratch.file("r.sdf", "<sdf version='1.9'><model name='r'>\n" + link("a", "<mass>-1</mass>") + "</model></sdf>")};
+  for (const std::filesystem::path& file : files) {
+    const robot::Robot read = robot::read_robot(file);
+    EXPECT_FALSE(read.links[0].inertial) << file;
+    ASSERT_EQ(read.links[0].collision.size(), 1u) << file;
+    EXPECT_EQ(read.links[0].collision[0].kind, robot::Shape::Kind::box) << file;
+    std::string notes;
+    for (const std::string& note : read.notes) notes += note + "\n";
+    for (const char* words :
+         {"link a (line 2) has the mass -1, which is below 0",
+          "a <geometry> of a (line 3) holds more than one shape: <box> is taken, <sphere> is left out"})
+      EXPECT_NE(notes.find(words), std::string::npos) << notes;
+  }
+}
+
+TEST(ReadRobot, shapes_beyond_the_usable_range_are_refused) {
+  using Kind = robot::Shape::Kind;
+  for (const Kind kind : {Kind::box, Kind::cylinder, Kind::sphere, Kind::capsule, Kind::ellipsoid})
+    for (const double size : {0x1p98, 1e31, 1e200, 1e308}) {
+      const robot::Shape shape{
+          .kind = kind, .size = {size, 1, 1}, .radius = size, .length = 1, .file_name = {}, .file = {}, .line = 7};
+      const auto read = [&] { return robot::surface_of("r.urdf", std::span(&shape, 1)); };
+      if (size < 0x1p100)
+        EXPECT_NO_THROW(read());
+      else
+        EXPECT_THROW(read(), FileError) << size;
+    }
+}
+
 TEST(ReadRobot, a_mesh_is_scaled_first_and_placed_then) {
   const robot::Robot read = robot::read_robot(arm_file);
   const Mesh mesh = robot::surface_of(arm_file, read.links[read.find_link("shoulder")].collision).mesh;

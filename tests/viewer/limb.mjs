@@ -41,27 +41,44 @@ export async function picture(page) {
   await show('');
   return png.toString('base64');
 }
-/** {changed: share of pixels that differ visibly, red: share of b's that are the red of bare surface} */
-export async function compare(a, b) {
+/** Calls judge(pixels of each picture, width) in a page that can decode pictures. */
+async function judged(pictures, judge) {
   helper ??= await (await browser.newContext()).newPage();
-  return helper.evaluate(async ([first, second]) => {
-    const data = await Promise.all([first, second].map(async (png) => {
+  return helper.evaluate(async ([pngs, body]) => {
+    let width = 0;
+    const data = await Promise.all(pngs.map(async (png) => {
       const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+      width = image.width;
       const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
       context.drawImage(image, 0, 0);
       return context.getImageData(0, 0, image.width, image.height).data;
     }));
-    let changed = 0;
-    let red = 0;
-    for (let i = 0; i < data[1].length; i += 4) {
-      const differs = [0, 1, 2].some((k) => Math.abs(data[0][i + k] - data[1][i + k]) > 12);
-      if (differs) ++changed;
-      const [r, g, b] = data[1].subarray(i, i + 3);
-      if (r > 150 && r > 1.9 * g && r > 1.9 * b) ++red;
-    }
-    return { changed: (4 * changed) / data[1].length, red: (4 * red) / data[1].length };
-  }, [a, b]);
+    return new Function(`return ${body}`)()(data, width);
+  }, [pictures, judge.toString()]);
 }
+/** {changed: share of pixels that differ visibly, red: share of b's that are the red of bare surface} */
+export const compare = (a, b) => judged([a, b], (data) => {
+  let changed = 0;
+  let red = 0;
+  for (let i = 0; i < data[1].length; i += 4) {
+    const differs = [0, 1, 2].some((k) => Math.abs(data[0][i + k] - data[1][i + k]) > 12);
+    if (differs) ++changed;
+    const [r, g, b] = data[1].subarray(i, i + 3);
+    if (r > 150 && r > 1.9 * g && r > 1.9 * b) ++red;
+  }
+  return { changed: (4 * changed) / data[1].length, red: (4 * red) / data[1].length };
+});
+/** How many pixels are visibly darker than all four beside them, where the body and its spheres fill the picture. */
+export const specks = (png) => judged([png], ([data], width) => {
+  const at = (pixel) => data.subarray(4 * pixel, 4 * pixel + 3);
+  const light = (pixel) => at(pixel).reduce((sum, value) => sum + value);
+  const isColoured = (pixel) => Math.max(...at(pixel)) - Math.min(...at(pixel)) > 30;
+  const steps = [-1, 1, -width, width];
+  let found = 0;
+  for (let pixel = 2 * width; pixel < data.length / 4 - 2 * width; ++pixel)
+    if (steps.every((step) => isColoured(pixel + 2 * step) && light(pixel + step) - light(pixel) > 12)) ++found;
+  return found;
+});
 export async function opened(name, options, test) {
   const { page, complaints, close } = await open(browser, at(name), { ...small, ...options });
   await settled(page);

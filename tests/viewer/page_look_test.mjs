@@ -3,7 +3,7 @@
 // The page in a real browser: what it draws.
 import { check, claim, equal } from './support.mjs';
 import { slide } from './browser.mjs';
-import { close, compare, onShared, picture, words, writeLimb } from './limb.mjs';
+import { close, compare, onShared, picture, specks, words, writeLimb } from './limb.mjs';
 
 writeLimb();
 
@@ -48,6 +48,16 @@ await claim('bare_surface_is_red_and_only_bare_surface', () =>
     const hidden = await picture(page);
     equal((await compare(hidden, hidden)).red, 0, 'red pixels when it is turned off');
     await page.check('#show-bare');
+  }));
+
+// Where two spheres have the same depth, one of them colours the pixel.
+await claim('seams_between_spheres_have_no_specks', () =>
+  onShared(async (page) => {
+    for (const frame of [0, 6]) {
+      await slide(page, 'frame', frame);
+      const found = await specks(await picture(page));
+      check(found < 40, `frame ${frame} has ${found} specks`);
+    }
   }));
 
 await close();

@@ -61,7 +61,7 @@ export class BodyView {
           if (bareOn > 0.5) {
             float outside = distanceOutside(vPlace) - bareFrom;
             float pixel = min(fwidth(outside), length(fwidth(vPlace))) + 1e-20;
-            bareShare = smoothstep(-0.5 * pixel, 0.5 * pixel, outside);
+            bareShare = smoothstep(0.0, pixel, outside);  // from the spheres on, not half a pixel inside them
           }
           diffuseColor.rgb = mix(diffuseColor.rgb, bareColour, bareShare);`,
         )
@@ -80,11 +80,12 @@ export class BodyView {
     });
     this.parts[2].visible = false;
 
-    // Where the plane is inside the body: back faces count up, front faces down, and what is not zero is filled.
+    // Where the plane is inside the body: back faces count up, front faces down, and what is not zero is filled. They
+    // count in seven bits: the spheres' skin has the eighth.
     const counting = (side, op) =>
       new MeshBasicMaterial({
         side, colorWrite: false, depthWrite: false, depthFunc: AlwaysDepth,
-        stencilWrite: true, stencilFail: op, stencilZFail: op, stencilZPass: op,
+        stencilWrite: true, stencilWriteMask: 0x7f, stencilFail: op, stencilZFail: op, stencilZPass: op,
       });
     this.counts = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp)];
     for (const material of this.counts) {
@@ -98,7 +99,7 @@ export class BodyView {
       new PlaneGeometry(1, 1),
       new MeshBasicMaterial({
         side: DoubleSide, transparent: true, depthWrite: false,
-        stencilWrite: true, stencilRef: 0, stencilFunc: NotEqualStencilFunc,
+        stencilWrite: true, stencilRef: 0, stencilFuncMask: 0x7f, stencilFunc: NotEqualStencilFunc,
         stencilFail: ReplaceStencilOp, stencilZFail: ReplaceStencilOp, stencilZPass: ReplaceStencilOp,
       }),
     );

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The spheres of a level set: one polyhedron drawn many times, in which the shader finds the sphere. Translucent, they
 // show the skin of their union only.
-import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from 'three';
+import { DoubleSide, DynamicDrawUsage, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, NotEqualStencilFunc, PlaneGeometry, ReplaceStencilOp, ShaderMaterial, Vector3 } from 'three';
 import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
 /** A polyhedron around the sphere of radius 1: where it is seen, the shader looks for the sphere itself. */
@@ -38,7 +38,8 @@ void main() {
 // where spheres nearly touch it, another way at every distance. Offsets are about the centre, so nothing cancels.
 const fragmentShader = `
 #include <clipping_planes_pars_fragment>
-uniform float opacity, glass, whole;
+uniform float opacity, glass;
+uniform int part;  // 0: all of the sphere; 1: all but its fringe, the pixels that it covers in part; 2: the fringe
 uniform vec3 rim;
 varying vec3 vCentre, vOffset, vTint;
 varying vec2 vDepth;
@@ -50,7 +51,7 @@ void main() {
   float inside = vRadius * vRadius - dot(across, across);
   float border = fwidth(inside);
   // The fringe of a sphere is see-through: it hides nothing, or the seams of spheres would have specks of what is behind.
-  if (inside <= whole * border) discard;
+  if (inside <= (part == 1 ? border : 0.0) || (part == 2 && inside > border)) discard;
   vec3 point = across - sqrt(inside) * ray;
   vec3 n = point / vRadius;
   float z = vCentre.z + point.z;
@@ -102,18 +103,25 @@ export class SpheresView {
   constructor(plane) {
     this.plane = plane;
     this.group = new Group();
-    const material = (options, glass = 0, whole = 0) =>
+    const material = (options, glass = 0, part = 0) =>
       new ShaderMaterial({
         vertexShader,
         fragmentShader,
         clipping: true,
         side: FrontSide,
-        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, whole: { value: whole }, rim: { value: null } },
+        uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, part: { value: part }, rim: { value: null } },
         ...options,
       });
-    // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it.
+    // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it. Along a seam
+    // two spheres have the same depth, and at an edge a fringe lies on what is behind: the stencil's eighth bit lets one
+    // of them colour the pixel, or seams and edges are dotted.
     this.depth = material({ colorWrite: false, depthWrite: true }, 0, 1);
-    this.skin = material({ transparent: true, depthWrite: false });
+    const once = {
+      transparent: true, depthWrite: false,
+      stencilWrite: true, stencilRef: 0x80, stencilFuncMask: 0x80, stencilWriteMask: 0x80, stencilFunc: NotEqualStencilFunc,
+    };
+    this.skin = material({ ...once, stencilZPass: ReplaceStencilOp }, 0, 1);
+    this.fringe = material(once, 0, 2);
     this.glass = material({ transparent: true, depthWrite: false, depthTest: false }, 1);
     this.disc = [0, 1].map(
       (inner) =>
@@ -132,7 +140,7 @@ export class SpheresView {
       this.group.add(mesh);
       return mesh;
     };
-    this.meshes = [part(this.depth, 1), part(this.skin, 2)];
+    this.meshes = [part(this.depth, 1), part(this.skin, 2), part(this.fringe, 2.5)];
     // Among the transparent ones, which are drawn last and in this order.
     this.discs = this.disc.map((of, inner) => part(Object.assign(of, { transparent: true }), 3 + inner));
     this.picked = part(this.glass, 8);
@@ -144,7 +152,7 @@ export class SpheresView {
 
   theme(accent, rim, paper) {
     this.accent = accent;
-    for (const material of [this.skin, this.glass, this.depth]) material.uniforms.rim.value = rim;
+    for (const material of [this.skin, this.fringe, this.glass, this.depth]) material.uniforms.rim.value = rim;
     for (const disc of this.disc) disc.uniforms.paper.value = paper;
     this.mark();
   }
@@ -218,16 +226,15 @@ export class SpheresView {
   look(on, opacity) {
     this.on = on;
     const solid = opacity >= 0.995;
-    this.skin.uniforms.opacity.value = opacity;
+    for (const material of [this.skin, this.fringe]) material.uniforms.opacity.value = opacity;
     this.skin.transparent = !solid;
-    this.meshes[0].visible = on;
-    this.meshes[1].visible = on;
+    for (const mesh of this.meshes) mesh.visible = on;
     for (const mesh of this.discs) mesh.visible = on && this.cutting;
   }
 
   cut(planes) {
     this.cutting = planes.length > 0;
-    for (const material of [this.depth, this.skin, this.glass]) material.clippingPlanes = planes;
+    for (const material of [this.depth, this.skin, this.fringe, this.glass]) material.clippingPlanes = planes;
     for (const disc of this.disc) disc.uniforms.planeConstant.value = this.plane.constant;
     for (const mesh of this.discs) mesh.visible = this.on && this.cutting;
   }

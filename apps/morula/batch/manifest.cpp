@@ -154,6 +154,20 @@ class KeyHash {
   Hash128 hash_;
 };
 
+bool may_name_buffers(const std::string& extension) {
+  return extension == ".gltf" || extension == ".glb";
+}
+
+// The first chunk of a .glb: after a header of 12 bytes its length, 4 bytes from the least one on, then "JSON" and what
+// it holds [gltf2, 4.4]. Empty where there is none.
+std::string_view json_of_glb(std::string_view file) {
+  constexpr std::size_t head = 20;
+  if (file.size() < head || file.substr(0, 4) != "glTF" || file.substr(16, 4) != "JSON") return {};
+  std::size_t length = 0;
+  for (std::size_t k = 4; k-- > 0;) length = length << 8 | static_cast<unsigned char>(file[12 + k]);
+  return file.substr(head, length);
+}
+
 std::string key_of_readable_file(const fs::path& mesh, const std::vector<std::string>& words) {
   const std::string kind = extension(mesh);
   KeyHash key(kind, words);
@@ -161,11 +175,12 @@ std::string key_of_readable_file(const fs::path& mesh, const std::vector<std::st
     if (const auto reason = hash_file(file, key.next_file())) throw FileError(*reason);
   };
   take(mesh);
-  if (kind != ".gltf") return key.text();
+  if (!may_name_buffers(kind)) return key.text();
+  const FileRoots beside({mesh.parent_path()});
   for (const std::string& buffer : buffers_of(bytes_of_file(mesh).value_or(""), kind)) {
     const fs::path file = referenced_file(buffer, mesh.parent_path());
-    // The build says what is wrong with a buffer that cannot be read.
-    if (!why_no_file(file)) take(file);
+    // The build says what is wrong with a buffer that cannot be read, or may not be.
+    if (beside.hold(file) && !why_no_file(file)) take(file);
   }
   return key.text();
 }
@@ -235,8 +250,8 @@ std::string key_of_bytes(std::span<const std::string_view> files, const std::str
 
 std::vector<std::string> buffers_of(std::string_view mesh, const std::string& extension) {
   std::vector<std::string> names;
-  if (extension != ".gltf") return names;
-  const Json scene = Json::parse(mesh, nullptr, false);
+  if (!may_name_buffers(extension)) return names;
+  const Json scene = Json::parse(extension == ".glb" ? json_of_glb(mesh) : mesh, nullptr, false);
   if (!scene.is_object() || !scene.contains("buffers") || !scene["buffers"].is_array()) return names;
   for (const Json& buffer : scene["buffers"]) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;

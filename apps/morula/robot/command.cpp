@@ -126,7 +126,10 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
     return robot::fit_spheres(robot, fit, workers);
   }();
   if (spheres.links.empty()) {
-    throw FileError(fmt::format("{}: no link has {} shapes; try --geometry {}", o.robot, o.geometry,
+    std::vector<std::string> left_out = robot.notes;
+    left_out.insert(left_out.end(), spheres.notes.begin(), spheres.notes.end());
+    throw FileError(fmt::format("{}: no link has {} shapes{}; try --geometry {}", o.robot, o.geometry,
+                                left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
                                 o.geometry == "visual" ? "collision" : "visual"));
   }
   const double fit_seconds = watch.lap();

@@ -62,6 +62,8 @@ RigidTransform matrix_placement(nb::handle given, const char* name) {
   const std::string argument = name;
   if (shape[0] != 3 && shape[0] != 4)
     throw std::invalid_argument(argument + ": " + describe(given) + ", but shape (3, 4) or (4, 4) is needed");
+  if (!std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
+    throw std::invalid_argument(argument + ": a number of the matrix is not finite");
   if (shape[0] == 4 && !(numbers[12] == 0 && numbers[13] == 0 && numbers[14] == 0 && numbers[15] == 1))
     throw std::invalid_argument(argument + ": the last row of a matrix that acts on columns is 0 0 0 1; give " +
                                 argument + ".T of one that acts on rows");

@@ -90,6 +90,14 @@ std::string endless_plane_note(const std::string& link, int line) {
   return fmt::format("a plane in {} (line {}) has no end and is left out: nothing covers it", link, line);
 }
 
+void note_other_shapes(const tinyxml2::XMLElement& taken, const std::string& link, std::vector<std::string>& notes) {
+  if (const auto* next = taken.NextSiblingElement()) {
+    notes.push_back(
+        fmt::format("a <geometry> of {} (line {}) holds more than one shape: <{}> is taken, <{}> is left out", link,
+                    next->GetLineNum(), taken.Name(), next->Name()));
+  }
+}
+
 std::string unread_shape_note(const std::string& link, const FileError& error) {
   return fmt::format("a shape of {} that is not asked for is left out: {}", link, error.what());
 }
@@ -151,6 +159,13 @@ void require_no_mimic_circle(const Robot& robot) {
 }
 
 void arrange(Robot& robot) {
+  for (Link& link : robot.links) {
+    if (!link.inertial || link.inertial->mass >= 0) continue;
+    robot.notes.push_back(
+        fmt::format("link {} (line {}) has the mass {}, which is below 0: it counts as a link without", link.name,
+                    link.line, link.inertial->mass));
+    link.inertial.reset();
+  }
   for (std::size_t link = 0; link < robot.links.size(); ++link) {
     if (robot.links[link].joint != none) continue;
     if (robot.root != none) {

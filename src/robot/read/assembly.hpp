@@ -58,6 +58,8 @@ void require_no_mimic_circle(const Robot& robot);
 
 /// What is said of a plane among a link's shapes.
 std::string endless_plane_note(const std::string& link, int line);
+/// What is said of a <geometry> that holds more than the shape that is taken, its first; nothing where it does not.
+void note_other_shapes(const tinyxml2::XMLElement& taken, const std::string& link, std::vector<std::string>& notes);
 /// What is said of a shape that nobody asks for and that cannot be read.
 std::string unread_shape_note(const std::string& link, const FileError& error);
 

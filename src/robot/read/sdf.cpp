@@ -323,6 +323,7 @@ class SdfReader {
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
     if (at == nullptr) xml_.fail(of, fmt::format("<{}> has no geometry", of.Name()));
+    if (needed) note_other_shapes(*at, link, robot().notes);
     Shape shape;
     shape.line = of.GetLineNum();
     shape.origin = pose_in_link(of, link);

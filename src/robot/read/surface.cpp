@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <morula/geometry/box.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/robot/robot.hpp>
 #include <numbers>
@@ -158,11 +159,18 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
   return mesh;
 }
 
+[[noreturn]] void refuse_scale(const std::filesystem::path& robot_file, const Shape& shape) {
+  fail_at(shape.described_in.empty() ? robot_file : shape.described_in, shape.line,
+          fmt::format("a {} reaches beyond {:.2g}, the largest coordinate that is usable", name(shape.kind),
+                      greatest_usable_scale));
+}
+
 }  // namespace
 
 LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes, RoundShapes round) {
   LinkSurface surface;
   for (const Shape& shape : shapes) {
+    const std::size_t first_vertex = surface.mesh.positions.size();
     switch (shape.kind) {
       case Shape::Kind::mesh:
         try {
@@ -193,8 +201,11 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
         break;
       case Shape::Kind::sphere:
         surface.spheres.push_back({shape.origin.translation, shape.radius});
+        if (!has_usable_scale(surface.spheres.back())) refuse_scale(robot_file, shape);
         break;
     }
+    for (std::size_t v = first_vertex; v < surface.mesh.positions.size(); ++v)
+      if (!(max_norm(surface.mesh.positions[v]) <= greatest_usable_scale)) refuse_scale(robot_file, shape);
   }
   return surface;
 }

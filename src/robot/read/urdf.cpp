@@ -50,6 +50,7 @@ struct UrdfReader {
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
     if (at == nullptr) xml.fail(of, fmt::format("<{}> has no geometry", of.Name()));
+    if (needed) note_other_shapes(*at, link, robot.notes);
     const std::string kind = at->Name();
     if (kind == "mesh") {
       shape.file_name = xml.text(*at, "filename");

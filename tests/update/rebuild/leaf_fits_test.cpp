@@ -24,7 +24,7 @@ RebuildOptions fitting(std::size_t reown_tests = 0) {
 constexpr std::size_t many_tests = 1'000'000;
 
 const Mesh& fine_limb() {
-  static const Mesh mesh = sample_body("limb", 40);
+  static const Mesh mesh = sample_body("limb", 64);
   return mesh;
 }
 const CoveredTree& fine_limb_tree() {
@@ -56,13 +56,13 @@ TEST(LeafFits, are_tighter_with_and_without_patches_that_change_hands) {
         const std::vector<Vec3> positions = deform(mesh, {motion}, frame / 24.0);
         ASSERT_TRUE(fitted.update(positions));
         ASSERT_TRUE(plain.update(positions));
-        if (frame % 4 != 0) continue;
+        if (frame < 4) continue;
         const double ratio = estimate_looseness(mesh, fitted.body(), positions).back() /
                              estimate_looseness(mesh, plain.body(), positions).back();
-        EXPECT_LT(ratio, 0.97) << describe(motion) << ", frame " << frame << ", " << reown_tests;
+        EXPECT_LT(ratio, 0.95) << describe(motion) << ", frame " << frame << ", " << reown_tests;
         product *= ratio;
       }
-      EXPECT_LT(std::cbrt(product), 0.93) << describe(motion) << ", " << reown_tests;
+      EXPECT_LT(std::pow(product, 1.0 / 9), 0.9) << describe(motion) << ", " << reown_tests;
     }
 }
 
