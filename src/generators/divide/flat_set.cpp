@@ -252,7 +252,8 @@ class FlatSet {
     set.leftover_patches += parts.leftover_patches;
     Growth& known = set.growth;
     known.worth[at] = union_.outside(set.leaves[at].sphere);
-    for (std::size_t i = before; i < set.leaves.size(); ++i) known.worth.push_back(union_.outside(set.leaves[i].sphere));
+    for (std::size_t i = before; i < set.leaves.size(); ++i)
+      known.worth.push_back(union_.outside(set.leaves[i].sphere));
     known.tried[at] = 1;
     known.tried.resize(known.worth.size(), 1);
     known.parts = 2, known.failures = 0;
