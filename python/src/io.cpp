@@ -51,9 +51,11 @@ void bind_io(nb::module_& m) {
           if (v >= mesh->vertex_count()) throw std::invalid_argument("corners: there is no point " + std::to_string(v));
         mesh->facets.resize(indices.size() / sides * (sides - 2));
         detail::PolygonCutter cutter;
-        for (std::size_t i = 0; i < indices.size() / sides; ++i)
+        for (std::size_t i = 0; i < indices.size() / sides; ++i) {
+          if (i % 65536 == 65535) check_signals();
           cutter.cut(mesh->positions, std::span(indices).subspan(i * sides, sides),
                      std::span(mesh->facets).subspan(i * (sides - 2), sides - 2));
+        }
         return mesh;
       },
       nb::arg("points"), nb::arg("sides"), nb::arg("corners"),
@@ -158,6 +160,7 @@ void bind_io(nb::module_& m) {
           frame_count = motion.frame_count();
           std::vector<Vec3> all;
           SignalCheck check;
+          all.reserve(frame_count * mesh->vertex_count());
           for (std::size_t i = 0; i < frame_count; ++i) {
             const std::vector<Vec3> frame = motion.frame(i);
             all.insert(all.end(), frame.begin(), frame.end());
@@ -192,30 +195,40 @@ void bind_io(nb::module_& m) {
       doc::MotionWriter_MotionWriter);
 
   m.def(
-      "read_modes", [](const Path& path, MeshGiven mesh) { return read_modes(path, *mesh_of(mesh)); }, nb::arg("path"),
-      nb::arg("mesh"), doc::read_modes);
+      "read_modes",
+      [](const Path& path, MeshGiven given) {
+        const auto mesh = mesh_of(given);
+        return without_gil([&] { return read_modes(path, *mesh); });
+      },
+      nb::arg("path"), nb::arg("mesh"), doc::read_modes);
   m.def(
-      "write_modes", [](const Path& path, const Modes& modes) { write_modes(path, modes); }, nb::arg("path"),
-      nb::arg("modes"), doc::write_modes);
+      "write_modes", [](const Path& path, const Modes& modes) { without_gil([&] { write_modes(path, modes); }); },
+      nb::arg("path"), nb::arg("modes"), doc::write_modes);
   m.def(
       "read_coordinates",
       [](const Path& path, std::size_t mode_count) {
-        ModalCoordinates read = read_coordinates(path, mode_count);
+        ModalCoordinates read = without_gil([&] { return read_coordinates(path, mode_count); });
         const std::size_t frames = read.frame_count();
         auto [values, owner] = kept(std::move(read.coordinates));
         return Copy<double, -1, -1>(values->data(), {frames, mode_count}, owner);
       },
       nb::arg("path"), nb::arg("mode_count"), doc::read_coordinates);
   m.def(
-      "read_skin", [](const Path& path, MeshGiven mesh) { return read_skin(path, *mesh_of(mesh)); }, nb::arg("path"),
-      nb::arg("mesh"), doc::read_skin);
+      "read_skin",
+      [](const Path& path, MeshGiven given) {
+        const auto mesh = mesh_of(given);
+        return without_gil([&] { return read_skin(path, *mesh); });
+      },
+      nb::arg("path"), nb::arg("mesh"), doc::read_skin);
   m.def(
-      "write_skin", [](const Path& path, const Skin& skin) { write_skin(path, skin); }, nb::arg("path"),
-      nb::arg("skin"), doc::write_skin);
+      "write_skin", [](const Path& path, const Skin& skin) { without_gil([&] { write_skin(path, skin); }); },
+      nb::arg("path"), nb::arg("skin"), doc::write_skin);
   m.def(
       "read_bone_frames",
       [](const Path& path, std::size_t bone_count, double frames_per_second, std::size_t animation) {
-        const BoneFrames read = read_bone_frames(path, bone_count, {frames_per_second, animation});
+        const BoneFrames read = without_gil([&] {
+          return read_bone_frames(path, bone_count, {frames_per_second, animation});
+        });
         const auto flat = own_transforms(read.transforms);
         auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
         return Copy<double, -1, -1, 3, 4>(values->data(), {read.frame_count(), bone_count, 3, 4}, owner);
@@ -223,9 +236,14 @@ void bind_io(nb::module_& m) {
       nb::arg("path"), nb::arg("bone_count"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
       nb::arg("animation") = 0, doc::read_bone_frames);
   m.def(
-      "read_balls", [](const Path& path) { return own_spheres(read_balls(path)); }, nb::arg("path"), doc::read_balls);
+      "read_balls", [](const Path& path) { return own_spheres(without_gil([&] { return read_balls(path); })); },
+      nb::arg("path"), doc::read_balls);
   m.def(
-      "write_balls", [](const Path& path, ArrayGiven balls) { write_balls(path, spheres_of(balls.object, "balls")); },
+      "write_balls",
+      [](const Path& path, ArrayGiven given) {
+        const std::vector<Sphere> balls = spheres_of(given.object, "balls");
+        without_gil([&] { write_balls(path, balls); });
+      },
       nb::arg("path"), nb::arg("balls"), doc::write_balls);
 }
 

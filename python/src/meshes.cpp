@@ -25,7 +25,7 @@ void bind_mesh(nb::module_& m) {
             new (self) Mesh();
             self->positions = points_of(positions.object, "positions");
             self->facets = facets_of(facets.object, "facets");
-            require_usable(*self);
+            without_gil([&] { require_usable(*self); });
           },
           nb::arg("positions"), nb::arg("facets"),
           "Copies both. positions: (vertices, 3), float32 or float64. facets: (facets, 3), any integers, "

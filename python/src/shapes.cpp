@@ -7,6 +7,7 @@
 #include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
+#include "parallel/interruption.hpp"
 #include "records.hpp"
 
 namespace morula::python {
@@ -18,7 +19,8 @@ template <class F>
 Copy<double, -1> each(ArrayGiven given, const char* name, Threads* workers, const F& f) {
   const std::vector<Vec3> points = points_of(given.object, name);
   return own_numbers(without_gil([&] {
-    std::vector<double> values(points.size());
+    std::vector<double> values;
+    detail::resize_asking(values, points.size());
     CallWorkers call(workers);
     parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) values[i] = f(points[i]);
@@ -36,10 +38,10 @@ struct ClosestPoints {
 
 ClosestPoints closest(const TriangleBvh& bvh, const std::vector<Vec3>& points, Workers& workers) {
   ClosestPoints found;
-  found.points.resize(points.size());
-  found.facets.resize(points.size());
-  found.distances.resize(points.size());
-  found.barycentric.resize(points.size());
+  detail::resize_asking(found.points, points.size());
+  detail::resize_asking(found.facets, points.size());
+  detail::resize_asking(found.distances, points.size());
+  detail::resize_asking(found.barycentric, points.size());
   parallel_for(workers, points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto nearest = bvh.closest_point(points[i]);
@@ -143,7 +145,8 @@ void bind_shapes(nb::module_& m) {
           [](const SignedDistance& self, ArrayGiven given, Threads* workers) {
             const std::vector<Vec3> points = points_of(given.object, "points");
             auto [inside, owner] = kept(without_gil([&] {
-              std::vector<std::uint8_t> flags(points.size());
+              std::vector<std::uint8_t> flags;
+              detail::resize_asking(flags, points.size());
               CallWorkers call(workers);
               parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) flags[i] = self.is_inside(points[i]);

@@ -84,6 +84,7 @@ struct ContactQuery::State {
       ask_to_go_on();
       const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, asked.margin, asked.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
+                               make_room(contacts.contacts);
                                Contact& contact = contacts.contacts.emplace_back();
                                describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
                                contact.pair = i;

@@ -4,6 +4,7 @@
 #include <morula/geometry/connectivity.hpp>
 
 #include "geometry/disjoint_sets.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -24,23 +25,30 @@ void add_up(std::vector<std::uint32_t>& counts) {
 
 void take_fans(const MeshView& mesh, Connectivity& c) {
   c.fan_begin.assign(mesh.vertex_count() + 1, 0);
-  for (const Facet& f : mesh.facets)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const Facet& f : mesh.facets) {
+    ask_now_and_then();
     if (!repeats_an_index(f))
       for (const std::uint32_t v : f) ++c.fan_begin[v + 1];
+  }
   add_up(c.fan_begin);
   c.fan_facets.resize(c.fan_begin.back());
   std::vector<std::uint32_t> next(c.fan_begin.begin(), c.fan_begin.end() - 1);
-  for (std::uint32_t f = 0; f < mesh.facet_count(); ++f)
+  for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
+    ask_now_and_then();
     if (!repeats_an_index(mesh.facets[f]))
       for (const std::uint32_t v : mesh.facets[f]) c.fan_facets[next[v]++] = f;
+  }
 }
 
 // Sides are dealt to the lower of their vertices, then sorted by the higher one.
 void take_edges(const MeshView& mesh, Connectivity& c) {
   c.facet_edges.assign(mesh.facet_count(), {no_edge, no_edge, no_edge});
   std::vector<std::uint32_t> begin(mesh.vertex_count() + 1, 0);
+  AskNowAndThen ask_now_and_then(1u << 16);
   const auto each_side = [&](const auto& visit) {
     for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
+      ask_now_and_then();
       const Facet& facet = mesh.facets[f];
       if (repeats_an_index(facet)) continue;
       for (std::uint32_t k = 0; k < 3; ++k)
@@ -57,6 +65,7 @@ void take_edges(const MeshView& mesh, Connectivity& c) {
 
   c.sides.reserve(dealt.size());
   for (std::uint32_t lower = 0; lower < mesh.vertex_count(); ++lower) {
+    ask_now_and_then();
     const auto first = dealt.begin() + begin[lower], last = dealt.begin() + begin[lower + 1];
     std::sort(first, last);
     for (auto at = first; at != last; ++at) {
@@ -76,8 +85,11 @@ void take_edges(const MeshView& mesh, Connectivity& c) {
 Components numbered(std::size_t facet_count, DisjointSets& sets) {
   Components pieces;
   pieces.of_facet.resize(facet_count);
-  for (std::uint32_t f = 0; f < facet_count; ++f)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::uint32_t f = 0; f < facet_count; ++f) {
+    ask_now_and_then();
     pieces.of_facet[f] = sets.root(f) == f ? pieces.count++ : pieces.of_facet[sets.root(f)];
+  }
   return pieces;
 }
 
@@ -109,18 +121,24 @@ Connectivity connectivity(const MeshView& mesh) {
 Components components_by_vertices(const MeshView& mesh) {
   DisjointSets sets(mesh.facet_count());
   std::vector<std::uint32_t> first(mesh.vertex_count(), no_facet);  // facet of each vertex
-  for (std::uint32_t f = 0; f < mesh.facet_count(); ++f)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
+    ask_now_and_then();
     for (const std::uint32_t v : mesh.facets[f]) {
       if (first[v] == no_facet) first[v] = f;
       sets.join(first[v], f);
     }
+  }
   return numbered(mesh.facet_count(), sets);
 }
 
 Components components_by_edges(const MeshView& mesh, const Connectivity& connectivity) {
   DisjointSets sets(mesh.facet_count());
-  for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
+    ask_now_and_then();
     for (const std::uint32_t side : connectivity.edge_sides(e)) sets.join(connectivity.edge_sides(e)[0] / 3, side / 3);
+  }
   return numbered(mesh.facet_count(), sets);
 }
 
@@ -136,7 +154,9 @@ std::vector<std::uint32_t> nonmanifold_vertices(const MeshView& mesh, const Conn
   // Corners at a vertex are of one fan when their facets share an edge there. Corner 3 f + k is where side 3 f + k
   // starts.
   DisjointSets fans(3 * mesh.facet_count());
+  AskNowAndThen ask_now_and_then(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
+    ask_now_and_then();
     const auto sides = connectivity.edge_sides(e);
     const std::uint32_t a = sides[0];
     for (const std::uint32_t b : sides.subspan(1)) {
@@ -147,8 +167,10 @@ std::vector<std::uint32_t> nonmanifold_vertices(const MeshView& mesh, const Conn
   }
   std::vector<std::uint32_t> found;
   std::vector<std::uint32_t> count(mesh.vertex_count(), 0);
-  for (const std::uint32_t side : connectivity.sides)
+  for (const std::uint32_t side : connectivity.sides) {
+    ask_now_and_then();
     if (fans.root(side) == side) ++count[side_ends(mesh.facets, side)[0]];
+  }
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
     if (count[v] > 1) found.push_back(v);
   return found;
@@ -181,9 +203,11 @@ BorderLoops border_loops(const MeshView& mesh, const Connectivity& connectivity)
     loops.is_loop.push_back(is_loop ? 1 : 0);
     path.resize(first);
   };
+  AskNowAndThen ask_now_and_then(1u << 16);
   // As far as it goes. Where the path comes back to itself a loop is taken off it.
   const auto walk = [&](std::uint32_t vertex) {
     while (next[vertex] < begin[vertex + 1]) {
+      ask_now_and_then();
       place[vertex] = static_cast<std::uint32_t>(path.size());
       path.push_back(leaving[next[vertex]++]);
       vertex = side_ends(mesh.facets, path.back())[1];

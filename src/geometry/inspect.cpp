@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <functional>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <tuple>
@@ -9,6 +10,8 @@
 #include "geometry/inspect_sides.hpp"
 #include "geometry/own_units.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruptible_sort.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -16,7 +19,9 @@ namespace {
 
 void inspect_edges(const MeshView& mesh, const Connectivity& connectivity, MeshReport& report) {
   report.closed = report.oriented = true;
+  AskNowAndThen ask_now_and_then(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
+    ask_now_and_then();
     const auto sides = connectivity.edge_sides(e);
     std::size_t forward = 0;
     for (const std::uint32_t side : sides) forward += side_ends(mesh.facets, side) == connectivity.edges[e];
@@ -42,8 +47,8 @@ void inspect_vertices(const MeshView& mesh, MeshReport& report) {
   positions.reserve(mesh.vertex_count());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     if (const Vec3 p = mesh.positions[v]; is_finite(p)) positions.push_back(p);
-  std::sort(positions.begin(), positions.end(),
-            [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+  sort_interruptibly(positions,
+                     [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
   for (std::size_t i = 1; i < positions.size(); ++i) report.duplicate_vertices += positions[i] == positions[i - 1];
 }
 
@@ -52,12 +57,14 @@ void inspect_facets(const OwnUnits& own, const Connectivity& connectivity, MeshR
   const double diagonal = own.box().diagonal();
   const double negligible_area = 1e-12 * diagonal * diagonal;
   std::vector<Facet> triples(mesh.facets.begin(), mesh.facets.end());
+  AskNowAndThen ask_now_and_then(1u << 16);
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+    ask_now_and_then();
     const bool has_sides = connectivity.facet_edges[f][0] != no_edge;
     report.degenerate_facets += !has_sides || !(area(mesh.corners(f)) >= negligible_area);
     std::sort(triples[f].begin(), triples[f].end());
   }
-  std::sort(triples.begin(), triples.end());
+  sort_interruptibly(triples, std::less<>());
   for (std::size_t f = 1; f < triples.size(); ++f) report.duplicate_facets += triples[f] == triples[f - 1];
 }
 

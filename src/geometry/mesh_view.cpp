@@ -7,6 +7,7 @@
 
 #include "geometry/hash.hpp"
 #include "geometry/own_units.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -15,7 +16,9 @@ void require_usable(const MeshView& mesh) {
   if (mesh.facets.empty()) throw std::invalid_argument("the mesh has no facets");
   if (mesh.vertex_count() >= 0xffffffffu || mesh.facet_count() >= 0xffffffffu / 3)
     throw std::invalid_argument("the mesh is too large for 32-bit indices");
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+    ask_now_and_then();
     for (const std::uint32_t v : mesh.facets[f]) {
       if (v >= mesh.vertex_count())
         throw std::invalid_argument("facet " + std::to_string(f) + " refers to vertex " + std::to_string(v) +
@@ -23,6 +26,7 @@ void require_usable(const MeshView& mesh) {
       if (!is_finite(mesh.positions[v]))
         throw std::invalid_argument("vertex " + std::to_string(v) + " has a coordinate that is not finite");
     }
+  }
 }
 
 Box bounding_box(const MeshView& mesh) {

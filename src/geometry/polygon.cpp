@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -128,6 +130,12 @@ bool PolygonCutter::is_fan(Projection projection) const {
 bool PolygonCutter::may_test(std::uint64_t tests) {
   if (tests > tests_left_) return false;
   tests_left_ -= tests;
+  constexpr std::uint64_t tests_per_look = std::uint64_t{1} << 20;
+  tests_since_look_ += tests;
+  if (tests_since_look_ >= tests_per_look) {
+    tests_since_look_ = 0;
+    ask_to_go_on();
+  }
   return true;
 }
 

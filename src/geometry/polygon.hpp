@@ -28,8 +28,9 @@ struct PolygonShape {
 /// facets of a polygon without crossings neither overlap nor leave a gap there, wherever it begins and whichever way it
 /// turns. A polygon may touch itself: holes that two opposite sides join to the outline are cut out.
 ///
-/// Throws nothing but std::bad_alloc. Cost: a few comparisons for each corner where facets about the first corner are
-/// right; otherwise the square of the corners, up to a bound that grows with the corners that were given so far.
+/// Throws nothing but std::bad_alloc and what ends the call. Cost: a few comparisons for each corner where facets about
+/// the first corner are right; otherwise the square of the corners, up to a bound that grows with the corners that were
+/// given so far.
 class PolygonCutter {
  public:
   /// corners: three or more, all indices of points, which are finite. facets: corners.size() - 2, which are replaced.
@@ -62,7 +63,7 @@ class PolygonCutter {
   std::vector<Corner> kind_;
   Projection projection_{0, 1};
   int turn_ = 1;
-  std::uint64_t tests_left_ = std::uint64_t{1} << 26;
+  std::uint64_t tests_left_ = std::uint64_t{1} << 26, tests_since_look_ = 0;
 };
 
 }  // namespace morula::detail

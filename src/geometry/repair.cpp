@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/scale.hpp>
@@ -11,11 +10,14 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 
+#include "geometry/index_table.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 namespace detail {
@@ -41,27 +43,46 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
   // Cells no smaller than the distance, and not so small that their numbers would be rounded.
   const double cell = std::max(distance, 1e-12 * std::max(box.diagonal(), std::numeric_limits<double>::min()));
   using Cell = std::array<double, 3>;
-  std::map<Cell, std::vector<std::uint32_t>> staying;
-  const auto cell_of = [&](const Vec3& p) {
-    return Cell{std::floor((p.x - box.lower.x) / cell), std::floor((p.y - box.lower.y) / cell),
-                std::floor((p.z - box.lower.z) / cell)};
+  std::vector<Cell> cells(positions.size());
+  // The first vertex that stays in each cell, and from each that stays the next one in its cell.
+  IndexTable first_in_cell;
+  constexpr std::uint32_t none = IndexTable::none;
+  std::vector<std::uint32_t> next(positions.size(), none), last(positions.size(), none);  // last: of first ones
+  const auto hash_of = [](const Cell& c) { return hash_of_numbers(c[0], c[1], c[2]); };
+  const auto first_in = [&](const Cell& at) {
+    return first_in_cell.find(hash_of(at), [&](std::uint32_t v) { return cells[v] == at; });
   };
+  const auto cell_along = [cell](double x, double lower) {
+    const double number = std::floor((x - lower) / cell);
+    return std::isnan(number) ? 0 : number;  // where both overflow
+  };
+  const auto cell_of = [&](const Vec3& p) {
+    return Cell{cell_along(p.x, box.lower.x), cell_along(p.y, box.lower.y), cell_along(p.z, box.lower.z)};
+  };
+  AskNowAndThen ask_now_and_then(1024);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    ask_now_and_then();
     if (!is_finite(positions[v])) continue;
-    const Cell own = cell_of(positions[v]);
+    const Cell own = cells[v] = cell_of(positions[v]);
     std::uint32_t first = v;
     for (int n = 0; n < 27; ++n) {
       const int along_x = n % 3 - 1, along_y = n / 3 % 3 - 1, along_z = n / 9 - 1;
-      const auto found = staying.find({own[0] + along_x, own[1] + along_y, own[2] + along_z});
-      if (found == staying.end()) continue;
-      for (const std::uint32_t other : found->second) {
-        if (other >= first) break;
+      std::uint32_t other = first_in({own[0] + along_x, own[1] + along_y, own[2] + along_z});
+      for (; other < first; other = next[other]) {
+        ask_now_and_then();
         if (positions[other] == positions[v] || scaled_length(positions[other] - positions[v]) <= distance)
           first = other;
       }
     }
     target[v] = first;
-    if (first == v) staying[own].push_back(v);
+    if (first != v) continue;
+    if (const std::uint32_t head = first_in(own); head == none) {
+      first_in_cell.add(v, [&](std::uint32_t w) { return hash_of(cells[w]); });
+      last[v] = v;
+    } else {
+      next[last[head]] = v;
+      last[head] = v;
+    }
   }
   return target;
 }
@@ -112,6 +133,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
   Sheets sheets;
   sheets.of_facet.assign(mesh.facet_count(), no_facet);
   std::vector<char> turned(mesh.facet_count(), 0);
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::uint32_t start = 0; start < mesh.facet_count(); ++start) {
     if (sheets.of_facet[start] != no_facet) continue;
     const auto sheet = static_cast<std::uint32_t>(sheets.facets.size());
@@ -120,6 +142,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
     bool closed = true, orientable = true;
     std::size_t minority = 0;
     for (std::size_t done = 0; done < queue.size(); ++done) {
+      ask_now_and_then();
       const std::uint32_t f = queue[done];
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t other = sides.facet_across(f, k);
@@ -178,7 +201,9 @@ bool contains(const Box& box, const Vec3& p) {
 void face_outwards(Mesh& mesh, const Sheets& sheets) {
   std::vector<Box> boxes;
   std::vector<double> volumes;
+  AskNowAndThen ask_now_and_then(1024);
   for (std::size_t s = 0; s < sheets.facets.size(); ++s) {
+    ask_now_and_then();
     boxes.push_back(box_of(mesh, sheets.facets[s]));
     volumes.push_back(sheets.is_closed[s] ? volume_of(mesh, sheets.facets[s]) : 0);
   }
@@ -189,10 +214,14 @@ void face_outwards(Mesh& mesh, const Sheets& sheets) {
     const Vec3 probe = mesh.positions[mesh.facets[sheets.facets[s].front()][0]];
     std::size_t outermost = s;
     for (std::size_t other = 0; other < sheets.facets.size(); ++other) {
+      ask_now_and_then();
       if (other == s || std::abs(volumes[other]) <= std::abs(volumes[outermost]) || !contains(boxes[other], probe))
         continue;
       double angle = 0;
-      for (const std::uint32_t f : sheets.facets[other]) angle += solid_angle(mesh.corners(f), probe);
+      for (const std::uint32_t f : sheets.facets[other]) {
+        ask_now_and_then();
+        angle += solid_angle(mesh.corners(f), probe);
+      }
       if (std::abs(angle) > 2 * std::numbers::pi) outermost = other;
     }
     to_turn[s] = volumes[outermost] < 0;
@@ -202,10 +231,18 @@ void face_outwards(Mesh& mesh, const Sheets& sheets) {
       for (const std::uint32_t f : sheets.facets[s]) turn(mesh.facets[f]);
 }
 
-/// Edges that are there, lower vertex first.
-using Edges = std::set<std::array<std::uint32_t, 2>>;
+using Edge = std::array<std::uint32_t, 2>;  // lower vertex first
 
-std::array<std::uint32_t, 2> edge_between(std::uint32_t a, std::uint32_t b) {
+/// Edges that are there: those of the mesh, ascending, and those of caps.
+struct Edges {
+  std::span<const Edge> of_mesh;
+  std::set<Edge> of_caps{};
+  bool contain(const Edge& edge) const {
+    return std::binary_search(of_mesh.begin(), of_mesh.end(), edge) || of_caps.count(edge) != 0;
+  }
+};
+
+Edge edge_between(std::uint32_t a, std::uint32_t b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
@@ -216,13 +253,14 @@ std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vect
   constexpr double impossible = std::numeric_limits<double>::infinity();
   std::vector<double> least(n * n, 0);        // area over the corners i … j
   std::vector<std::size_t> middle(n * n, 0);  // the third corner of the facet at i, j
-  for (std::size_t span = 2; span < n; ++span)
+  for (std::size_t span = 2; span < n; ++span) {
+    ask_to_go_on();
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
       double& best = least[i * n + j];
       best = impossible;
       const bool is_border = i == 0 && j == n - 1;
-      if (!is_border && edges.count(edge_between(loop[i], loop[j])) != 0) continue;
+      if (!is_border && edges.contain(edge_between(loop[i], loop[j]))) continue;
       for (std::size_t k = i + 1; k < j; ++k) {
         const double sum =
             least[i * n + k] + least[k * n + j] + area({positions[loop[i]], positions[loop[k]], positions[loop[j]]});
@@ -231,6 +269,7 @@ std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vect
         middle[i * n + j] = k;
       }
     }
+  }
   std::vector<Facet> facets;
   if (!(least[n - 1] < impossible)) return facets;
   std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
@@ -250,13 +289,13 @@ std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vect
 void cap_holes(Mesh& mesh, std::size_t most_edges, RepairReport& report) {
   const Connectivity sides = connectivity(mesh);
   const BorderLoops loops = border_loops(mesh, sides);
-  Edges edges;
-  if (most_edges > 0) edges.insert(sides.edges.begin(), sides.edges.end());
+  Edges edges{sides.edges};
   std::vector<Facet> caps;
   for (std::size_t i = 0; i < loops.count(); ++i) {
     std::vector<std::uint32_t> loop;
     for (const std::uint32_t side : loops.run(i)) loop.push_back(side_ends(mesh.facets, side)[0]);
     std::vector<Facet> cap;
+    ask_to_go_on();
     if (loops.is_loop[i] != 0 && loop.size() >= 3 && loop.size() <= most_edges)
       cap = least_cap(mesh.positions, loop, edges);
     if (cap.empty()) {
@@ -265,7 +304,7 @@ void cap_holes(Mesh& mesh, std::size_t most_edges, RepairReport& report) {
     }
     ++report.capped_holes;
     for (const Facet& f : cap) {
-      for (std::size_t k = 0; k < 3; ++k) edges.insert(edge_between(f[k], f[(k + 1) % 3]));
+      for (std::size_t k = 0; k < 3; ++k) edges.of_caps.insert(edge_between(f[k], f[(k + 1) % 3]));
       caps.push_back(f);
     }
   }
@@ -308,7 +347,11 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
     RepairReport again;  // they agree by now
     face_outwards(mesh, orient_sheets(mesh, again));
   }
-  for (std::size_t f = 0; f < before.size(); ++f) report.turned_facets += !same_way_round(before[f], mesh.facets[f]);
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::size_t f = 0; f < before.size(); ++f) {
+    ask_now_and_then();
+    report.turned_facets += !same_way_round(before[f], mesh.facets[f]);
+  }
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "geometry/principal_axes.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 
@@ -92,6 +93,7 @@ std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, do
 
 void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
   for (const Sphere& s : clump.spheres) {
+    ask_to_go_on();
     clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
   }
   if (clump.kind == ClumpKind::cover) {

@@ -12,6 +12,7 @@
 #include "io/mesh/ply_header.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -21,7 +22,9 @@ void write_balls(const std::filesystem::path& path, std::span<const Sphere> ball
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(balls.size()) +
                       "\nproperty double x\nproperty double y\nproperty double z\nproperty double radius\nend_header\n";
   bytes.reserve(bytes.size() + balls.size() * sizeof(Sphere));
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t i = 0; i < balls.size(); ++i) {
+    ask_now_and_then();
     const auto& [center, radius] = balls[i];
     if (!is_finite(center) || !std::isfinite(radius))
       throw std::invalid_argument("ball " + std::to_string(i) + " has a number that is not finite");

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 
 /// Carriage return where a text has these and no line feed, as old Macintoshes wrote it; else line feed.
@@ -69,6 +71,7 @@ class TextScanner {
   const char* end_;
   std::size_t line_ = 0;
   Syntax syntax_;
+  AskNowAndThen ask_now_and_then_{4096};
 };
 
 }  // namespace morula::detail

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/whole_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <morula/io/mesh_file.hpp>
@@ -9,9 +10,13 @@
 #include <system_error>
 
 #include "io/first_bytes.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace fs = std::filesystem;
+
+// Read or written between two questions whether to go on.
+constexpr std::size_t bytes_per_look = std::size_t{1} << 22;
 
 std::string reason(int error) {
   return std::generic_category().message(error);
@@ -42,15 +47,21 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
   if (!in) throw SystemFileError(path, "cannot be opened (" + reason(errno) + ")", errno);
   std::string bytes;
   try {
-    bytes.resize(count);
+    bytes.reserve(count);
   } catch (const std::exception&) {
     throw FileError(name + ": " + std::to_string(count) + " bytes of it are too many for this machine's memory");
   }
   in.seekg(static_cast<std::streamoff>(offset));
-  in.read(bytes.data(), static_cast<std::streamsize>(count));
-  if (!in)
-    throw FileError(name + ": reading stopped after " + std::to_string(offset) + " + " + std::to_string(in.gcount()) +
-                    " bytes; the disk failed, or another program is writing the file");
+  while (bytes.size() < count) {
+    ask_to_go_on();
+    const std::size_t before = bytes.size();
+    bytes.resize(static_cast<std::size_t>(std::min<std::uintmax_t>(count, before + bytes_per_look)));
+    in.read(bytes.data() + before, static_cast<std::streamsize>(bytes.size() - before));
+    if (!in)
+      throw FileError(name + ": reading stopped after " + std::to_string(offset) + " + " +
+                      std::to_string(before + static_cast<std::size_t>(in.gcount())) +
+                      " bytes; the disk failed, or another program is writing the file");
+  }
   if (offset == 0 && is_lfs_pointer(bytes)) throw FileError(name + ": " + std::string(lfs_remedy));
   return bytes;
 }

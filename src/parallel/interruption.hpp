@@ -3,10 +3,13 @@
 // Whether calls of this thread are to go on: what loops and searches ask between two pieces of work.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <vector>
 
 namespace morula::detail {
 
@@ -46,6 +49,34 @@ class AskNowAndThen {
  private:
   std::uint32_t calls_, left_;
 };
+
+/// values.resize(count), in stretches between which it asks: to fill fresh memory takes its time.
+template <class Value>
+void resize_asking(std::vector<Value>& values, std::size_t count) {
+  constexpr std::size_t stretch = (std::size_t{1} << 20) / sizeof(Value);
+  values.reserve(count);
+  while (values.size() < count) {
+    ask_to_go_on();
+    values.resize(std::min(count, values.size() + stretch));
+  }
+}
+
+/// Before so many values are added to a vector that may become very long: a vector that grows copies all that it has.
+/// This copies it in stretches between which it asks.
+template <class Value>
+void make_room(std::vector<Value>& values, std::size_t more = 1) {
+  constexpr std::size_t stretch = (std::size_t{1} << 20) / sizeof(Value);
+  if (values.capacity() - values.size() >= more || values.size() < stretch) return;
+  std::vector<Value> longer;
+  longer.reserve(values.size() + std::max(values.size(), more));
+  for (auto left = values.begin(); left != values.end();) {
+    ask_to_go_on();
+    const auto next = left + std::min(values.end() - left, static_cast<std::ptrdiff_t>(stretch));
+    longer.insert(longer.end(), left, next);
+    left = next;
+  }
+  values.swap(longer);
+}
 
 /// While it lives this thread asks as a helper of the owner of `of`, unless it is the owner itself.
 class HelpsOwner {

@@ -426,6 +426,25 @@ TEST(Batch, survives_whatever_lies_in_the_folder_of_results) {
   bench.require("batch in -o out --method octree --resume");
 }
 
+TEST(Batch, writes_through_no_link_in_the_folder_of_results) {
+  const Workbench bench;
+  fs::create_directories(bench / "in");
+  for (const char* name : {"bar", "limb"})
+    bench.require(std::string("sample ") + name + " -o in/" + name + ".obj --resolution 6");
+  bench.require("batch in -o out --method octree --quiet");
+  const std::string table = bench.read("out/table.jsonl");
+  for (const auto& [kind, ending] : {std::pair{"trees", ".morula"}, std::pair{"results", ".json"}}) {
+    auto kept = kept_files(bench, "out", kind, ending);
+    const std::string limb = bytes_of(kept["limb.obj"]);
+    fs::remove(kept["bar.obj"]);
+    fs::create_symlink(fs::absolute(kept["limb.obj"]), kept["bar.obj"]);
+    bench.require("batch in -o out --method octree --resume --quiet");
+    EXPECT_FALSE(fs::is_symlink(kept["bar.obj"])) << kind;
+    EXPECT_EQ(bytes_of(kept["limb.obj"]), limb) << kind;
+    EXPECT_EQ(bench.read("out/table.jsonl"), table) << kind;
+  }
+}
+
 TEST(Batch, reports_progress_on_stderr_alone) {
   const Workbench bench;
   fs::create_directories(bench / "in");

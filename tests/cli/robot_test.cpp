@@ -135,9 +135,11 @@ TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   bench.expect_refused("robot none.urdf -o out", "none.urdf: there is no such file");
   bench.expect_refused("robot lost.urdf -o out", "lost.urdf:2: mesh \"package://p/m.stl\" is missing; searched:");
   bench.expect_refused("robot bare.urdf -o out", "no link has collision shapes; try --geometry visual");
-  bench.write("nothing.urdf",
-              "<robot name='r'><link name='l'><collision><geometry><sphere radius='0'/></geometry></collision></link></robot>");
-  bench.expect_refused("robot nothing.urdf -o out", "no link has collision shapes (a sphere of size 0 in l (line 1) is left out");
+  bench.write(
+      "nothing.urdf",
+      "<robot name='r'><link name='l'><collision><geometry><sphere radius='0'/></geometry></collision></link></robot>");
+  bench.expect_refused("robot nothing.urdf -o out",
+                       "no link has collision shapes (a sphere of size 0 in l (line 1) is left out");
   bench.expect_refused("robot gripper.urdf -o out --format curoba", "did you mean curobo?");
   bench.expect_refused("robot gripper.urdf -o out --link plam=3", "did you mean palm?");
   bench.expect_refused("robot gripper.urdf -o out --link palm", "give a link and how many spheres");

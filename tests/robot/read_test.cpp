@@ -97,8 +97,9 @@ TEST(ReadRobot, a_mass_below_0_and_second_shapes_are_left_out_and_told) {
     EXPECT_EQ(read.links[0].collision[0].kind, robot::Shape::Kind::box) << file;
     std::string notes;
     for (const std::string& note : read.notes) notes += note + "\n";
-    for (const char* words : {"link a (line 2) has the mass -1, which is below 0",
-                              "a <geometry> of a (line 3) holds more than one shape: <box> is taken, <sphere> is left out"})
+    for (const char* words :
+         {"link a (line 2) has the mass -1, which is below 0",
+          "a <geometry> of a (line 3) holds more than one shape: <box> is taken, <sphere> is left out"})
       EXPECT_NE(notes.find(words), std::string::npos) << notes;
   }
 }

@@ -46,8 +46,8 @@ struct RowKey {
 };
 
 /// The key of a file: of its bytes, its extension, the options and the version. Files that are alike share a result.
-/// The buffers that a .gltf or .glb names in its folder count as parts of it. roots: the folders in which it has to lie;
-/// null: anywhere.
+/// The buffers that a .gltf or .glb names in its folder count as parts of it. roots: the folders in which it has to
+/// lie; null: anywhere.
 RowKey key_of_file(const ManifestRow& row, const std::vector<std::string>& words, const FileRoots* roots);
 /// The same of bytes: of the mesh, and of the buffers that it names, in its order.
 std::string key_of_bytes(std::span<const std::string_view> files, const std::string& extension,

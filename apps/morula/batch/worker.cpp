@@ -281,12 +281,19 @@ Json keep(const Json& result, const BatchTask& task) {
   return result;
 }
 
+// What is written to a link is written to what it leads to, which may be what is kept of another mesh.
+void remove_link(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_symlink(fs::symlink_status(path, ignored))) fs::remove(path, ignored);
+}
+
 // Nothing that happens to one mesh ends the worker; a result that cannot be kept is one that failed, and is tried again
 // the next time.
 Json result_of_task(const BatchTask& task, const Streams& streams) {
   try {
     fs::create_directories(task.tree.parent_path());
     if (!task.result.empty()) fs::create_directories(task.result.parent_path());
+    for (const fs::path* path : {&task.tree, &task.result}) remove_link(*path);
     bool is_kept = true;
     const Json result = result_of(build_apart(task, streams), task, is_kept);
     return is_kept ? keep(result, task) : result;

@@ -21,10 +21,11 @@ struct Interruption;
 /// the Interrupt is destroyed.
 ///
 /// ask: called on the thread that made the Interrupt, mostly from once in some 10 ms to a million times a second, at
-/// times only after 0.4 s, or 1.2 s on millions of points or facets: whatever costs more than a look at a clock is for
-/// every 20 ms. Files, repair() and inspect() do not ask. Workers of a pool end with the chunks that they are in. Where
-/// an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
-/// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time.
+/// times only after some tenths of a second: whatever costs more than a look at a clock is for every 20 ms. A write
+/// that ends so leaves no file, or the one that was there. Workers of a pool end with the chunks that they are in.
+/// Where an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
+/// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time. Nor do tinygltf while it decodes
+/// the JSON of a glTF file, and the system while it brings a file to the disk.
 ///
 /// Of several, the one made last is asked. Destroyed by the thread that made it, the last one first.
 class Interrupt {

@@ -58,6 +58,10 @@ void bind_rays(nb::module_& m) {
         return without_gil([&] {
           const Reading reading({side.get()});
           RayHits hits;
+          hits.t.reserve(origins.size());
+          hits.facet.reserve(origins.size());
+          hits.point.reserve(origins.size());
+          hits.normal.reserve(origins.size());
           const RayQuery query;
           SignalCheck check;
           for (std::size_t i = 0; i < origins.size(); ++i) {

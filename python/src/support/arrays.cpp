@@ -50,7 +50,8 @@ bool is_float(const Any& array) {
 }
 
 /// Copies of large arrays are long calls, too: to be told the number of every row. Throws what a signal's handler
-/// raised.
+/// raised. Memory of the copies is reserved and filled row by row: to fill it with zeros first is a long call without
+/// a look.
 void check_signals_at(std::size_t row) {
   if (row % 65536 == 65535 && PyErr_CheckSignals() != 0) throw nb::python_error();
 }
@@ -173,15 +174,16 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
     frame_stride_ = axes == 3 ? array_.stride(0) * scalar : 0;
     return;
   }
-  copy_ = std::make_shared<std::vector<Vec3>>(frame_count_ * count);
-  for (std::size_t i = 0; i < copy_->size(); ++i) {
+  copy_ = std::make_shared<std::vector<Vec3>>();
+  copy_->reserve(frame_count_ * count);
+  for (std::size_t i = 0; i < frame_count_ * count; ++i) {
     check_signals_at(i);
     double v[3];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t index[]{axes == 3 ? i / count : i, axes == 3 ? i % count : k, k};
       v[k] = is_double ? at<double>(array_, index) : at<float>(array_, index);
     }
-    (*copy_)[i] = {v[0], v[1], v[2]};
+    copy_->push_back({v[0], v[1], v[2]});
   }
   view_ = PositionView(std::span<const Vec3>(copy_->data(), count));
   frame_stride_ = static_cast<std::int64_t>(count * sizeof(Vec3));
@@ -189,20 +191,22 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
 
 std::vector<Vec3> points_of(nb::handle given, const char* name) {
   const Any array = rows_of(given, name, 3, "");
-  std::vector<Vec3> points(array.shape(0));
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  std::vector<Vec3> points;
+  points.reserve(array.shape(0));
+  for (std::size_t i = 0; i < array.shape(0); ++i) {
     check_signals_at(i);
-    points[i] = {number(array, i, 0), number(array, i, 1), number(array, i, 2)};
+    points.push_back({number(array, i, 0), number(array, i, 1), number(array, i, 2)});
   }
   return points;
 }
 
 std::vector<Sphere> spheres_of(nb::handle given, const char* name) {
   const Any array = rows_of(given, name, 4, ", x y z radius,");
-  std::vector<Sphere> spheres(array.shape(0));
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
+  std::vector<Sphere> spheres;
+  spheres.reserve(array.shape(0));
+  for (std::size_t i = 0; i < array.shape(0); ++i) {
     check_signals_at(i);
-    spheres[i] = {{number(array, i, 0), number(array, i, 1), number(array, i, 2)}, number(array, i, 3)};
+    spheres.push_back({{number(array, i, 0), number(array, i, 1), number(array, i, 2)}, number(array, i, 3)});
   }
   return spheres;
 }
@@ -223,11 +227,12 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
   shape.assign(array.ndim(), 0);
   std::size_t count = 1;
   for (std::size_t i = 0; i < shape.size(); ++i) count *= shape[i] = array.shape(i);
-  std::vector<double> numbers(count);
+  std::vector<double> numbers;
+  numbers.reserve(count);
   std::vector<std::size_t> index(shape.size(), 0);
-  for (double& n : numbers) {
-    check_signals_at(static_cast<std::size_t>(&n - numbers.data()));
-    n = array.dtype().bits == 32 ? at<float>(array, index.data()) : at<double>(array, index.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    check_signals_at(i);
+    numbers.push_back(array.dtype().bits == 32 ? at<float>(array, index.data()) : at<double>(array, index.data()));
     for (std::size_t axis = index.size(); axis-- > 0 && ++index[axis] == shape[axis];) index[axis] = 0;
   }
   return numbers;
@@ -306,6 +311,7 @@ std::shared_ptr<const Mesh> mesh_of_arrays(nb::handle positions, nb::handle face
   mesh->positions = points_of(positions, positions_name);
   mesh->facets = facets_of(facets, facets_name);
   for (std::size_t f = 0; f < mesh->facets.size(); ++f) {
+    check_signals_at(f);
     for (const std::uint32_t vertex : mesh->facets[f]) {
       if (vertex >= mesh->positions.size()) {
         throw std::invalid_argument(std::string(facets_name) + ": row " + std::to_string(f) + " names vertex " +
@@ -330,8 +336,9 @@ std::shared_ptr<const Mesh> mesh_of_cells(nb::handle given, const char* name) {
     const std::vector<Facet> facets = facets_of(nb::object(block.attr("data")), (std::string(name) + ".cells").c_str());
     mesh->facets.insert(mesh->facets.end(), facets.begin(), facets.end());
   }
-  for (const Facet& f : mesh->facets) {
-    for (const std::uint32_t vertex : f) {
+  for (std::size_t f = 0; f < mesh->facets.size(); ++f) {
+    check_signals_at(f);
+    for (const std::uint32_t vertex : mesh->facets[f]) {
       if (vertex >= mesh->positions.size()) {
         throw std::invalid_argument(std::string(name) + ".cells: vertex " + std::to_string(vertex) + " of " +
                                     std::to_string(mesh->positions.size()));

@@ -91,7 +91,7 @@ Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
     CallWorkers call(workers);
     const std::unique_lock lock(self.mutex);
     SignalCheck check;
-    spheres.resize(frame_count * node_count);
+    spheres.reserve(frame_count * node_count);
     UpdateStatus last;
     std::optional<std::size_t> reached;
     try {
@@ -100,7 +100,7 @@ Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
         if (!last) break;
         reached = at;
         const PosedTree& pose = self.pose();
-        for (std::uint32_t node = 0; node < node_count; ++node) spheres[at * node_count + node] = pose.sphere(node);
+        for (std::uint32_t node = 0; node < node_count; ++node) spheres.push_back(pose.sphere(node));
         check();
       }
     } catch (...) {

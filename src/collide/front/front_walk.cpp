@@ -103,6 +103,7 @@ bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting&
 
 void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& result) const {
   const TreePair& trees = trees_[pair.pair];
+  make_room(result.contacts);
   Contact& contact = result.contacts.emplace_back();
   describe(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b), contact);
   contact.pair = pair.pair;
@@ -117,6 +118,7 @@ void FrontWalk::admit(const Front::Waiting& found, Run& run) {
     report(found, true, run.result);
     return;
   }
+  make_room(front.waiting);
   Front::Waiting& pair = front.waiting.emplace_back(found);
   pair.order = front.next_order++;
   if (run.options.priority == Priority::level) {
@@ -132,6 +134,8 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   const Front::Waiting& pair = slot.pair;
   const auto opened = static_cast<std::uint32_t>(front.opened.size());
   const auto first_mask = static_cast<std::uint32_t>(front.masks.size());
+  make_room(front.masks, slot.below_b.count);
+  make_room(front.opened);
   front.masks.insert(front.masks.end(), masks, masks + slot.below_b.count);
   Front::Opened& entry = front.opened.emplace_back(
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});

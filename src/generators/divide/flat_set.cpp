@@ -31,11 +31,19 @@ std::vector<std::size_t> sizes_up_to(std::size_t spheres) {
   return sizes;
 }
 
+// How far a set has grown: what is known of its leaves while they stay as they are.
+struct Growth {
+  std::vector<double> worth;  // per leaf: what it takes in by itself
+  std::vector<int> tried;     // parts that it was divided into in vain; 1: none
+  int parts = 2, failures = 0;
+};
+
 struct Set {
   std::vector<BuildNode> leaves;
   double outside = 0;
   std::size_t leftover_patches = 0;
   std::string_view reducer{};
+  Growth growth{};
 };
 
 class FlatSet {
@@ -119,6 +127,7 @@ class FlatSet {
     if (const double now = outside(improved); now < set.outside) {
       set.leaves = std::move(improved);
       set.outside = now;
+      set.growth = {};
     }
   }
 
@@ -187,33 +196,43 @@ class FlatSet {
 
   // Places that are left go to the spheres that take in most, as long as the union gets smaller. Which sphere is
   // divided next does not depend on `most`: of two sets that grow from the same one, the larger goes through the
-  // smaller, so it is never looser.
+  // smaller, so it is never looser. A division that did not help a set still does not when the set may grow further.
   void grow(Set& set, std::size_t most) {
-    std::vector<double> worth;
-    for (const BuildNode& leaf : set.leaves) worth.push_back(union_.outside(leaf.sphere));
+    if (set.leaves.size() >= most) return;
+    Growth& known = set.growth;
+    if (!by_.grows || known.worth.size() != set.leaves.size()) known = growth_of(set);
     // Halves first. Where they do not help, quarters may: of a plate, two spheres take in as much as one.
     constexpr int most_failures = 3;
-    std::vector<int> tried(worth.size(), 1);  // parts that a sphere was divided into in vain
-    int parts = 2, failures = 0;
-    while (set.leaves.size() + static_cast<std::size_t>(parts) <= most + 1 && !run_.out_of_time()) {
+    while (set.leaves.size() + static_cast<std::size_t>(known.parts) <= most + 1 && !run_.out_of_time()) {
       run_.throw_if_stopped();
-      std::size_t worst = worth.size();
-      for (std::size_t i = 0; i < worth.size(); ++i)
-        if (tried[i] < parts && worth[i] > 0 && (worst == worth.size() || worth[i] > worth[worst])) worst = i;
-      if (worst < worth.size() && divide(set, worst, parts == 2 ? halve_ : quarter_)) {
-        worth[worst] = union_.outside(set.leaves[worst].sphere);
-        tried[worst] = 1;
-        for (std::size_t i = worth.size(); i < set.leaves.size(); ++i)
-          worth.push_back(union_.outside(set.leaves[i].sphere));
-        tried.resize(worth.size(), 1);
-        parts = 2, failures = 0;
+      if (known.failures == most_failures) {
+        if (!by_.grows || known.parts == 4) return;
+        known.parts = 4, known.failures = 0;
         continue;
       }
-      if (worst < worth.size()) tried[worst] = parts;
-      if (worst < worth.size() && ++failures < most_failures) continue;
-      if (!by_.grows || parts == 4) return;
-      parts = 4, failures = 0;
+      const std::size_t worst = worst_of(known);
+      if (worst == known.worth.size())
+        known.failures = most_failures;
+      else if (!divide(set, worst, known.parts == 2 ? halve_ : quarter_))
+        known.tried[worst] = known.parts, ++known.failures;
     }
+  }
+
+  Growth growth_of(const Set& set) const {
+    Growth growth;
+    for (const BuildNode& leaf : set.leaves) growth.worth.push_back(union_.outside(leaf.sphere));
+    growth.tried.assign(set.leaves.size(), 1);
+    return growth;
+  }
+
+  // The leaf to divide next; as many as there are: none.
+  static std::size_t worst_of(const Growth& known) {
+    std::size_t worst = known.worth.size();
+    for (std::size_t i = 0; i < known.worth.size(); ++i)
+      if (known.tried[i] < known.parts && known.worth[i] > 0 &&
+          (worst == known.worth.size() || known.worth[i] > known.worth[worst]))
+        worst = i;
+    return worst;
   }
 
   // Whether the parts of a leaf, in its place, take in less.
@@ -231,6 +250,13 @@ class FlatSet {
     }
     set.outside = now;
     set.leftover_patches += parts.leftover_patches;
+    Growth& known = set.growth;
+    known.worth[at] = union_.outside(set.leaves[at].sphere);
+    for (std::size_t i = before; i < set.leaves.size(); ++i)
+      known.worth.push_back(union_.outside(set.leaves[i].sphere));
+    known.tried[at] = 1;
+    known.tried.resize(known.worth.size(), 1);
+    known.parts = 2, known.failures = 0;
     return true;
   }
 

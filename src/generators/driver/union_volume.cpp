@@ -57,14 +57,8 @@ double UnionVolume::outside(std::span<const Sphere> spheres) {
   last_ = std::move(local);
   double total = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const Axis& a = axes_[static_cast<std::size_t>(axis)];
-    const auto row_length = static_cast<std::size_t>(a.u_end - a.u_begin);
-    for (int v = a.v_begin; v < a.v_end; ++v) {
-      renew_row(axis, v, last_, changed);
-      const auto row = static_cast<std::size_t>(v - a.v_begin);
-      const Met& met = a.met[row];
-      for (int u = met.begin; u < met.end; ++u) total += a.outside[row * row_length + static_cast<std::size_t>(u)];
-    }
+    renew(axis, changed);
+    for (const Row& row : axes_[static_cast<std::size_t>(axis)].rows) total += row.outside;
   }
   const double cell = lines_.cell();
   return total / 3 * stride_ * stride_ * cell * cell * cell;
@@ -75,12 +69,15 @@ double UnionVolume::outside(const Sphere& sphere) const {
   double total = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double across = local.center[(axis + 2) % 3];
-    for (int v = number(across - local.radius); v <= number(across + local.radius); ++v)
+    for (int v = number(across - local.radius); v <= number(across + local.radius); ++v) {
+      double row = 0;  // added row by row, as for a set
       each_chord(
           axis, v, local, [](int) { return true; },
           [&](int u, Chord chord) {
-            total += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
+            row += outside_of({&chord, 1}, lines_.line(axis, u * stride_ + middle_, v * stride_ + middle_));
           });
+      total += row;
+    }
   }
   const double cell = lines_.cell();
   return total / 3 * stride_ * stride_ * cell * cell * cell;
@@ -110,7 +107,7 @@ void UnionVolume::make_room(const std::vector<Sphere>& spheres) {
     const auto row_length = static_cast<std::size_t>(a.u_end - a.u_begin),
                rows = static_cast<std::size_t>(a.v_end - a.v_begin);
     a.outside.assign(rows * row_length, 0);
-    a.met.assign(rows, {});
+    a.rows.assign(rows, {});
     chord_count_.resize(std::max(chord_count_.size(), row_length), 0);
     is_changed_.resize(std::max(is_changed_.size(), row_length), 0);
   }
@@ -139,6 +136,32 @@ void UnionVolume::each_chord(int axis, int v, const Sphere& sphere, const Wanted
       visit(u, Chord{along - half, along + half});
     }
   });
+}
+
+// Only rows that a changed sphere reaches, and only spheres that have a number of such a row and of a line beside it:
+// a changed sphere renews whole lines by their numbers, also one that lies just beside it.
+void UnionVolume::renew(int axis, std::span<const Sphere> changed) {
+  if (changed.empty()) return;
+  struct Numbers {
+    int u_first, u_last, v_first, v_last;
+  };
+  const auto numbers_of = [&](const Sphere& s) {
+    const double u = s.center[(axis + 1) % 3], v = s.center[(axis + 2) % 3], r = s.radius;
+    return Numbers{number(u - r), number(u + r), number(v - r), number(v + r)};
+  };
+  Numbers all = numbers_of(changed.front());
+  for (const Sphere& s : changed) {
+    const Numbers n = numbers_of(s);
+    all = {std::min(all.u_first, n.u_first), std::max(all.u_last, n.u_last), std::min(all.v_first, n.v_first),
+           std::max(all.v_last, n.v_last)};
+  }
+  std::vector<Sphere> near;
+  for (const Sphere& s : last_) {
+    const Numbers n = numbers_of(s);
+    if (n.u_first <= all.u_last && n.u_last >= all.u_first && n.v_first <= all.v_last && n.v_last >= all.v_first)
+      near.push_back(s);
+  }
+  for (int v = all.v_first; v <= all.v_last; ++v) renew_row(axis, v, near, changed);
 }
 
 void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed) {
@@ -171,8 +194,12 @@ void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, st
             ? 0
             : outside_of(chords, lines_.line(axis, (u + a.u_begin) * stride_ + middle_, v * stride_ + middle_));
   }
-  Met& met = a.met[row];
-  met = met.begin < met.end ? Met{std::min(met.begin, begin), std::max(met.end, end)} : Met{begin, end};
+  Row& whole = a.rows[row];
+  whole.begin = whole.begin < whole.end ? std::min(whole.begin, begin) : begin;
+  whole.end = std::max(whole.end, end);
+  whole.outside = 0;
+  for (int u = whole.begin; u < whole.end; ++u)
+    whole.outside += a.outside[row * row_length + static_cast<std::size_t>(u)];
 }
 
 // What merged chords have outside the object. crossings: enter, leave, enter, …

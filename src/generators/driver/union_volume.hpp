@@ -26,18 +26,20 @@ class UnionVolume {
   struct Chord {
     double from, to;
   };
-  // Lines [begin, end) of a row that some sphere has met.
-  struct Met {
+  // Lines [begin, end) of a row that some sphere has met, and what is outside on them.
+  struct Row {
     int begin = 0, end = 0;
+    double outside = 0;
   };
   struct Axis {
     int u_begin = 0, u_end = 0, v_begin = 0, v_end = 0;
     std::vector<double> outside;  // per line, row by row
-    std::vector<Met> met;         // per row
+    std::vector<Row> rows;
   };
   int number(double position) const;
   bool has_room(const std::vector<Sphere>& spheres) const;
   void make_room(const std::vector<Sphere>& spheres);
+  void renew(int axis, std::span<const Sphere> changed);
   void renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed);
   template <class Visit>
   void each_in_row(int axis, int v, const Sphere& sphere, const Visit& visit) const;

@@ -3,6 +3,7 @@
 #include "io/array/array_table.hpp"
 
 #include "io/byte_reader.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 
@@ -26,7 +27,11 @@ void ArrayWriter::add_values(const std::string& name, const char* type, std::siz
   entry["rows"] = values.size() / width;
   entry["offset"] = bytes_.size();
   table_.push_back(std::move(entry));
-  for (const Value value : values) store(bytes_, value);
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const Value value : values) {
+    ask_now_and_then();
+    store(bytes_, value);
+  }
 }
 
 std::vector<std::uint32_t> ArrayReader::indices(const std::string& name, std::size_t width) const {
@@ -51,7 +56,11 @@ std::vector<Value> ArrayReader::values(const std::string& name, const char* type
     if (offset > bytes_.size() || rows > (bytes_.size() - offset) / (width * sizeof(Value)))
       file_.fail(label + " reaches past the end of the file");
     std::vector<Value> values(rows * width);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = load<Value>(bytes_.data() + offset + i * sizeof(Value));
+    AskNowAndThen ask_now_and_then(1u << 16);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ask_now_and_then();
+      values[i] = load<Value>(bytes_.data() + offset + i * sizeof(Value));
+    }
     return values;
   }
   file_.fail(label + " is missing");

@@ -8,6 +8,7 @@
 
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -224,8 +225,10 @@ ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry) {
 void require_sound(const ByteSource& archive, const ZipEntry& entry) {
   constexpr std::uint64_t piece = std::uint64_t{1} << 20;
   Crc32 sum;
-  for (std::uint64_t done = 0; done < entry.size; done += piece)
+  for (std::uint64_t done = 0; done < entry.size; done += piece) {
+    ask_to_go_on();
     sum.add(archive.read(entry.offset + done, std::min(piece, entry.size - done)));
+  }
   if (sum.value() != entry.crc)
     fail(archive, in_quotes(entry.name) + " in it is damaged: its checksum differs; write or copy the file again");
 }

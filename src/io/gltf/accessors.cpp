@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "io/byte_reader.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::gltf {
 using namespace detail;
@@ -55,8 +56,11 @@ std::vector<double> Accessors::numbers(int index, int type, const std::string& o
   if (a.bufferView >= 0) {
     const Strided from = strided(a.bufferView, a.byteOffset, a.componentType, width, a.count, true, owner);
     values.reserve(a.count * width);
-    for (std::size_t i = 0; i < a.count; ++i)
+    AskNowAndThen ask_now_and_then(1u << 14);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      ask_now_and_then();
       for (std::size_t k = 0; k < width; ++k) values.push_back(from.number(i, k, a.normalized));
+    }
   } else {
     values.resize(a.count * width);
   }

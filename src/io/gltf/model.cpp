@@ -16,6 +16,7 @@
 
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::gltf {
 using namespace detail;
@@ -191,7 +192,9 @@ Json parsed(const Container& file) {
   const std::string name = file.path.string();
   // As deep as glTF goes is 8; what recurses after this, here and in tinygltf, then cannot run out of stack.
   constexpr int deepest = 32;
+  AskNowAndThen ask_now_and_then(4096);
   const auto is_shallow = [&](int depth, Json::parse_event_t, Json&) {
+    ask_now_and_then();
     if (depth > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
     return true;
   };
@@ -336,6 +339,7 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   std::string error, warning;
   bool good = false;
   try {
+    const Uninterrupted whole;  // what ends the call would pass for a fault of the file
     good = loader.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
   } catch (const FileError&) {
     throw;

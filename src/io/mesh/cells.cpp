@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
+
+#include "parallel/interruptible_sort.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -132,7 +136,9 @@ void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
 
 std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, PolygonReader& polygons) {
   std::vector<std::uint32_t> corners;
+  AskNowAndThen ask_now_and_then(4096);
   for (const Polygon& polygon : polygons_) {
+    ask_now_and_then();
     corners_of_fan(std::span(surface_).subspan(polygon.first, polygon.corners - 2), corners);
     polygons.cut(points, corners, surface_, polygon.first, {polygon.cell, 0});
   }
@@ -141,7 +147,9 @@ std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, Polygo
 
 std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const Vec3> points) const {
   std::vector<OpenFace> faces;
+  AskNowAndThen ask_now_and_then(4096);
   for (std::size_t number = 0; number < solids_.size(); ++number) {
+    ask_now_and_then();
     const Solid& solid = solids_[number];
     const std::uint32_t* const c = corners_.data() + solid.first;
     // A solid whose corners are mirrored has its faces the wrong way round: its volume, by its faces, tells.
@@ -171,16 +179,19 @@ std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const 
 void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& reading) const {
   if (surface_.empty()) return;
   std::vector<std::array<std::uint32_t, 3>> parts;
+  AskNowAndThen ask_now_and_then(4096);
   for (const OpenFace& face : faces) {
+    ask_now_and_then();
     parts.push_back({face.key[0], face.key[1], face.key[2]});
     if (face.key[3] == no_vertex) continue;
     parts.push_back({face.key[0], face.key[1], face.key[3]});
     parts.push_back({face.key[0], face.key[2], face.key[3]});
     parts.push_back({face.key[1], face.key[2], face.key[3]});
   }
-  std::sort(parts.begin(), parts.end());
+  sort_interruptibly(parts, std::less<>());
   std::size_t shells = 0;
   for (const Facet& facet : surface_) {
+    ask_now_and_then();
     std::array<std::uint32_t, 3> key{facet[0], facet[1], facet[2]};
     std::sort(key.begin(), key.end());
     if (!std::binary_search(parts.begin(), parts.end(), key)) ++shells;
@@ -200,18 +211,21 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points, MeshReading
   }
   std::vector<OpenFace> faces = faces_of_solids(points);
   count_shells(faces, reading);
-  std::sort(faces.begin(), faces.end(),
-            [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
+  sort_interruptibly(
+      faces, [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
   std::vector<OpenFace> single;
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t begin = 0; begin < faces.size();) {
+    ask_now_and_then();
     std::size_t end = begin + 1;
     while (end < faces.size() && faces[end].key == faces[begin].key) ++end;
     if (end == begin + 1) single.push_back(faces[begin]);
     begin = end;
   }
-  std::sort(single.begin(), single.end(), [](const OpenFace& a, const OpenFace& b) { return a.place < b.place; });
+  sort_interruptibly(single, [](const OpenFace& a, const OpenFace& b) { return a.place < b.place; });
   std::vector<Facet> facets;
   for (const OpenFace& face : single) {
+    ask_now_and_then();
     const auto& v = face.vertices;
     facets.push_back({v[0], v[1], v[2]});
     if (v[3] == no_vertex) continue;

@@ -134,6 +134,7 @@ class GmshReader {
   }
 
   void add_node(std::int64_t tag, const Vec3& p) {
+    in_.begin_row();
     if (mesh_.vertex_count() == std::numeric_limits<std::uint32_t>::max()) in_.fail("more nodes than 32 bits count");
     if (!index_of_.emplace(tag, static_cast<std::uint32_t>(mesh_.vertex_count())).second)
       in_.fail("two nodes have the number " + std::to_string(tag) + "; number them anew");
@@ -187,7 +188,10 @@ class GmshReader {
       for (std::uint64_t i = 0; is_4_0_ && i < nodes; ++i) add(in_.integer<std::int32_t>("the number of a node"));
       if (is_4_0_) continue;
       tags.clear();
-      for (std::uint64_t i = 0; i < nodes; ++i) tags.push_back(in_.integer<std::int64_t>("the number of a node"));
+      for (std::uint64_t i = 0; i < nodes; ++i) {
+        in_.begin_row();
+        tags.push_back(in_.integer<std::int64_t>("the number of a node"));
+      }
       for (const std::int64_t tag : tags) add(tag);
     }
     if (mesh_.vertex_count() != total)
@@ -204,6 +208,7 @@ class GmshReader {
 
   template <class Value>
   void read_corners(const ElementType& type) {
+    in_.begin_row();
     corners_.clear();
     for (std::size_t k = 0; k < type.nodes; ++k) {
       const std::int64_t tag = in_.integer<Value>("a node of an element");

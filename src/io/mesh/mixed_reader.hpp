@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/byte_reader.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 
@@ -54,6 +55,8 @@ class MixedReader {
     return static_cast<std::int64_t>(raw<Value>(what));
   }
   void skip_bytes(std::uint64_t count, std::string_view what);
+  /// Asks now and then whether to go on: for every row of binary numbers. Words ask by themselves.
+  void begin_row() { ask_now_and_then_(); }
 
   /// Of `count` things that take at least so many bytes each, as many as the file can still hold.
   std::size_t at_most(std::uint64_t count, std::size_t least_bytes) const;
@@ -79,6 +82,7 @@ class MixedReader {
   std::string_view bytes_;
   char line_end_;
   std::size_t at_ = 0;
+  AskNowAndThen ask_now_and_then_{1u << 14};
   bool is_binary_ = false;
   std::endian order_ = std::endian::little;
 };

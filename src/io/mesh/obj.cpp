@@ -115,7 +115,9 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshRead
 std::string obj_text(const MeshView& mesh) {
   std::string text;
   text.reserve(mesh.vertex_count() * 64 + mesh.facet_count() * 24);
+  AskNowAndThen ask_now_and_then(4096);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+    ask_now_and_then();
     const Vec3 p = mesh.positions[i];
     text += 'v';
     for (int axis = 0; axis < 3; ++axis) {
@@ -125,6 +127,7 @@ std::string obj_text(const MeshView& mesh) {
     text += '\n';
   }
   for (const Facet& f : mesh.facets) {
+    ask_now_and_then();
     text += 'f';
     for (const std::uint32_t v : f) {
       text += ' ';

@@ -11,6 +11,7 @@
 #include "io/mesh/ply_header.hpp"
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -48,6 +49,7 @@ class BinaryRows {
  public:
   BinaryRows(ByteReader in) : in_(in) {}
   void begin_row(std::uint64_t row, const PlyElement& element) {
+    ask_now_and_then_();
     row_ = row;
     element_ = &element;
   }
@@ -98,6 +100,7 @@ class BinaryRows {
   }
 
   ByteReader in_;
+  AskNowAndThen ask_now_and_then_{4096};
   std::uint64_t row_ = 0;
   const PlyElement* element_ = nullptr;
 };
@@ -188,6 +191,7 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
 // Every other triangle of a strip is turned over.
 template <class Rows>
 void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
+  AskNowAndThen ask_now_and_then(4096);  // one row holds all strips
   for (std::uint64_t row = 0; row < element.count; ++row) {
     rows.begin_row(row, element);
     for (const PlyProperty& property : element.properties) {
@@ -199,6 +203,7 @@ void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_cou
       std::array<std::uint32_t, 2> last{};
       std::uint64_t corners = 0;
       for (std::uint64_t k = 0; k < length; ++k) {
+        ask_now_and_then();
         const double index = rows.value(property.type, "a vertex index");
         if (index < 0) {
           corners = 0;
@@ -282,7 +287,9 @@ std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::strin
                             reading, &radii);
   }
   std::vector<Sphere> balls(centers.positions.size());
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t i = 0; i < balls.size(); ++i) {
+    ask_now_and_then();
     balls[i] = {centers.positions[i], radii[i]};
     if (!(radii[i] >= 0)) throw FileError(path.string() + ": ball " + std::to_string(i) + " has a negative radius");
   }
@@ -294,9 +301,13 @@ std::string ply_bytes(const MeshView& mesh) {
                       "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
                       std::to_string(mesh.facet_count()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
   bytes.reserve(bytes.size() + mesh.vertex_count() * 24 + mesh.facet_count() * 13);
-  for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
+  AskNowAndThen ask_now_and_then(1u << 14);
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+    ask_now_and_then();
     for (int axis = 0; axis < 3; ++axis) store(bytes, mesh.positions[i][axis]);
+  }
   for (const Facet& f : mesh.facets) {
+    ask_now_and_then();
     store(bytes, std::uint8_t{3});
     for (const std::uint32_t v : f) store(bytes, v);
   }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -86,7 +88,9 @@ void FaceReader::end(std::size_t line) {
 }
 
 void FaceReader::finish() {
+  AskNowAndThen ask_now_and_then(4096);
   for (const Waiting& polygon : waiting_) {
+    ask_now_and_then();
     corners_of_fan(std::span(mesh_.facets).subspan(polygon.first, polygon.corners - 2), corners_);
     polygons_.cut(mesh_.positions, corners_, mesh_.facets, polygon.first, polygon.place);
   }

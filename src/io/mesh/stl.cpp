@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 #include <cmath>
-#include <unordered_map>
 
+#include "geometry/index_table.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/text_scanner.hpp"
@@ -19,29 +19,23 @@ constexpr std::size_t binary_facet = 50;   // normal, three corners, two bytes o
 class Welder {
  public:
   explicit Welder(Mesh& mesh) : mesh_(mesh) {}
+  /// p: finite.
   std::uint32_t vertex(const Vec3& p) {
-    const Key key{bits(p.x), bits(p.y), bits(p.z)};
-    const auto [entry, is_new] = vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.vertex_count()));
-    if (is_new) mesh_.positions.push_back(p);
-    return entry->second;
+    ask_now_and_then_();
+    const std::uint32_t known = vertices_.find(hash_of(p), [&](std::uint32_t v) { return mesh_.positions[v] == p; });
+    if (known != IndexTable::none) return known;
+    const auto added = static_cast<std::uint32_t>(mesh_.vertex_count());
+    mesh_.positions.push_back(p);
+    vertices_.add(added, [&](std::uint32_t v) { return hash_of(mesh_.positions[v]); });
+    return added;
   }
 
  private:
-  using Key = std::array<std::uint64_t, 3>;
-  struct Hash {
-    std::size_t operator()(const Key& key) const {
-      std::uint64_t state = 0;
-      for (const std::uint64_t k : key) {
-        state = (state ^ k) * 0x9e3779b97f4a7c15u;
-        state ^= state >> 32;
-      }
-      return static_cast<std::size_t>(state);
-    }
-  };
-  static std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x + 0.0); }
+  static std::uint64_t hash_of(const Vec3& p) { return hash_of_numbers(p.x, p.y, p.z); }
 
   Mesh& mesh_;
-  std::unordered_map<Key, std::uint32_t, Hash> vertices_;
+  IndexTable vertices_;
+  AskNowAndThen ask_now_and_then_{1u << 14};
 };
 
 // Less than a facet, or nothing but padding: no facet is lost when it is left.
@@ -164,7 +158,9 @@ std::string stl_bytes(const MeshView& mesh) {
   std::string bytes = "binary STL of triangles";
   bytes.resize(80, ' ');
   store(bytes, static_cast<std::uint32_t>(mesh.facet_count()));
+  AskNowAndThen ask_now_and_then(4096);
   for (const Facet& facet : mesh.facets) {
+    ask_now_and_then();
     const Vec3 a = mesh.positions[facet[0]], b = mesh.positions[facet[1]], c = mesh.positions[facet[2]];
     const Vec3 up = cross(b - a, c - a);
     const double size = length(up);

@@ -184,6 +184,7 @@ class LegacyReader {
     if (count > std::numeric_limits<std::uint32_t>::max()) in_.fail("more points than 32 bits count");
     mesh_.positions.reserve(in_.require_room(count, is_binary_ ? 3 * byte_size(type) : 6, "points"));
     for (std::uint64_t i = 0; i < count; ++i) {
+      in_.begin_row();
       const double x = number(type, "x"), y = number(type, "y");
       mesh_.positions.push_back({x, y, number(type, "z")});
     }
@@ -211,6 +212,7 @@ class LegacyReader {
     room(second, Number::int32, "numbers of cells");
     std::uint64_t used = 0;
     for (std::uint64_t i = 0; i < first; ++i) {
+      in_.begin_row();
       const std::int64_t corners = integer(Number::int32, "the number of points of a cell");
       if (corners < 0 || static_cast<std::uint64_t>(corners) + 1 > second - used)
         in_.fail("a cell of " + std::to_string(corners) + " points does not fit into a list of " +
@@ -231,6 +233,7 @@ class LegacyReader {
     std::vector<std::int64_t> offsets;
     offsets.reserve(room(offset_count, offset_type, "offsets"));
     for (std::uint64_t i = 0; i < offset_count; ++i) {
+      in_.begin_row();
       const std::int64_t offset = integer(offset_type, "an offset");
       const std::int64_t least = offsets.empty() ? 0 : offsets.back();
       if (offset < least || static_cast<std::uint64_t>(offset) > corner_count || (offsets.empty() && offset != 0))
@@ -246,6 +249,7 @@ class LegacyReader {
     begin_numbers();
     room(corner_count, corner_type, "points of cells");
     for (std::size_t i = 1; i < offsets.size(); ++i) {
+      in_.begin_row();
       corners_.clear();
       for (std::int64_t k = offsets[i - 1]; k < offsets[i]; ++k) corners_.push_back(corner(corner_type));
       take(type, adds);
@@ -274,7 +278,10 @@ class LegacyReader {
     const std::uint64_t count = in_.text_count("the number of cells");
     begin_numbers();
     types_.reserve(room(count, Number::int32, "types of cells"));
-    for (std::uint64_t i = 0; i < count; ++i) types_.push_back(integer(Number::int32, "a type of cell"));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.begin_row();
+      types_.push_back(integer(Number::int32, "a type of cell"));
+    }
   }
 
   void add_cells() {
@@ -282,6 +289,7 @@ class LegacyReader {
       in_.fail("the file has " + std::to_string(cells_.size()) + " CELLS, but " + std::to_string(types_.size()) +
                " CELL_TYPES");
     for (std::size_t i = 0; i < cells_.size(); ++i) {
+      in_.begin_row();
       CellType type{};
       if (types_[i] < 0 || !vtk_cell_type(static_cast<std::uint64_t>(types_[i]), type))
         in_.fail("cell " + std::to_string(i) + " is of type " + std::to_string(types_[i]) +

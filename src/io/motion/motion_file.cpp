@@ -16,6 +16,7 @@
 #include "io/motion/array_motion.hpp"
 #include "io/motion/point_cache.hpp"
 #include "io/whole_file.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -168,7 +169,9 @@ std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray&
   const std::size_t numbers = 3 * vertex_count;
   const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
   std::vector<Vec3> positions(vertex_count);
+  AskNowAndThen ask_now_and_then(1u << 16);
   for (std::size_t v = 0; v < vertex_count; ++v) {
+    ask_now_and_then();
     positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
     if (!is_finite(positions[v]))
       throw FileError(source.name().string() + ": frame " + std::to_string(frame) + ": vertex " + std::to_string(v) +
@@ -224,6 +227,8 @@ MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t f
 void MotionWriter::write(std::span<const Vec3> positions) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
+  // Asks before anything of the frame is written: a frame is written whole.
+  ask_to_go_on();
   const std::string frame = "frame " + std::to_string(written_);
   if (positions.size() != mesh_.vertex_count())
     throw std::invalid_argument(frame + " has " + std::to_string(positions.size()) + " positions, but the mesh has " +
@@ -238,8 +243,11 @@ void MotionWriter::write(std::span<const Vec3> positions) {
     if (is_point_cache(extension)) {
       append_point_cache_frame(chunk_, extension, positions);
     } else {
-      for (const Vec3& p : positions)
+      AskNowAndThen ask_now_and_then(1u << 16);
+      for (const Vec3& p : positions) {
+        ask_now_and_then();
         for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
+      }
     }
     npy_->write(chunk_);
   } else {

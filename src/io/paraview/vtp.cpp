@@ -7,6 +7,7 @@
 
 #include "io/byte_reader.hpp"
 #include "io/number_text.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 namespace detail {
@@ -16,7 +17,9 @@ std::string base64(std::string_view bytes) {
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
+  AskNowAndThen ask_now_and_then(1u << 16);
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    ask_now_and_then();
     unsigned bits = 0;
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
     for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[at + k]) : 0u);
@@ -47,7 +50,11 @@ std::string numbers(std::size_t count, const Get& get) {
   std::string bytes;
   bytes.reserve(8 + count * sizeof(Value));
   store(bytes, std::uint64_t{count * sizeof(Value)});
-  for (std::size_t i = 0; i < count; ++i) store(bytes, static_cast<Value>(get(i)));
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::size_t i = 0; i < count; ++i) {
+    ask_now_and_then();
+    store(bytes, static_cast<Value>(get(i)));
+  }
   return base64(bytes);
 }
 

@@ -10,6 +10,7 @@
 #include "io/json_checks.hpp"
 #include "io/tree/formats.hpp"
 #include "io/tree/sphere_archive.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -23,7 +24,11 @@ constexpr std::size_t checksum_size = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
   Hasher hash;
-  for (const char c : bytes) hash.add(static_cast<std::uint8_t>(c));
+  AskNowAndThen ask_now_and_then(1u << 20);
+  for (const char c : bytes) {
+    ask_now_and_then();
+    hash.add(static_cast<std::uint8_t>(c));
+  }
   return hash.value();
 }
 

@@ -14,6 +14,7 @@
 #include "io/tree/sphere_archive.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula {
 using namespace detail;
@@ -55,6 +56,8 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
 void SphereFramesWriter::write(std::span<const Sphere> spheres) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
+  // Asks before anything of the frame is written: a frame is written whole.
+  ask_to_go_on();
   if (spheres.size() != tree_.node_count())
     throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +
                                 " spheres, but the tree has " + std::to_string(tree_.node_count()) + " nodes");
@@ -67,6 +70,7 @@ void SphereFramesWriter::write(std::span<const Sphere> spheres) {
 }
 
 void SphereFramesWriter::finish() {
+  const Uninterrupted whole;  // the archive is written once, from here to its end
   if (written_ < frame_count_)
     throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the file is incomplete");

@@ -92,8 +92,9 @@ std::string endless_plane_note(const std::string& link, int line) {
 
 void note_other_shapes(const tinyxml2::XMLElement& taken, const std::string& link, std::vector<std::string>& notes) {
   if (const auto* next = taken.NextSiblingElement()) {
-    notes.push_back(fmt::format("a <geometry> of {} (line {}) holds more than one shape: <{}> is taken, <{}> is left out",
-                                link, next->GetLineNum(), taken.Name(), next->Name()));
+    notes.push_back(
+        fmt::format("a <geometry> of {} (line {}) holds more than one shape: <{}> is taken, <{}> is left out", link,
+                    next->GetLineNum(), taken.Name(), next->Name()));
   }
 }
 
@@ -160,8 +161,9 @@ void require_no_mimic_circle(const Robot& robot) {
 void arrange(Robot& robot) {
   for (Link& link : robot.links) {
     if (!link.inertial || link.inertial->mass >= 0) continue;
-    robot.notes.push_back(fmt::format("link {} (line {}) has the mass {}, which is below 0: it counts as a link without",
-                                      link.name, link.line, link.inertial->mass));
+    robot.notes.push_back(
+        fmt::format("link {} (line {}) has the mass {}, which is below 0: it counts as a link without", link.name,
+                    link.line, link.inertial->mass));
     link.inertial.reset();
   }
   for (std::size_t link = 0; link < robot.links.size(); ++link) {

@@ -17,7 +17,9 @@ namespace {
 class Sorter {
  public:
   Sorter(const MeshView& mesh, std::vector<std::uint32_t>& order) : order_(order), middle_(mesh.facet_count()) {
+    AskNowAndThen ask_now_and_then(1u << 14);
     for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+      ask_now_and_then();
       const auto corners = mesh.corners(f);
       middle_[f] = (corners[0] * (1.0 / 3) + corners[1] * (1.0 / 3)) + corners[2] * (1.0 / 3);
     }
@@ -34,10 +36,11 @@ class Sorter {
   /// Into runs of so many facets, the last of them perhaps shorter, by halves along the longest axis; then each of
   /// those.
   void divide(std::size_t begin, std::size_t end, std::size_t run) {
-    ask_now_and_then_();
     const std::size_t runs = (end - begin + run - 1) / run;
     if (runs > 1) {
       const std::size_t cut = begin + (runs + 1) / 2 * run;
+      if (end - begin > 65536) ask_to_go_on();
+      ask_now_and_then_();
       Box box;
       for (std::size_t i = begin; i < end; ++i) box.add(middle_[order_[i]]);
       const int axis = box.longest_axis();
@@ -123,14 +126,24 @@ void give_edges(SurfaceTreeState& s) {
 }
 
 void find_rings(SurfaceTreeState& s) {
+  AskNowAndThen ask_now_and_then(1u << 16);
   s.ring_begin.assign(s.rest.size() + 1, 0);
-  for (const auto& edge : s.edges) ++s.ring_begin[edge[0] + 1], ++s.ring_begin[edge[1] + 1];
+  for (const auto& edge : s.edges) {
+    ask_now_and_then();
+    ++s.ring_begin[edge[0] + 1], ++s.ring_begin[edge[1] + 1];
+  }
   for (std::size_t v = 0; v < s.rest.size(); ++v) s.ring_begin[v + 1] += s.ring_begin[v];
   s.ring.resize(2 * s.edges.size());
   std::vector<std::uint32_t> next(s.ring_begin.begin(), s.ring_begin.end() - 1);
   // Ascending, since edges are: first of all edges whose higher vertex it is, then of those whose lower one.
-  for (const auto& edge : s.edges) s.ring[next[edge[1]]++] = edge[0];
-  for (const auto& edge : s.edges) s.ring[next[edge[0]]++] = edge[1];
+  for (const auto& edge : s.edges) {
+    ask_now_and_then();
+    s.ring[next[edge[1]]++] = edge[0];
+  }
+  for (const auto& edge : s.edges) {
+    ask_now_and_then();
+    s.ring[next[edge[0]]++] = edge[1];
+  }
 }
 
 }  // namespace
@@ -139,9 +152,13 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   require_usable(mesh);
   require_usable_scale(mesh);
   SurfaceTreeState s;
+  AskNowAndThen ask_now_and_then(1u << 16);
   s.facets.assign(mesh.facets.begin(), mesh.facets.end());
   s.rest.resize(mesh.vertex_count());
-  for (std::size_t v = 0; v < s.rest.size(); ++v) s.rest[v] = mesh.positions[v];
+  for (std::size_t v = 0; v < s.rest.size(); ++v) {
+    ask_now_and_then();
+    s.rest[v] = mesh.positions[v];
+  }
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
   s.rest_reach = std::max(max_norm(box.lower), max_norm(box.upper));
@@ -149,13 +166,21 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   Sorter(mesh, s.order).sort();
   give_vertices(s);
   give_edges(s);
-  for (const std::uint32_t f : s.order) s.facets_in_order.push_back(s.facets[f]);
-  for (const std::uint32_t e : s.own_edges) s.ends_of_own_edges.push_back(s.edges[e]);
+  for (const std::uint32_t f : s.order) {
+    ask_now_and_then();
+    s.facets_in_order.push_back(s.facets[f]);
+  }
+  for (const std::uint32_t e : s.own_edges) {
+    ask_now_and_then();
+    s.ends_of_own_edges.push_back(s.edges[e]);
+  }
   find_rings(s);
   const Components components = components_by_vertices(mesh);
   s.component.assign(s.rest.size(), 0);
-  for (std::size_t f = 0; f < s.facets.size(); ++f)
+  for (std::size_t f = 0; f < s.facets.size(); ++f) {
+    ask_now_and_then();
     for (const std::uint32_t v : s.facets[f]) s.component[v] = components.of_facet[f];
+  }
   s.boxes.vertices.resize(s.vertex_of_slot.size());
   s.next_vertex_boxes.resize(s.vertex_of_slot.size());
   s.boxes.make_levels(s.block_count());

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Indices found by the value that each stands for: a hash table with open addresses.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "parallel/interruption.hpp"
+
+namespace morula::detail {
+
+/// Of three numbers, none of them NaN. 0 and −0 have the same.
+inline std::uint64_t hash_of_numbers(double x, double y, double z) {
+  std::uint64_t state = 0;
+  for (const double number : {x, y, z}) {
+    state = (state ^ std::bit_cast<std::uint64_t>(number + 0.0)) * 0x9e3779b97f4a7c15u;
+    state ^= state >> 32;
+  }
+  state *= 0xbf58476d1ce4e5b9u;
+  return state ^ state >> 32;
+}
+
+/// The table asks whether the call is to go on while it grows, and is freed in one piece: std::unordered_map does
+/// neither, and both take long for millions of entries.
+class IndexTable {
+ public:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// The index for which `matches` holds, among those of this hash; none where there is none.
+  template <class Matches>
+  std::uint32_t find(std::uint64_t hash, const Matches& matches) const {
+    for (std::size_t place = first(hash); slots_[place] != none; place = next(place))
+      if (matches(slots_[place])) return slots_[place];
+    return none;
+  }
+  /// Adds an index that is not in the table. hash_of(i): the hash of an index that was added, or is.
+  template <class HashOf>
+  void add(std::uint32_t index, const HashOf& hash_of) {
+    if (2 * ++count_ > slots_.size()) grow(hash_of);
+    put(index, hash_of(index));
+  }
+
+ private:
+  std::size_t first(std::uint64_t hash) const { return static_cast<std::size_t>(hash) & (slots_.size() - 1); }
+  std::size_t next(std::size_t place) const { return (place + 1) & (slots_.size() - 1); }
+  void put(std::uint32_t index, std::uint64_t hash) {
+    std::size_t place = first(hash);
+    while (slots_[place] != none) place = next(place);
+    slots_[place] = index;
+  }
+  template <class HashOf>
+  void grow(const HashOf& hash_of) {
+    std::vector<std::uint32_t> before(4 * slots_.size(), none);
+    before.swap(slots_);
+    AskNowAndThen ask_now_and_then(1u << 14);
+    for (const std::uint32_t index : before) {
+      ask_now_and_then();
+      if (index != none) put(index, hash_of(index));
+    }
+  }
+
+  std::vector<std::uint32_t> slots_ =
+      std::vector<std::uint32_t>(1024, none);  // a power of two, at most half of it used
+  std::size_t count_ = 0;
+};
+
+}  // namespace morula::detail
