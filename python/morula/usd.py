@@ -48,7 +48,7 @@ def read_mesh(
     """A mesh in the coordinates of the world, at its first time; polygons are cut into triangles as read_mesh cuts them.
 
     prim: its place in the file; not needed where there is one mesh. A subdivision surface is read as its control mesh.
-    roots: folders beside the file's own in which files may lie that it refers to, links resolved.
+    roots: folders, besides the file's own, that may hold the files that it refers to. Symbolic links are resolved first.
     ValueError for a mesh that is none, or that is not there, with those that are. OSError for a file that cannot be read,
     or that refers to one elsewhere.
     """
