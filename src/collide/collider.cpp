@@ -39,6 +39,7 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
 void Collider::list_facets() {
   const SphereTree& tree = *pose_->tree;
   const Cover& cover = *cover_;
+  ++changes_.value;
   dealing_ = ~std::uint64_t{0};  // of nothing, until the lists are whole
   facets_.clear();
   for (const std::uint32_t leaf : leaves_) {
@@ -65,6 +66,7 @@ void Collider::follow_ownership() {
 void Collider::place(const RigidTransform& placement) {
   const StandardFloats standard;
   placement_ = rigid_or_throw(placement, "the placement of a body");
+  ++changes_.value;
 }
 
 void Collider::set_positions(const PositionView& positions) {
@@ -74,6 +76,7 @@ void Collider::set_positions(const PositionView& positions) {
                                 std::to_string(vertex_count()) + " vertices");
   given_ = positions;
   given_frame_ = pose_->frame;
+  ++changes_.value;
 }
 
 }  // namespace morula

@@ -22,6 +22,7 @@ struct ContactQuery::State {
   CallState call{};
   FrontWalk walk{};
   Contacts contacts{};
+  std::vector<PairAsRead> read{};  // by the present call, one per pair
   // A front that was taken in by set_front() is to be looked at before it is used. What is finished in it, or in one
   // whose contacts were taken away, is to be listed again.
   bool front_from_outside = false, lacks_contacts = false;
@@ -45,6 +46,20 @@ struct ContactQuery::State {
       }
       if (!has_level(*pair.a, *pair.b, options.level)) return {.code = Code::bad_level, .pair = i};
     }
+    return {};
+  }
+
+  void begin_reading() {
+    read.clear();
+    for (const ColliderPair& pair : walk.pairs) read.emplace_back(*pair.a, *pair.b);
+  }
+  // ok, or the first body that a callback of the present call has moved.
+  Status unmoved() const {
+    for (std::uint32_t i = 0; i < read.size(); ++i)
+      if (Status status = read[i].status(); !status) {
+        status.pair = i;
+        return status;
+      }
     return {};
   }
 
@@ -107,7 +122,10 @@ struct ContactQuery::State {
     walk.front.pairs.clear();
   }
 
-  ContactStatus done() {
+  ContactStatus done(ObjectCall<State>& own) {
+    const Status status = unmoved();
+    own.finish(status);
+    if (!status) return {status};
     front_from_outside = lacks_contacts = false;
     return {{}, contacts.finished, contacts.pair_tests};
   }
@@ -156,9 +174,9 @@ ContactStatus ContactQuery::run(Workers& workers) {
   ObjectCall own(s, CallKind::begins);
   if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
+  s.begin_reading();
   s.run(s.options, workers);
-  own.begun();
-  return s.done();
+  return s.done(own);
 }
 
 Status ContactQuery::warm_up(Workers& workers) {
@@ -169,10 +187,10 @@ Status ContactQuery::warm_up(Workers& workers) {
   if (const Status status = s.usable(); !status) return status;
   CollideOptions all = s.options;
   all.budget = {};
+  s.begin_reading();
   s.run(all, workers);
   s.walk.start(all, true, workers, s.contacts);
-  own.begun();
-  s.done();
+  if (const ContactStatus status = s.done(own); !status) return status;
   s.walk.front.pairs.clear();
   s.contacts.contacts.clear();
   s.contacts.surfaces.clear();
@@ -188,32 +206,34 @@ ContactStatus ContactQuery::start(Workers& workers) {
   ObjectCall own(s, CallKind::begins);
   if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
+  s.begin_reading();
   s.walk.start(s.options, true, workers, s.contacts);
-  own.begun();
-  return s.done();
+  return s.done(own);
 }
 
 ContactStatus ContactQuery::resume(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
-  const ObjectCall own(s, CallKind::goes_on);
+  ObjectCall own(s, CallKind::goes_on);
   if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
   if (const Status status = s.fits(true); !status) return {status};
+  s.begin_reading();
   if (s.front_from_outside || s.lacks_contacts) s.walk.list_finished(s.options, s.contacts);
   s.walk.resume(s.options, workers, s.contacts);
-  return s.done();
+  return s.done(own);
 }
 
 ContactStatus ContactQuery::carry(Workers& workers) {
   const StandardFloats standard;
   State& s = *state_;
-  const ObjectCall own(s, CallKind::goes_on);
+  ObjectCall own(s, CallKind::goes_on);
   if (!own.status()) return {own.status()};
   if (const Status status = s.usable(); !status) return {status};
   if (const Status status = s.fits(false); !status) return {status};
+  s.begin_reading();
   s.walk.carry(s.options, workers, s.contacts);
-  return s.done();
+  return s.done(own);
 }
 
 const Contacts& ContactQuery::contacts() const {
@@ -237,7 +257,10 @@ ContactSurface ContactQuery::surface(std::size_t contact) {
   const ColliderPair& pair = s.walk.pairs[c.pair];
   require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.reach, .positions = true});
   const ObjectCall own(s, CallKind::begins);
-  return s.walk.extras.surface_of(s.walk.pairs, c);
+  const PairAsRead read(*pair.a, *pair.b);
+  const ContactSurface surface = s.walk.extras.surface_of(s.walk.pairs, c);
+  require_good(read.status());
+  return surface;
 }
 
 const Front& ContactQuery::front() const {
@@ -248,7 +271,7 @@ void ContactQuery::set_front(Front front) {
   require_idle(state_->call);
   state_->walk.adopt(std::move(front));
   state_->front_from_outside = true;
-  state_->call.ended_by_exception = false;
+  state_->call.ended = {};
 }
 
 void ContactQuery::cut(std::vector<FrontPair>& pairs) const {

@@ -7,9 +7,9 @@
 #include <morula/geometry/inspect.hpp>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "collide/pairs/placed_spheres.hpp"
+#include "collide/require.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
@@ -216,15 +216,19 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
   result.certified = body_->pose().covers;
   if (!result.status) return false;
   // An exception leaves what is found to say that it ended so.
-  const Status good = std::exchange(result.status, {Status::Code::ended_by_exception});
+  result.status = {Status::Code::ended_by_exception};
+  const PairAsRead read(other, *body_);
   for (const std::uint32_t vertex : vertices) {
     ask_to_go_on();
     const bool inside = locate(other.vertex(vertex)).inside;
     result.inside.push_back(inside ? 1 : 0);
     result.inside_count += inside ? 1 : 0;
   }
-  result.status = good;
-  return true;
+  result.status = read.status();
+  if (result.status) return true;
+  result.inside.clear();
+  result.inside_count = 0;
+  return false;
 }
 
 }  // namespace morula

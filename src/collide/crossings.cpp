@@ -169,9 +169,10 @@ Status CrossingQuery::run(const Collider& a, const Collider& b, std::span<const 
   if (!have_nodes(a, b, nodes)) return {Status::Code::bad_option};
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return own.status();
+  const PairAsRead read(a, b);
   state_->find(a, b, nodes);
-  own.begun();
-  return {};
+  own.finish(read.status());
+  return state_->call.ended;
 }
 
 Status CrossingQuery::run(const Collider& a, const Collider& b) {
@@ -179,13 +180,14 @@ Status CrossingQuery::run(const Collider& a, const Collider& b) {
   if (const Status status = status_of_pair(a, b, {.positions = true}); !status) return status;
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return own.status();
+  const PairAsRead read(a, b);
   state_->leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
     state_->leaves.push_back({node_a, node_b});
   });
   state_->find(a, b, state_->leaves);
-  own.begun();
-  return {};
+  own.finish(read.status());
+  return state_->call.ended;
 }
 
 std::vector<Crossing> crossings(const Collider& a, const Collider& b) {
@@ -212,6 +214,7 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
     return s.lower.x > t.upper.x || t.lower.x > s.upper.x || s.lower.y > t.upper.y || t.lower.y > s.upper.y ||
            s.lower.z > t.upper.z || t.lower.z > s.upper.z;
   };
+  const PairAsRead read(a, b);
   const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
   std::vector<Crossing> found;
   for (std::uint32_t i = 0; i < all_a.size(); ++i) {
@@ -221,6 +224,7 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
       if (const auto common = intersection(all_a[i].triangle, all_b[j].triangle)) found.push_back({i, j, *common});
     }
   }
+  require_good(read.status());
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include "collide/facets/world_facets.hpp"
 #include "collide/pairs/meter.hpp"
 #include "collide/pairs/placed_spheres.hpp"
+#include "collide/require.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "geometry/object_call.hpp"
 #include "geometry/slab.hpp"
@@ -324,17 +325,20 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   if (!refused.status) return refused;
 
   State& s = *state_;
+  const PairAsRead read(a, b);
   const bool same = s.ownership_a == a.pose().ownership && s.ownership_b == b.pose().ownership &&
                     s.last_a < a.mesh_facets().size() && s.last_b < b.mesh_facets().size();
   const bool warm = options.warm_start && same;
   Search search(a, b, options, s.scratch);
   DistanceBounds answer = search.run(warm ? s.last_a : no_facet, warm ? s.last_b : no_facet);
+  own.finish(read.status());
+  refused.status = s.call.ended;
+  if (!refused.status) return refused;
   answer.certified = a.pose().covers && b.pose().covers;
   s.ownership_a = a.pose().ownership;
   s.ownership_b = b.pose().ownership;
   s.last_a = answer.a.facet;
   s.last_b = answer.b.facet;
-  own.begun();
   return answer;
 }
 

@@ -46,7 +46,9 @@ std::size_t detail::walk_pairs(const Collider& a, const Collider& b, const PairW
   if (!has_level(a, b, options.level)) throw std::invalid_argument(message(Status{.code = Status::Code::bad_level}));
   const TreePair trees(a, b, options.margin, options.level.value_or(leaf_level));
   Walk walk{trees, visitor, visit};
-  if (trees.overlaps(0, 0)) walk.enter(0, 0, 0);
+  const PairAsRead read(a, b);
+  // A visitor that ends the walk may move bodies before it returns: no other pair is read.
+  if (trees.overlaps(0, 0) && walk.enter(0, 0, 0)) require_good(read.status());
   return walk.tests;
 }
 

@@ -68,6 +68,7 @@ struct PenetrationQuery::State {
   std::array<const Collider*, 2> body;
   std::array<InsideQuery, 2> queries;
   std::array<Frame, 2> frames{};
+  PairAsRead read{};  // by the present call
   bool is_started = false;
 
   Vec3 half;                       // of the first cells
@@ -97,6 +98,13 @@ struct PenetrationQuery::State {
     for (std::uint8_t i = 0; i < 2; ++i)
       if (const Status status = askable(*body[i], i); !status) return status;
     return {};
+  }
+
+  void begin_reading() { read = PairAsRead(*body[0], *body[1]); }
+  Penetration done(ObjectCall<State>& own, const Penetration& result) {
+    const Status status = read.status();
+    own.finish(status ? result.status : status);
+    return status ? result : Penetration{.status = status};
   }
 
   void forget() noexcept {
@@ -269,15 +277,15 @@ Penetration PenetrationQuery::run(const PenetrationOptions& options) {
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return {.status = own.status()};
   if (Status status = state_->usable(options); !status) return {.status = status};
+  state_->begin_reading();
   state_->start();
-  own.begun();
-  return state_->go_on(options);
+  return state_->done(own, state_->go_on(options));
 }
 
 Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
   const StandardFloats standard;
   State& s = *state_;
-  const ObjectCall own(s, CallKind::goes_on);
+  ObjectCall own(s, CallKind::goes_on);
   if (!own.status()) return {.status = own.status()};
   if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
   for (std::uint8_t i = 0; i < 2; ++i) {
@@ -285,7 +293,8 @@ Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
     if (!(s.body[i]->placement() == s.frames[i].placement))
       return {.status = {.code = Status::Code::other_placement, .body = i}};
   }
-  return s.go_on(options);
+  s.begin_reading();
+  return s.done(own, s.go_on(options));
 }
 
 }  // namespace morula

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Requirements that queries have of their arguments.
+// Requirements that queries have of their arguments, when a call begins and when it ends.
 #pragma once
 
 #include <morula/collide/collider.hpp>
@@ -17,6 +17,49 @@ struct Needs {
 Status status_of(const Collider& collider, std::uint8_t body, Needs needs);
 /// The first fault of either.
 Status status_of_pair(const Collider& a, const Collider& b, Needs needs);
+
+/// A collider as a call begins to read it. Callbacks of the call must not move it, and counters tell whether one has:
+/// each change makes one of them larger, so a collider that is moved there and back is noticed as well.
+class ColliderAsRead {
+ public:
+  ColliderAsRead() = default;
+  explicit ColliderAsRead(const Collider& collider)
+      : collider_(&collider),
+        pose_(collider.pose_),
+        frame_(pose_->frame),
+        changes_(collider.changes_.value),
+        was_usable_(is_usable()) {}
+  bool has_moved() const {
+    return collider_->pose_ != pose_ || collider_->changes_.value != changes_ || pose_->frame != frame_ ||
+           is_usable() != was_usable_;
+  }
+
+ private:
+  // An update that is refused and the end of a body do not count as a frame.
+  bool is_usable() const { return pose_->current && !pose_->ended; }
+
+  const Collider* collider_ = nullptr;
+  const PosedTree* pose_ = nullptr;
+  std::uint64_t frame_ = 0, changes_ = 0;
+  bool was_usable_ = true;
+};
+
+/// Two of them.
+class PairAsRead {
+ public:
+  PairAsRead() = default;
+  PairAsRead(const Collider& a, const Collider& b) : a_(a), b_(b) {}
+  /// ok, or changed_during_call.
+  Status status() const {
+    if (a_.has_moved()) return {Status::Code::changed_during_call, 0};
+    if (b_.has_moved()) return {Status::Code::changed_during_call, 1};
+    return {};
+  }
+
+ private:
+  ColliderAsRead a_, b_;
+};
+
 /// Throws std::invalid_argument with the message of a fault.
 void require_good(const Status& status);
 /// Throws std::invalid_argument with the message of the first fault of either.

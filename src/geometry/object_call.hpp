@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One call of an object that is asked again and again: whole, refused, or, where an exception ends it, as if the object
-// were new.
+// One call of an object that is asked again and again: whole, refused, or, where an exception ends it or a callback
+// moves what it reads, as if the object were new.
 //
 // What an object calls may throw (filters, clocks, fields, executors, Interrupt, memory that is not there) and may call
 // the same object. So every public call that changes an object is an ObjectCall: a second one within it is refused, and
-// an exception that leaves it makes the object forget what it had found and begun.
+// an exception that leaves it makes the object forget what it had found and begun. So does a callback that moves a body
+// or a surface that the call reads: results of two frames are results of none.
 #pragma once
 
 #include <exception>
@@ -16,7 +17,7 @@ namespace morula::detail {
 
 struct CallState {
   bool is_running = false;
-  bool ended_by_exception = false;  // the last call did, and none has begun anew since
+  Status ended{};  // why nothing is left of the last call, where none has begun anew since; else ok
 };
 
 /// Throws std::invalid_argument within a call of the object: for functions that return no status.
@@ -41,22 +42,28 @@ class ObjectCall {
     if (!status_) return;
     object_.call.is_running = false;
     if (std::uncaught_exceptions() <= exceptions_) return;
-    object_.call.ended_by_exception = true;
-    object_.forget();
+    end({.code = Status::Code::ended_by_exception});
   }
   ObjectCall(const ObjectCall&) = delete;
   ObjectCall& operator=(const ObjectCall&) = delete;
 
   /// ok, or why the call is refused: nothing may be done then.
   const Status& status() const { return status_; }
-  /// The call was not refused, and what was before is gone.
-  void begun() { object_.call.ended_by_exception = false; }
+  /// Every call that was not refused ends with it. status: ok, a refusal, which has changed nothing, or
+  /// changed_during_call.
+  void finish(const Status& status) {
+    if (status) object_.call.ended = {};
+    if (status.code == Status::Code::changed_during_call) end(status);
+  }
 
  private:
+  void end(const Status& why) {
+    object_.call.ended = why;
+    object_.forget();
+  }
   static Status status_of(const CallState& state, CallKind kind) {
     if (state.is_running) return {.code = Status::Code::in_use};
-    if (kind == CallKind::goes_on && state.ended_by_exception) return {.code = Status::Code::ended_by_exception};
-    return {};
+    return kind == CallKind::goes_on ? state.ended : Status{};
   }
 
   Object& object_;

@@ -76,6 +76,10 @@ std::string message(const Status& status) {
       return "a callback asked the very object whose call it is part of: ask another object, or ask it afterwards";
     case Code::ended_by_exception:
       return "the last call was ended by an exception, and nothing is left of it: call run(), start() or update()";
+    case Code::changed_during_call:
+      return body +
+             " was moved by a callback of the call that read it, and nothing is left of that call: move bodies and "
+             "surfaces after it, and call run(), start() or update() again";
   }
   return {};
 }

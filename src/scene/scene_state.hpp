@@ -8,6 +8,7 @@
 #include <morula/scene/scene.hpp>
 #include <string_view>
 
+#include "collide/require.hpp"
 #include "scene/pair_extras.hpp"
 #include "scene/pair_front.hpp"
 #include "scene/scene_body.hpp"
@@ -72,6 +73,11 @@ struct SceneState {
   template <class Shape>
   SceneStatus touch_found(const Shape& shape, const TouchOptions& options);
   SceneStatus read_bodies(Workers& workers);
+  /// May an update call functions of the caller's? To look after bodies that they might move takes as long as to look
+  /// for bodies that have moved.
+  bool has_callbacks(const Workers& workers) const;
+  /// ok, or the first body that a callback has moved since read_bodies().
+  SceneStatus unmoved() const;
   SceneStatus update_once(Workers& workers);
   void start_over() noexcept;
   void list_near();
@@ -101,6 +107,7 @@ struct SceneState {
   std::uint32_t updates_to_give_back_ = 0;  ///< since memory was given back last
   std::size_t tests_done_ = 0;
   std::vector<BodyRead> read_;
+  std::vector<ColliderAsRead> as_read_;  ///< by place, where an update has callbacks
   std::vector<double> values_;
   double first_round_of_pair_ = 0;          ///< in the last update, of one thread; ns
   std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update takes

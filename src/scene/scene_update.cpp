@@ -8,6 +8,7 @@
 #include <functional>
 #include <utility>
 
+#include "parallel/interruption.hpp"
 #include "scene/scene_state.hpp"
 
 namespace morula::detail {
@@ -38,6 +39,8 @@ std::chrono::nanoseconds SceneState::now() const {
 // Bodies are read side by side, since their memory is cold; then all is taken over, or nothing.
 SceneStatus SceneState::read_bodies(Workers& workers) {
   read_.resize(bodies.size());
+  const bool is_watched = has_callbacks(workers);
+  if (is_watched) as_read_.resize(bodies.size());
   parallel_for(workers, bodies.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t place = begin; place < end; ++place) {
       const SceneBody& body = bodies[place];
@@ -45,7 +48,9 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
       read.status = {};
       read.has_moved = false;
       const bool is_looked_at = body.is_looked_at() || everything_anew;
-      if (body.collider == nullptr || !(is_looked_at || extras_anew)) continue;
+      if (body.collider == nullptr) continue;
+      if (is_watched) as_read_[place] = ColliderAsRead(*body.collider);
+      if (!is_looked_at && !extras_anew) continue;
       read.status = usable(*body.collider);
       if (!read.status || !is_looked_at) continue;
       read.stamp = stamp_of(*body.collider);
@@ -69,6 +74,20 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     body.stamp = read.stamp;
     body.around = read.around;
     broad.move(place, box_around(body.around));
+  }
+  return {};
+}
+
+bool SceneState::has_callbacks(const Workers& workers) const {
+  return options.keeps || options.clock || workers.is_of_host() || asked_now() != nullptr;
+}
+
+SceneStatus SceneState::unmoved() const {
+  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
+    if (bodies[place].collider == nullptr || !as_read_[place].has_moved()) continue;
+    SceneStatus moved{{.code = Status::Code::changed_during_call}};
+    moved.offender = id_of(place);
+    return moved;
   }
   return {};
 }
@@ -461,6 +480,12 @@ SceneStatus SceneState::update_once(Workers& workers) {
   give_back_parted();
   look_at_roots(workers);
   refine(start, workers, status);
+  // No body is read below.
+  if (has_callbacks(workers))
+    if (const SceneStatus moved = unmoved(); !moved) {
+      start_over();
+      return moved;
+    }
   const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);
   publish(status);
   // The longest of late: it falls by an eighth an update.

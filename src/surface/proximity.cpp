@@ -48,9 +48,8 @@ struct ProximityQuery::State {
                                                      FeaturePoints(b, feature_b(pair.kind), pair.b));
           return found.distance <= distance ? std::optional(found) : std::nullopt;
         }));
-    if (!status) return status;
-    if (options.nearest_features_once) keep_nearest_features_once();
-    own.begun();
+    if (status && options.nearest_features_once) keep_nearest_features_once();
+    own.finish(status);
     return status;
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {

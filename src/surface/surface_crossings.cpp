@@ -33,13 +33,15 @@ struct SurfaceCrossingQuery::State {
     ObjectCall own(*this, CallKind::begins);
     if (!own.status()) return {own.status()};
     const SurfaceQueryStatus status = query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
-    if (status) own.begun();
+    own.finish(status);
     return status;
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    const ObjectCall own(*this, CallKind::goes_on);
+    ObjectCall own(*this, CallKind::goes_on);
     if (!own.status()) return {own.status()};
-    return query.resume(0, options, workers, find_crossings);
+    const SurfaceQueryStatus status = query.resume(0, options, workers, find_crossings);
+    own.finish(status);
+    return status;
   }
 };
 

@@ -53,18 +53,20 @@ struct SweptQuery::State {
                              take_candidates)
             : query.run(a, b, {.reach = options.distance, .by_spheres = false}, options, workers,
                         one_by_one(Impact{options.distance}));
-    if (!status) return status;
-    has_candidates = options.candidates_only;
-    own.begun();
+    if (status) has_candidates = options.candidates_only;
+    own.finish(status);
     return status;
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    const ObjectCall own(*this, CallKind::goes_on);
+    ObjectCall own(*this, CallKind::goes_on);
     if (!own.status()) return {own.status()};
     const bool is_started = query.search().is_started() || candidates.search().is_started();
     if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
-    return has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
-                          : query.resume(options.distance, options, workers, one_by_one(Impact{options.distance}));
+    const SurfaceQueryStatus status =
+        has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
+                       : query.resume(options.distance, options, workers, one_by_one(Impact{options.distance}));
+    own.finish(status);
+    return status;
   }
 };
 

@@ -442,5 +442,67 @@ TEST(SceneCallback, no_method_that_changes_or_tells_is_answered_from_inside_a_ca
   }
 }
 
+// A callback that moves a body which the update reads: there and back, so that every frame looks as the one before.
+TEST(SceneCallback, one_that_moves_a_body_ends_the_update) {
+  Frames frames;
+  for (const bool by_clock : {false, true})
+    for (const bool by_update : {false, true})
+      for (const std::size_t moved : {0, 4, 7}) {  // the fourth is static
+        std::size_t calls = 0, moves_at = 0;
+        const auto hook = [&] {
+          if (++calls != moves_at) return;
+          Thing& thing = *frames.things[moved];
+          if (by_update) {
+            EXPECT_TRUE(thing.body.update(thing.positions));
+            return;
+          }
+          const RigidTransform before = thing.collider.placement();
+          thing.collider.place({.translation = {50, 0, 0}});
+          thing.collider.place(before);
+        };
+        SceneOptions options{.exact = true};
+        options.keeps = [&](BodyId, BodyId) { return by_clock ? true : (hook(), true); };
+        if (by_clock) {
+          options.budget = std::chrono::hours(1);
+          options.clock = [&] { return hook(), std::chrono::nanoseconds(1); };
+        }
+        // The clock's first reading comes before bodies are read, and two after.
+        const auto update = [&](Scene& scene) {
+          calls = 0;
+          return scene.update();
+        };
+        moves_at = 0;
+        Scene whole(options);
+        frames.fill(whole);
+        ASSERT_TRUE(update(whole).finished);
+        const std::size_t all = calls;
+        ASSERT_GT(all, 5u);
+        std::size_t refused = 0;
+        for (moves_at = 1; moves_at <= all; moves_at += 1 + moves_at / 4) {
+          Scene scene(options);
+          frames.fill(scene);
+          const SceneStatus status = update(scene);
+          if (status) {
+            EXPECT_TRUE(by_clock && (moves_at == 1 || moves_at + 2 > all)) << moves_at << " of " << all;
+            EXPECT_EQ(told(scene), told(whole));
+            continue;
+          }
+          ++refused;
+          EXPECT_EQ(status.code, Status::Code::changed_during_call);
+          ASSERT_TRUE(status.offender);
+          EXPECT_EQ(*status.offender, frames.things[moved]->id);
+          EXPECT_EQ(message(status).find("body " + std::to_string(status.offender->place)), 0u) << message(status);
+          EXPECT_FALSE(status.finished);
+          expect_nothing(scene);
+          const std::size_t at = std::exchange(moves_at, 0);
+          const SceneStatus next = update(scene);
+          EXPECT_TRUE(next.finished);
+          EXPECT_EQ(told(scene), told(whole)) << at;
+          moves_at = at;
+        }
+        EXPECT_GE(refused, 3u);
+      }
+}
+
 }  // namespace
 }  // namespace morula

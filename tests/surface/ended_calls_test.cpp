@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls that end in the middle: whatever an object calls may throw at any time, an Interrupt may, and memory may be
 // missing. The object is empty afterwards and says so, and the next call gives what a new object gives. A callback that
-// calls its own object is refused, and the call that it is part of is none the worse.
+// calls its own object is refused, and the call that it is part of is none the worse. One that moves what the call
+// reads ends it as an exception does.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -49,10 +50,21 @@ struct World {
     return mesh;
   }
   World() { surface_a.update(mesh_a.positions, later); }
+  /// As it was made, whatever was updated and placed since.
+  void restore() {
+    EXPECT_TRUE(body_a.update(mesh_a.positions));
+    EXPECT_TRUE(body_b.update(mesh_b.positions));
+    for (Collider* collider : {&a, &b}) collider->place({});
+    EXPECT_TRUE(surface_a.update(mesh_a.positions, later));
+    EXPECT_TRUE(surface_b.update(mesh_b.positions));
+  }
 };
-World& world() {
-  static World one;
+std::unique_ptr<World>& only_world() {
+  static auto one = std::make_unique<World>();
   return one;
+}
+World& world() {
+  return *only_world();
 }
 
 /// An object under test.
@@ -64,6 +76,12 @@ struct Subject {
   /// Another way to begin or to go on; by number, until there is none.
   virtual std::size_t ways_to_go_on() const { return 0; }
   virtual Status go_on(std::size_t, Workers&) { return {}; }
+  /// Does it read surfaces, or else colliders?
+  virtual bool reads_surfaces() const { return false; }
+  /// Does it read the second body or surface?
+  virtual bool reads_b() const { return true; }
+  virtual bool has_callbacks() const { return true; }
+  virtual bool asks_interrupts() const { return true; }
   /// All that it tells of what was found.
   virtual Numbers results() const = 0;
   /// Calls every function of itself that changes it; each is to be refused. Returns how many were not.
@@ -117,6 +135,8 @@ struct SurfaceSubject : Subject {
   }
   std::size_t ways_to_go_on() const override { return 1; }
   Status go_on(std::size_t, Workers& workers) override { return query.resume(workers); }
+  bool reads_surfaces() const override { return true; }
+  bool reads_b() const override { return !with_itself; }
   Numbers results() const override {
     Numbers all{double(query.open().size())};
     for (const auto& pair : query.pairs()) add(all, pair);
@@ -181,6 +201,8 @@ struct ObstacleSubject : Subject {
   Status run(Workers& workers) override { return run_once(workers); }
   std::size_t ways_to_go_on() const override { return 1; }
   Status go_on(std::size_t, Workers& workers) override { return query.resume(workers); }
+  bool reads_surfaces() const override { return true; }
+  bool reads_b() const override { return false; }
   Numbers results() const override {
     Numbers all{double(query.open().size())};
     if constexpr (std::is_same_v<Query, ObstacleQuery>) {
@@ -278,7 +300,10 @@ struct DistanceSubject : Subject {
     found = query.run(world().a, far, options);
     return found.status;
   }
-  Numbers results() const override { return {found.lower, found.upper, double(found.a.facet), double(found.b.facet)}; }
+  Numbers results() const override {
+    if (!found.status) return Numbers(4);  // says that it is nothing
+    return {found.lower, found.upper, double(found.a.facet), double(found.b.facet)};
+  }
   int call_itself() override {
     return is_not_refused([&] { return query.run(world().a, world().b).status; });
   }
@@ -317,6 +342,7 @@ struct PenetrationSubject : Subject {
 
 struct CrossingSubject : Subject {
   CrossingQuery query;
+  bool has_callbacks() const override { return false; }
   void set(const Hook&, bool) override {}
   Status run(Workers&) override { return query.run(world().a, world().b); }
   Numbers results() const override {
@@ -330,6 +356,7 @@ struct CrossingSubject : Subject {
 struct InsideSubject : Subject {
   InsideQuery query{world().a};
   Containment found;
+  bool has_callbacks() const override { return false; }
   void set(const Hook&, bool) override {}
   Status run(Workers&) override {
     static const std::vector<std::uint32_t> vertices{0, 5, 9, 13, 20};
@@ -345,6 +372,9 @@ struct InsideSubject : Subject {
 
 struct TouchSubject : Subject {
   TouchQuery query;
+  bool reads_b() const override { return false; }
+  bool has_callbacks() const override { return false; }
+  bool asks_interrupts() const override { return false; }
   void set(const Hook&, bool) override {}
   Status run(Workers&) override { return query.run(world().a, Sphere{{0.7, 0, 0}, 0.4}, {.list = true}).status; }
   Numbers results() const override {
@@ -435,6 +465,20 @@ const Ending endings[]{
      }},
 };
 
+/// After its k-th callback ended a call of the subject: it has nothing, says why, and answers as a new one does.
+void expect_empty_and_as_new(const Kind& kind, Subject& subject, const Numbers& truth, Code why, long k) {
+  const auto unasked = kind.make();
+  EXPECT_EQ(subject.results(), unasked->results()) << k;
+  subject.set({}, false);
+  for (std::size_t i = 0; i < subject.ways_to_go_on(); ++i)
+    EXPECT_EQ(subject.go_on(i, serial_workers()).code, why) << k;
+  EXPECT_EQ(subject.results(), unasked->results()) << k;
+  EXPECT_TRUE(subject.run(serial_workers())) << k;
+  EXPECT_EQ(subject.results(), truth) << k;
+  for (std::size_t i = 0; i < subject.ways_to_go_on(); ++i) EXPECT_TRUE(subject.go_on(i, serial_workers())) << k;
+  EXPECT_EQ(subject.results(), truth) << k;
+}
+
 class EndedCalls : public ::testing::TestWithParam<std::tuple<Kind, Ending>> {
  protected:
   std::unique_ptr<Subject> fresh() const { return std::get<0>(GetParam()).make(); }
@@ -447,19 +491,6 @@ class EndedCalls : public ::testing::TestWithParam<std::tuple<Kind, Ending>> {
   }
   /// The next k to try: every one of the first, then fewer and fewer.
   static long next(long k) { return k < 12 ? k + 1 : k + 1 + k / 4; }
-
-  void expect_empty_and_as_new(Subject& subject, const Numbers& truth, long k) {
-    const auto unasked = fresh();
-    EXPECT_EQ(subject.results(), unasked->results()) << k;
-    subject.set({}, false);
-    for (std::size_t i = 0; i < subject.ways_to_go_on(); ++i)
-      EXPECT_EQ(subject.go_on(i, serial_workers()).code, Code::ended_by_exception) << k;
-    EXPECT_EQ(subject.results(), unasked->results()) << k;
-    EXPECT_TRUE(subject.run(serial_workers())) << k;
-    EXPECT_EQ(subject.results(), truth) << k;
-    for (std::size_t i = 0; i < subject.ways_to_go_on(); ++i) EXPECT_TRUE(subject.go_on(i, serial_workers())) << k;
-    EXPECT_EQ(subject.results(), truth) << k;
-  }
 
   /// before(subject) is not to be ended; call(subject) is, at each time that something is called.
   void end_at_every_time(const std::function<void(Subject&)>& before, bool short_budget,
@@ -489,7 +520,7 @@ class EndedCalls : public ::testing::TestWithParam<std::tuple<Kind, Ending>> {
       }
       current = {};
       if (!ended) break;
-      expect_empty_and_as_new(*subject, truth, k);
+      expect_empty_and_as_new(std::get<0>(GetParam()), *subject, truth, Code::ended_by_exception, k);
       if (HasFailure()) break;
     }
   }
@@ -581,6 +612,211 @@ TEST_P(OwnCalls, end_on_all_threads_and_leave_the_object_empty) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, OwnCalls, ::testing::ValuesIn(kinds), [](const auto& info) { return info.param.name; });
+
+/// What a callback does to the bodies and surfaces that the call around it reads.
+struct Move {
+  enum class Target { collider, surface };
+  const char* name;
+  Target target;
+  bool is_of_b;
+  std::function<void(World&)> apply;
+  bool needs_new_world = false;
+};
+
+constexpr auto collider = Move::Target::collider, surface = Move::Target::surface;
+const Move moves[]{
+    {"update", collider, false, [](World& w) { EXPECT_TRUE(w.body_a.update(w.later)); }},
+    {"lazy update", collider, false, [](World& w) { EXPECT_TRUE(w.body_a.update_lazily(w.later, 0)); }},
+    {"update there and back", collider, false,
+     [](World& w) {
+       EXPECT_TRUE(w.body_a.update(w.later));
+       EXPECT_TRUE(w.body_a.update(w.mesh_a.positions));
+     }},
+    {"refused update", collider, false,
+     [](World& w) {
+       EXPECT_FALSE(w.body_a.update(std::vector<Vec3>(w.later.size(), Vec3{0, 1e300, 0})));
+     }},
+    {"update of b", collider, true, [](World& w) { EXPECT_TRUE(w.body_b.update(w.later)); }},
+    {"place", collider, false,
+     [](World& w) {
+       w.a.place({.translation = {0, 0.3, 0}});
+     }},
+    {"place there and back", collider, false,
+     [](World& w) {
+       w.a.place({.translation = {0, 0.3, 0}});
+       w.a.place({});
+     }},
+    {"positions", collider, false, [](World& w) { w.a.set_positions(w.later); }},
+    {"assignment", collider, false, [](World& w) { w.body_a = Body(w.mesh_a, w.built_a); }, true},
+    {"update of a surface", surface, false, [](World& w) { EXPECT_TRUE(w.surface_a.update(w.later)); }},
+    {"update of a surface there and back", surface, false,
+     [](World& w) {
+       EXPECT_TRUE(w.surface_a.update(w.later));
+       EXPECT_TRUE(w.surface_a.update(w.mesh_a.positions, w.later));
+     }},
+    {"update of surface b", surface, true, [](World& w) { EXPECT_TRUE(w.surface_b.update(w.later)); }},
+    {"follow", surface, false, [](World& w) { EXPECT_TRUE(w.surface_a.follow(w.a)); }},
+    {"assignment of a surface", surface, false, [](World& w) { w.surface_a = SurfaceTree(w.mesh_a); }, true},
+};
+
+class MovingCallbacks : public ::testing::TestWithParam<std::tuple<Kind, bool>> {
+ protected:
+  const Kind& kind() const { return std::get<0>(GetParam()); }
+  bool by_interrupt() const { return std::get<1>(GetParam()); }
+  /// Where the k-th callback of the call moves something. way: how the subject goes on; none: it begins. False where
+  /// there is no such callback.
+  bool move_at(long k, const Move& move, std::optional<std::size_t> way, const Numbers& truth) {
+    SCOPED_TRACE(std::string(move.name) + " at callback " + std::to_string(k));
+    const auto subject = kind().make();
+    if (way) {
+      subject->set({}, true);
+      EXPECT_TRUE(subject->run(serial_workers()));
+    }
+    long calls = 0;
+    const Hook hook = [&] {
+      if (++calls == k) move.apply(world());
+    };
+    subject->set(by_interrupt() ? Hook() : hook, false);
+    Status status;
+    {
+      const Interrupt interrupt(by_interrupt() ? hook : [] {});
+      status = way ? subject->go_on(*way, serial_workers()) : subject->run(serial_workers());
+    }
+    const bool has_moved = calls >= k;
+    EXPECT_EQ(status.code, has_moved ? Code::changed_during_call : Code::ok);
+    if (move.needs_new_world && has_moved) {
+      EXPECT_EQ(subject->results(), kind().make()->results());
+      only_world() = std::make_unique<World>();
+    } else {
+      world().restore();
+      if (has_moved) expect_empty_and_as_new(kind(), *subject, truth, Code::changed_during_call, k);
+    }
+    return has_moved;
+  }
+};
+
+TEST_P(MovingCallbacks, leave_an_object_empty_that_says_so) {
+  world().restore();
+  const auto whole = kind().make();
+  whole->set({}, false);
+  ASSERT_TRUE(whole->run(serial_workers()));
+  const Numbers truth = whole->results();
+  std::vector<std::optional<std::size_t>> ways{std::nullopt};
+  for (std::size_t way = 0; way < whole->ways_to_go_on(); ++way) ways.push_back(way);
+  std::size_t moved = 0;
+  for (const Move& move : moves) {
+    if ((move.target == surface) != whole->reads_surfaces() || (move.is_of_b && !whole->reads_b())) continue;
+    // Calls that go on end as those that begin do: one move tells.
+    const std::size_t tried = moved == 0 ? ways.size() : 1;
+    for (const auto& way : std::span(ways).first(tried))
+      for (long k = 1; k < 2000 && !HasFailure() && move_at(k, move, way, truth); k = 5 * k + 2) ++moved;
+  }
+  if (by_interrupt() ? whole->asks_interrupts() : whole->has_callbacks()) {
+    EXPECT_GE(moved, 3u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Quick, MovingCallbacks, ::testing::Combine(::testing::ValuesIn(kinds), ::testing::Bool()),
+                         [](const auto& info) {
+                           return std::string(std::get<0>(info.param).name) +
+                                  (std::get<1>(info.param) ? "_by_interrupt" : "_by_callback");
+                         });
+
+TEST(MovedDuringCalls, bodies_that_surfaces_follow) {
+  World w;
+  ASSERT_TRUE(w.surface_a.follow(w.a));
+  ASSERT_TRUE(w.surface_b.follow(w.b));
+  SurfaceCrossingQuery query, same;
+  ASSERT_TRUE(same.run(w.surface_a, w.surface_b).finished);
+  ASSERT_FALSE(same.pairs().empty());
+  long calls = 0;
+  query.set_options({.filter = {.keeps = [&](const FeaturePair&) {
+                       if (++calls == 3) {
+                         EXPECT_TRUE(w.body_b.update(w.later));
+                       }
+                       return true;
+                     }}});
+  const SurfaceQueryStatus status = query.run(w.surface_a, w.surface_b);
+  EXPECT_EQ(static_cast<const Status&>(status), (Status{.code = Code::changed_during_call, .body = 1}));
+  EXPECT_FALSE(status.finished);
+  EXPECT_TRUE(query.pairs().empty());
+  EXPECT_EQ(query.run(w.surface_a, w.surface_b).code, Code::surface_not_current);
+  ASSERT_TRUE(w.body_b.update(w.mesh_b.positions));
+  ASSERT_TRUE(w.surface_b.follow(w.b));
+  ASSERT_TRUE(query.run(w.surface_a, w.surface_b).finished);
+  EXPECT_TRUE(std::equal(query.pairs().begin(), query.pairs().end(), same.pairs().begin(), same.pairs().end()));
+}
+
+TEST(MovedDuringCalls, throw_where_there_is_no_status) {
+  World w;
+  const auto expect_refused = [&](const char* name, const std::function<void(const Hook&)>& f) {
+    for (const long k : {1, 2, 9}) {
+      long calls = 0;
+      const Hook moves_a = [&] {
+        if (++calls == k) w.a.place({.translation = {0.01, 0, 0}});
+      };
+      try {
+        f(moves_a);
+        ADD_FAILURE() << name << ' ' << k;
+      } catch (const std::invalid_argument& e) {
+        EXPECT_EQ(std::string(e.what()), message(Status{.code = Code::changed_during_call}));
+      }
+      EXPECT_GE(calls, k) << name;
+      w.restore();
+      EXPECT_NO_THROW(f([] {})) << name;
+    }
+  };
+  expect_refused("collide", [&](const Hook& hook) {
+    CollideOptions options;
+    options.reach = [&](const Collider&, std::uint32_t) { return hook(), true; };
+    collide(w.a, w.b, options);
+  });
+  expect_refused("distance", [&](const Hook& hook) {
+    Collider far = w.b;
+    far.place({.translation = {3, 0.2, 0.1}});
+    DistanceOptions options{.budget = std::chrono::hours(1)};
+    // It is read at first for the time, and then after every 64 tests.
+    options.clock = [&] { return hook(), hook(), hook(), hook(), hook(), std::chrono::nanoseconds(0); };
+    distance(w.a, far, options);
+  });
+  expect_refused("walk_pairs", [&](const Hook& hook) {
+    walk_pairs(w.a, w.b, {}, [&](NodePair, bool) { return hook(), Step::open; });
+  });
+  expect_refused("crossings", [&](const Hook& hook) {
+    const Interrupt interrupt(hook);
+    crossings(w.a, w.b);
+  });
+  EXPECT_NE(
+      message(Status{.code = Code::changed_during_call, .body = 1}).find("the second body was moved by a callback"),
+      std::string::npos);
+}
+
+TEST(MovedDuringCalls, a_visitor_that_ends_its_walk_may_move) {
+  World w;
+  EXPECT_EQ(walk_pairs(w.a, w.b, {},
+                       [&](NodePair, bool) {
+                         EXPECT_TRUE(w.body_a.update(w.later));
+                         return Step::stop;
+                       }),
+            1u);
+}
+
+TEST(MovedDuringCalls, other_queries_may_read_the_same) {
+  World w;
+  CrossingQuery other;
+  long calls = 0;
+  ContactQuery query({.exact = true, .reach = [&](const Collider&, std::uint32_t) {
+                        if (++calls == 5) {
+                          EXPECT_TRUE(other.run(w.a, w.b));
+                        }
+                        return true;
+                      }});
+  query.add(w.a, w.b);
+  EXPECT_TRUE(query.run().finished);
+  EXPECT_GE(calls, 5);
+  EXPECT_EQ(query.contacts().crossings.size(), other.pairs().size());
+  EXPECT_EQ(other.pairs().size(), brute_force::crossings(w.a, w.b).size());
+}
 
 TEST(EndedQueries, without_a_budget_forget_what_workers_had_found) {
   World& w = world();

@@ -16,6 +16,17 @@
 #include <vector>
 
 namespace morula {
+namespace detail {
+class ColliderAsRead;
+
+/// Counts the changes of the object that it is a member of. Assigning to the object is a change.
+struct ChangeCount {
+  std::uint64_t value = 0;
+  ChangeCount() = default;
+  ChangeCount(const ChangeCount&) noexcept {}
+  ChangeCount& operator=(const ChangeCount&) noexcept { return ++value, *this; }
+};
+}  // namespace detail
 
 /// Borrows the mesh's arrays, and a pose and a cover of the caller's own: these must outlive it, and may be moved
 /// meanwhile, with whatever holds them. Of a Body or PosedSpheres it keeps what it needs: when that is destroyed, or
@@ -87,6 +98,7 @@ class Collider {
   }
 
  private:
+  friend class detail::ColliderAsRead;
   const PosedTree* pose_;
   std::shared_ptr<const void> kept_;  // pose and cover, of a source that shares them
   const Cover* cover_ = nullptr;
@@ -97,6 +109,7 @@ class Collider {
   void list_facets();
   std::uint64_t dealing_ = 0;
   std::vector<std::uint32_t> facets_, facet_begin_, facet_end_, leaves_;
+  detail::ChangeCount changes_{};  // of the placement, of the positions given, of facets_
 };
 
 /// May queries that look at facets ask this body? ok, or one of the faults of bodies.

@@ -20,8 +20,9 @@ struct ContactStatus : Status {
 /// queue and one budget. A call that is refused changes nothing.
 ///
 /// The result after any call is sound: every crossing lies within a pair of contacts(). An exception of a callback
-/// (reach, clock, executor) leaves the query without contacts and front, and resume() and carry() refused. A callback
-/// that calls the query itself is refused, by std::invalid_argument where there is no status.
+/// (reach, clock, executor) leaves the query without contacts and front, and resume() and carry() refused. So does a
+/// callback that moves a body of the query: its call is refused with changed_during_call. A callback that calls the
+/// query itself is refused, by std::invalid_argument where there is no status.
 class ContactQuery {
  public:
   /// Throws std::invalid_argument, naming the option, as collide() does.

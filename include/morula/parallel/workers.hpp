@@ -40,6 +40,8 @@ class Workers {
   Workers& operator=(Workers&&) noexcept;
 
   unsigned thread_count() const;
+  /// Does an executor of the host run the loops?
+  bool is_of_host() const { return static_cast<bool>(executor_); }
   /// Calls chunk(i) once for every i < count; after one that throws some are left out. The exception of the lowest i is
   /// thrown again here. No allocation. One call at a time; a call from inside a chunk runs on the calling thread.
   void run(std::size_t count, ChunkFunction chunk);

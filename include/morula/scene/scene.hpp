@@ -108,8 +108,8 @@ struct SceneTouch {
 /// bodies, and no pairs until an update() succeeds; that one has the pairs of a new scene with these bodies, and tells
 /// of every touch that has stayed, begun or ended since the last one that did. Lack of memory and an executor that
 /// throws do the same. From inside a callback has(), is_asleep(), user_data(), collider(), size() and options() may be
-/// called; all else throws std::logic_error, naming the method, and changes nothing. Bodies and colliders stay as they
-/// are while update() runs.
+/// called; all else throws std::logic_error, naming the method, and changes nothing. A callback that moves a body of
+/// the scene leaves it without pairs as well: update() is then refused with changed_during_call, and names the body.
 ///
 /// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
 /// every pair had as many contacts, unless a pair has been parted for 32 updates: it gives its memory back then.

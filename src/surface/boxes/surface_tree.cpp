@@ -59,7 +59,7 @@ double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
 }
 
 Status SurfaceTreeState::askable(std::uint8_t body) const {
-  if (call.ended_by_exception) return {Status::Code::ended_by_exception, body};
+  if (!call.ended) return {call.ended.code, body};
   if (call.is_running) return {Status::Code::in_use, body};
   if (followed && !followed->is_current()) return {Status::Code::surface_not_current, body};
   return {};
@@ -153,10 +153,8 @@ Status SurfaceTree::update(const PositionView& from, const PositionView& to, Wor
     s.to = to;
   }
   Status status = s.move(workers);
-  if (status) {
-    own.begun();
-    return status;
-  }
+  own.finish(status);
+  if (status) return status;
   s.from = before_from, s.to = before_to, s.followed = before_followed;
   const std::optional<std::uint32_t> bad_from = lowest_bad(s, from), bad_to = lowest_bad(s, to);
   status.index = std::min(bad_from.value_or(SurfaceTreeState::no_slot), bad_to.value_or(SurfaceTreeState::no_slot));
@@ -182,7 +180,7 @@ Status SurfaceTree::follow(const Collider& body) {
   s.followed = std::move(followed);
   s.from = body.positions();
   s.to.reset();
-  s.call.ended_by_exception = false;
+  s.call.ended = {};
   ++s.frame;
   return {};
 }

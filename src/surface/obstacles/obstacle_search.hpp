@@ -24,8 +24,8 @@ class ObstacleSearch {
   void start(const SurfaceTreeState& surface, Workers& workers) {
     surface_ = &surface;
     kept_ = surface.weak_from_this().lock();
-    boxes_.start(surface, nullptr, 0, false, workers);
     frame_ = surface.frame;
+    boxes_.start(surface, nullptr, 0, false, workers);
     candidates_ = 0;
     found_.clear();
     open_.assign(1, {0, static_cast<std::int16_t>(surface.boxes.levels.size() - 1)});
@@ -39,7 +39,7 @@ class ObstacleSearch {
 
   /// is_far(center, half): is the box away from the obstacle? narrow(corners, found): whether the vertex or facet with
   /// these vertices is near enough to be a candidate, and, in `found`, what is found of it, but for its number. Both
-  /// are called by workers.
+  /// are called by workers. Refused with changed_during_call where a callback has moved the surface.
   template <class IsFar, class Narrow>
   SurfaceQueryStatus run(const ObstacleOptions& options, Workers& workers, const IsFar& is_far, const Narrow& narrow) {
     SurfaceMeter meter(options.budget, options.clock, tests);
@@ -98,6 +98,7 @@ class ObstacleSearch {
     }
     std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) { return p.feature < q.feature; });
     list_open();
+    if (!is_current()) return {{.code = Status::Code::changed_during_call}};
     SurfaceQueryStatus status;
     status.finished = open_.empty();
     status.box_tests = tests * meter.groups_tested;

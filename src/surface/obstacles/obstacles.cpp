@@ -131,17 +131,20 @@ SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
   state_->search.start(surface.state(), workers);
-  own.begun();
-  return state_->go_on(workers);
+  const SurfaceQueryStatus status = state_->go_on(workers);
+  own.finish(status);
+  return status;
 }
 SurfaceQueryStatus ObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
-  const ObjectCall own(*state_, CallKind::goes_on);
+  ObjectCall own(*state_, CallKind::goes_on);
   if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
   if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
-  return state_->go_on(workers);
+  const SurfaceQueryStatus status = state_->go_on(workers);
+  own.finish(status);
+  return status;
 }
 
 std::span<const ObstacleContact> ObstacleQuery::contacts() const {
@@ -221,17 +224,20 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
   state_->asked = Asked(state_->options);
   state_->motion = motion;
   state_->search.start(surface.state(), workers);
-  own.begun();
-  return state_->go_on(workers);
+  const SurfaceQueryStatus status = state_->go_on(workers);
+  own.finish(status);
+  return status;
 }
 SurfaceQueryStatus SweptObstacleQuery::resume(Workers& workers) {
   const StandardFloats standard;
-  const ObjectCall own(*state_, CallKind::goes_on);
+  ObjectCall own(*state_, CallKind::goes_on);
   if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
   if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
-  return state_->go_on(workers);
+  const SurfaceQueryStatus status = state_->go_on(workers);
+  own.finish(status);
+  return status;
 }
 
 std::span<const ObstacleImpact> SweptObstacleQuery::impacts() const {

@@ -118,6 +118,7 @@ class FeatureQuery {
   double largest_coordinate() const { return largest_coordinate_; }
 
  private:
+  /// Refused with changed_during_call where a callback has moved a surface: the caller forgets what was found.
   template <class Options, class Narrow>
   SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
     const SurfaceTreeState &a = search_.a(), &b = search_.b();
@@ -148,6 +149,8 @@ class FeatureQuery {
     if (ask_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
     search_.open(open_);
     SurfaceQueryStatus status;
+    static_cast<Status&>(status) = search_.moved(Status::Code::changed_during_call);
+    if (!status) return status;
     status.finished = is_finished_;
     status.box_tests = 64 * meter.groups_tested;
     status.candidates = candidates_;

@@ -49,9 +49,13 @@ class PairSearch {
   /// Of one surface with itself: what is not to be found. It has to live until the last run(). Null: nothing.
   void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
   bool is_started() const { return a_ != nullptr; }
-  /// Have the surfaces moved since?
-  bool is_current() const {
-    return a_->frame == frame_a_ && a_->askable(0) && (b_ == nullptr || (b_->frame == frame_b_ && b_->askable(1)));
+  /// Have the surfaces not moved since?
+  bool is_current() const { return static_cast<bool>(moved(Status::Code::other_frame)); }
+  /// ok, or `code` with the number of the first one that has moved since.
+  Status moved(Status::Code code) const {
+    if (a_->frame != frame_a_ || !a_->askable(0)) return {code, 0};
+    if (b_ != nullptr && (b_->frame != frame_b_ || !b_->askable(1))) return {code, 1};
+    return {};
   }
   bool is_with_itself() const { return b_ == nullptr; }
   const QueryBoxes& boxes() const { return boxes_; }
