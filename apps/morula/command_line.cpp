@@ -42,6 +42,25 @@ bool wants_json(int argc, char** argv) {
                      [](const char* word) { return std::string(word) == "--json"; });
 }
 
+bool takes_value(const CLI::App& app, const std::string& option) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (const CLI::Option* known = command->get_option_no_throw(option)) return known->get_items_expected_max() > 0;
+  return false;
+}
+
+/// The first word that is no option and no value of one: where a command is to stand. Options before it are refused,
+/// but only once the command is known, so a command that is none is said first. Empty where options of the program
+/// itself come before it, or there is no such word.
+std::string command_word(const CLI::App& app, int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word.empty() || word[0] != '-') return word;
+    if (app.get_option_no_throw(word) != nullptr) return {};
+    if (takes_value(app, word)) ++i;
+  }
+  return {};
+}
+
 int run(int argc, char** argv, bool parse_only) {
   write_messages_as_json(wants_json(argc, argv));
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
@@ -58,7 +77,7 @@ int run(int argc, char** argv, bool parse_only) {
       "Exit codes: 0 done; 1 a check failed, the result is incomplete, or it is written and its report could not be\n"
       "printed; 2 bad use or bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C, 143 "
       "SIGTERM\n"
-      "and 129 SIGHUP, with nothing unfinished left behind.");
+      "and 129 SIGHUP, with nothing unfinished left behind; 141 where nobody reads standard output any more.");
   Run run;
   add_build(app, run);
   add_measure(app, run);
@@ -92,7 +111,8 @@ int run(int argc, char** argv, bool parse_only) {
     if (!parse_only) fmt::print("{}", license_texts());
     return exit_done;
   }
-  if (first.rfind('-', 0) != 0) check_name("command", first, command_names(app));
+  if (const std::string word = command_word(app, argc, argv); !word.empty())
+    check_name("command", word, command_names(app));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -102,8 +122,10 @@ int run(int argc, char** argv, bool parse_only) {
   return parse_only ? exit_done : run();
 }
 
-/// The work is done, but what is to be said of it cannot be said.
+/// The work is done, but what is to be said of it cannot be said. A reader that has gone, as of `morula … | head`,
+/// wants no more, and is no error to tell of.
 int fail_to_print(int error) {
+  if (error == EPIPE) return exit_nobody_reads;
   return fail(exit_check_failed,
               fmt::format("standard output cannot be written ({}){}",
                           error != 0 ? std::generic_category().message(error) : "it is closed", written_so_far()));

@@ -139,7 +139,7 @@ std::optional<std::string> FileRoots::refusal(const fs::path& file, std::string_
   const bool is_link = plain != fs::absolute(file, error).lexically_normal();
   return (is_link ? "leads to " + plain.string() + ", which lies outside " : "lies outside ") +
          (folders.empty() ? "all folders that are there" : folders) + "; allow its folder with " + std::string(option) +
-         " " + plain.parent_path().string();
+         " " + (fs::is_directory(plain, error) ? plain : plain.parent_path()).string();
 }
 
 }  // namespace morula

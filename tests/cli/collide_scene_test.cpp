@@ -167,6 +167,22 @@ TEST(CollideScene, names_file_key_and_remedy_of_what_it_refuses) {
     scene("a limb.obj", R"(, "motion": ")" + motion + "\"");
     bench.expect_refused("collide --scene scenes/s.json", "scenes/s.json: bodies[0].motion: ");
   }
+  // The remedy allows what was refused, and no more: the folder that the files lie in.
+  std::filesystem::create_directory(bench / "far");
+  std::filesystem::create_directory(bench / "far/frames");
+  std::filesystem::copy_file(bench / "limb.obj", bench / "far/frames/0.obj");
+  std::filesystem::create_directory_symlink(bench / "far/frames", bench / "scenes/far");
+  for (const std::string& motion :
+       {std::string("../far/frames"), std::string("../far/frames/"), std::string("../far/frames/*.obj"),
+        std::string("../far/frames/0.obj"), std::string("far"), (bench / "far/frames").string()}) {
+    scene("a limb.obj", R"(, "motion": ")" + motion + "\"");
+    const std::string said = bench.run("collide --scene scenes/s.json").err, remedy = "; allow its folder with ";
+    const std::size_t begin = said.find(remedy);
+    ASSERT_NE(begin, std::string::npos) << motion << ": " << said;
+    const std::string option = said.substr(begin + remedy.size(), said.find('\n') - begin - remedy.size());
+    EXPECT_EQ(option, "--root " + std::filesystem::canonical(bench / "far/frames").string()) << motion;
+    bench.require("collide --scene scenes/s.json " + option);
+  }
   bench.expect_refused("collide --scene room.json limb.obj", "bodies, motions and places are named in it");
   bench.expect_refused("collide --scene room.json --carry", "--carry is for two bodies");
   bench.expect_refused("collide --scene room.json --self", "--self and --within are for one or two bodies");

@@ -74,6 +74,12 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   bench.require("sample bar -o bar.obj --resolution 4");
   bench.require("build bar.obj -o bar.morula --method octree --depth 1");
   bench.expect_refused("biuld bar.obj -o x.morula", "did you mean build?");
+  bench.expect_refused("--threads 2 biuld bar.obj -o x.morula", "unknown command 'biuld'");
+  const CommandResult as_json = bench.run("--json biuld bar.obj -o x.morula");
+  EXPECT_EQ(as_json.exit_code, 2);
+  const auto said = nlohmann::json::parse(as_json.err);
+  EXPECT_EQ("morula: error: " + said["error"].get<std::string>() + "\n", bench.run("biuld bar.obj -o x.morula").err);
+  EXPECT_EQ(bench.run("--version biuld").exit_code, 0);
   bench.expect_refused("build bar.obj -o x.morula --methd grid", "did you mean --method?");
   bench.expect_refused("build bar.obj -o x.morula --method gird",
                        "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
