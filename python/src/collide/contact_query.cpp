@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "calls.hpp"
 #include "choices.hpp"
 #include "contacts.hpp"
 #include "held_query.hpp"
@@ -98,7 +99,7 @@ void bind_contact_query(nb::module_& m) {
           },
           "(n,) uint8: morula.FrontPairState of each.")
       .table([](const FrontPairs& self) { return self.rows.size(); });
-  nb::class_<Front>(m, "Front", doc::Front)
+  nb::class_<Front>(m, "Front", only_returned(), doc::Front)
       .def_ro("margin", &Front::margin)
       .def_prop_ro(
           "pair_count", [](const Front& self) { return self.pairs.size(); }, "Of bodies.")
