@@ -64,7 +64,8 @@ Contacts asked(HeldContactQuery& self, Threads* workers, bool keep, const Call& 
       query.set_options(std::move(options));
     }
     const ContactStatus status = call(query, threads);
-    if (status) contacts = keep ? query.contacts() : query.take_contacts();
+    if (status && keep) contacts = query.contacts();
+    if (status && !keep) contacts = query.take_contacts();
     return status;
   }));
   return contacts;
