@@ -66,6 +66,22 @@ bool JsonFile::flag(const nlohmann::json& object, const char* key, const std::st
   return found->get<bool>();
 }
 
+void JsonFile::forget_lists() {
+  // Small blocks that are free are joined by the C library when a large one becomes free. With each part it frees one
+  // of 96 KiB: else all are joined at once, at the end.
+  constexpr std::ptrdiff_t elements_at_once = 6144;
+  for (nlohmann::json& member : root_) {
+    if (!member.is_array()) continue;
+    auto& list = member.get_ref<nlohmann::json::array_t&>();
+    while (!list.empty()) {
+      ask_to_go_on();
+      const auto begin = list.end() - std::min(elements_at_once, std::ssize(list));
+      const nlohmann::json::array_t part(std::make_move_iterator(begin), std::make_move_iterator(list.end()));
+      list.erase(begin, list.end());
+    }
+  }
+}
+
 void JsonFile::fail(const std::string& problem) const {
   throw FileError(name_ + ": " + problem);
 }

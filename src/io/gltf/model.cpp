@@ -292,8 +292,14 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
       throw FileError(file.path.string() + ": its buffer " + in_quotes(uri) + " cannot be read: " + error.what());
     }
   };
-  const std::string bytes = uri == binary_chunk ? std::string(file.binary) : whole(beside(file, uri));
-  out->assign(bytes.begin(), bytes.end());
+  const std::string read = uri == binary_chunk ? std::string() : whole(beside(file, uri));
+  const std::string_view bytes = uri == binary_chunk ? file.binary : std::string_view(read);
+  out->reserve(bytes.size());
+  for (std::size_t begin = 0; begin < bytes.size(); begin += bytes_per_look) {
+    ask_to_go_on();
+    const std::string_view part = bytes.substr(begin, bytes_per_look);
+    out->insert(out->end(), part.begin(), part.end());
+  }
   return true;
 }
 
@@ -339,7 +345,6 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   std::string error, warning;
   bool good = false;
   try {
-    const Uninterrupted whole;  // what ends the call would pass for a fault of the file
     good = loader.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
   } catch (const FileError&) {
     throw;
@@ -348,6 +353,7 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   } catch (const std::exception& problem) {
     error = problem.what();
   }
+  ask_to_go_on();  // what ended the call while a buffer was read is no fault of the file
   // It goes on after some errors, and leaves out what it did not understand.
   if (!good || !error.empty()) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();
