@@ -14,6 +14,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/asking_text.hpp"
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
@@ -188,18 +189,34 @@ void strip(Json& value) {
     for (Json& part : value) strip(part);
 }
 
+// How deep lists and objects are nested in a text, where it is JSON: brackets in strings do not count.
+int depth_of(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool is_in_string = false;
+  AskNowAndThen ask_now_and_then(1u << 20);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    ask_now_and_then();
+    const char c = text[i];
+    if (is_in_string && c == '\\')
+      ++i;
+    else if (c == '"')
+      is_in_string = !is_in_string;
+    else if (!is_in_string && (c == '[' || c == '{'))
+      deepest = std::max(deepest, ++depth);
+    else if (!is_in_string && (c == ']' || c == '}'))
+      --depth;
+  }
+  return deepest;
+}
+
 Json parsed(const Container& file) {
   const std::string name = file.path.string();
   // As deep as glTF goes is 8; what recurses after this, here and in tinygltf, then cannot run out of stack.
   constexpr int deepest = 32;
-  AskNowAndThen ask_now_and_then(4096);
-  const auto is_shallow = [&](int depth, Json::parse_event_t, Json&) {
-    ask_now_and_then();
-    if (depth > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
-    return true;
-  };
+  if (depth_of(file.json) > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
   try {
-    return Json::parse(file.json.begin(), file.json.end(), is_shallow);
+    const AskingText asking(file.json);
+    return Json::parse(asking.begin(), asking.end());
   } catch (const Json::parse_error& error) {
     throw FileError(name + ": is not JSON at byte " + std::to_string(error.byte) +
                     " of its text; it was cut short or edited wrongly");

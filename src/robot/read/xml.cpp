@@ -14,7 +14,6 @@
 #include <morula/io/system_file_error.hpp>
 
 #include "io/whole_file.hpp"
-#include "parallel/interruption.hpp"
 
 namespace morula::robot {
 
@@ -110,6 +109,7 @@ void Xml::fail(const tinyxml2::XMLElement& at, const std::string& text) const {
 }
 
 std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) const {
+  ask_now_and_then_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr || *value == '\0') fail(at, fmt::format("<{}> has no {}", at.Name(), attribute));
   return value;
@@ -150,6 +150,7 @@ double Xml::number(const tinyxml2::XMLElement& at, const char* attribute, double
 }
 
 Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const {
+  ask_now_and_then_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr) return fallback;
   std::vector<double> numbers;
