@@ -3,15 +3,19 @@
 """Words of a TypeError: which function, which argument, what was given and what is taken.
 
 Functions of the extension know their signatures as text. A call that fits none is compared with them argument by
-argument; the overload with the fewest misfits is the one that was meant.
+argument; the overload with the fewest misfits is the one that was meant. A class that cannot be called is looked for in
+what functions return.
 """
 
 from __future__ import annotations
 
 import ast
 import difflib
+import functools
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 from . import _morula
@@ -49,9 +53,16 @@ class _Overload:
     text: str
 
 
-def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str) -> str:
-    """The message of a TypeError that `function` has raised for these arguments."""
-    label = _label(function)
+def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str, has_content: bool) -> str:
+    """The message of a TypeError that `function` has raised for these arguments. has_content: of the instance, if one
+    is among them."""
+    place = _places().get(id(function))
+    label = place.label if place else f"{function.__qualname__}()"
+    if place and place.owner and given:
+        if not isinstance(given[0], place.owner):
+            return f"{label}: self: {_described(given[0])}, but {_class_wanted(place.owner.__name__)} is needed"
+        if not has_content and place.name != "__init__":
+            return f"{label}: self has nothing in it: __init__() of a derived class has to call super().__init__()"
     if _NO_OVERLOAD not in text:
         return text if text.startswith(label) else f"{label}: {text}"
     overloads = [_overload(signature[0]) for signature in function.__nb_signature__]
@@ -62,16 +73,103 @@ def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str) 
     return f"{label}: {'; '.join(best)}. It takes {takes}"
 
 
-def _label(function: Any) -> str:
-    name = function.__qualname__.removesuffix(".__init__").removesuffix(".__new__")
-    return f"{name}()"
+def refused(kind: type) -> str:
+    """The message of a TypeError of a call of this class, or of one derived from it, which functions alone make."""
+    return _refusal(next(base for base in kind.__mro__ if base.__module__.startswith(_morula.__name__)))
+
+
+@functools.cache
+def _refusal(own: type) -> str:
+    name = re.compile(rf"(?<!typing\.)\b{own.__name__}\b")
+    given = re.compile(rf"(\w+): [\w.]*Callable\[\[[^\]]*\b{own.__name__}\b")
+    sources: dict[str, _Place] = {}
+    calls = []
+    for place, function in _functions():
+        for signature, *_ in function.__nb_signature__:
+            arguments, _, result = signature.rpartition(" -> ")
+            if name.search(result) and not place.name.startswith("__"):
+                sources.setdefault(place.full_label, place)
+            elif found := given.search(arguments):
+                calls.append(f"what {place.full_label} is given as {found[1]}")
+    said = f"{own.__name__}(): the class cannot be called"
+    if sources:
+        # Functions first, and no more than tell where to look.
+        return f"{said}: {_or(sorted(sources, key=lambda label: sources[label].rank)[:3])} returns one"
+    return f"{said}: {_or(calls[:3])} gets one" if calls else said
+
+
+def _or(parts: list[str]) -> str:
+    return " or ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+@dataclass
+class _Place:
+    """Where a function of the extension is found."""
+
+    module: str
+    kind: type | None
+    name: str
+    is_attribute: bool
+    #: The class whose instance it is called with.
+    owner: type | None
+
+    @property
+    def label(self) -> str:
+        if self.kind is None:
+            return f"{self.name}()"
+        if self.name in ("__init__", "__new__"):
+            return f"{self.kind.__name__}()"
+        return f"{self.kind.__name__}.{self.name}{'' if self.is_attribute else '()'}"
+
+    @property
+    def full_label(self) -> str:
+        return self.label if self.kind else f"{self.module.replace('._morula', '')}.{self.label}"
+
+    @property
+    def rank(self) -> int:
+        return 0 if self.kind is None else 2 if self.is_attribute else 1
+
+
+def _functions() -> Iterator[tuple[_Place, Any]]:
+    """All functions of the extension, with those that read or set an attribute."""
+    for module in (_morula, *(value for value in vars(_morula).values() if isinstance(value, ModuleType))):
+        for name, value in vars(module).items():
+            if isinstance(value, type) and value.__module__ == module.__name__:
+                yield from _functions_of_class(module.__name__, value)
+            elif hasattr(value, "__nb_signature__"):
+                yield _Place(module.__name__, None, name, False, None), value
+
+
+def _functions_of_class(module: str, kind: type) -> Iterator[tuple[_Place, Any]]:
+    for name, value in vars(kind).items():
+        if hasattr(value, "__nb_signature__"):
+            has_self = re.match(r"def \w+\(self\b", _head(value.__nb_signature__[0][0]))
+            yield _Place(module, kind, name, False, kind if has_self else None), value
+        for part in ("fget", "fset"):
+            function = getattr(value, part, None)
+            if hasattr(function, "__nb_signature__"):
+                yield _Place(module, kind, name, True, kind), function
+
+
+@functools.cache
+def _places() -> dict[int, _Place]:
+    """By the id of a function; of one with several names, the first."""
+    places: dict[int, _Place] = {}
+    for place, function in _functions():
+        places.setdefault(id(function), place)
+    return places
+
+
+def _head(signature: str) -> str:
+    """The line of a signature that has the arguments; that of an attribute has no name."""
+    return next(line for line in signature.strip().splitlines() if line.startswith("def ")).replace("def (", "def _(", 1)
 
 
 def _overload(signature: str) -> _Overload:
     # Defaults stand outside of the text, as \0, \1, ...
-    lines = re.sub(r"\\\d+", "...", signature).strip().splitlines()
+    text = re.sub(r"\\\d+", "...", signature)
     # What it returns is no business of its arguments.
-    head = next(line for line in lines if line.startswith("def ")).rpartition(") -> ")[0]
+    head = _head(text).rpartition(") -> ")[0]
     definition = ast.parse(f"{head}): ...").body[0]
     assert isinstance(definition, ast.FunctionDef)
     args = definition.args
@@ -149,7 +247,11 @@ def _wanted(annotation: ast.expr) -> str:
         return _WANTED[name]
     if name in _CHOICES:
         return "one of " + ", ".join(_CHOICES[name])
-    return name if name in ("None", "") else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+    return name if name in ("None", "") else _class_wanted(name)
+
+
+def _class_wanted(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
 
 
 def _last(annotation: ast.expr) -> str:

@@ -40,8 +40,9 @@ void reword(nb::handle function, PyObject* const* args, std::size_t count, nb::h
     nb::dict named;
     if (names.is_valid())
       for (std::size_t i = 0; i < nb::len(names); ++i) named[names[i]] = nb::handle(args[count + i]);
-    const nb::object text =
-        nb::module_::import_("morula._calls").attr("reworded")(function, given, named, nb::str(error.value()));
+    const bool has_content = count == 0 || !nb::inst_check(args[0]) || nb::inst_ready(args[0]);
+    const nb::object text = nb::module_::import_("morula._calls")
+                                .attr("reworded")(function, given, named, nb::str(error.value()), has_content);
     PyErr_SetObject(PyExc_TypeError, text.ptr());
   } catch (nb::python_error&) {
     error.restore();
@@ -107,7 +108,51 @@ void exchange_all(nb::handle scope) {
   }
 }
 
+/// Python before 3.14 has no name for this slot; nanobind reads it in all versions.
+constexpr int slot_of_vectorcall = 82;
+
+void refuse_to_make(PyObject* kind) noexcept {
+  try {
+    const nb::object text = nb::module_::import_("morula._calls").attr("refused")(nb::handle(kind));
+    PyErr_SetObject(PyExc_TypeError, text.ptr());
+  } catch (nb::python_error& error) {
+    error.restore();
+  }
+}
+
+PyObject* refuse_call(PyObject* kind, PyObject* const*, std::size_t, PyObject*) {
+  refuse_to_make(kind);
+  return nullptr;
+}
+
+PyObject* refuse_new(PyTypeObject* type, PyObject*, PyObject*) {
+  auto* const kind = reinterpret_cast<PyObject*>(type);
+  if (PyObject_HasAttrString(kind, "__setstate__")) return nb::detail::nb_inst_alloc(type);
+  refuse_to_make(kind);
+  return nullptr;
+}
+
+int refuse_init(PyObject* self, PyObject*, PyObject*) {
+  refuse_to_make(reinterpret_cast<PyObject*>(Py_TYPE(self)));
+  return -1;
+}
+
 }  // namespace
+
+PyType_Slot refused_call() {
+  return {slot_of_vectorcall, reinterpret_cast<void*>(&refuse_call)};
+}
+PyType_Slot refused_new() {
+  return {Py_tp_new, reinterpret_cast<void*>(&refuse_new)};
+}
+PyType_Slot refused_init() {
+  return {Py_tp_init, reinterpret_cast<void*>(&refuse_init)};
+}
+
+nb::type_slots only_returned() {
+  static PyType_Slot slots[]{refused_call(), refused_new(), refused_init(), {0, nullptr}};
+  return nb::type_slots(slots);
+}
 
 void name_arguments(nb::module_& m) {
   exchange_all(m);

@@ -6,6 +6,7 @@
 #include <morula/morula.hpp>
 
 #include "building.hpp"
+#include "calls.hpp"
 #include "choices.hpp"
 #include "holders.hpp"
 #include "module.hpp"
@@ -86,7 +87,7 @@ void bind_grains(nb::module_& m) {
           },
           nb::arg("format"), nb::arg("name") = "grain",
           "What a discrete element code reads: clump_formats() lists them. name: what to call the clump in it.");
-  nb::class_<ClumpFormat>(m, "ClumpFormat", doc::ClumpFormat)
+  nb::class_<ClumpFormat>(m, "ClumpFormat", only_returned(), doc::ClumpFormat)
       .def_prop_ro(
           "name", [](const ClumpFormat& f) { return std::string(f.name); }, doc::ClumpFormat_name)
       .def_prop_ro(

@@ -3,6 +3,7 @@
 // Files: meshes, trees, spheres of frames, motions, modes, skins, balls.
 #include <morula/morula.hpp>
 
+#include "calls.hpp"
 #include "geometry/polygon.hpp"
 #include "holders.hpp"
 #include "module.hpp"
@@ -75,7 +76,7 @@ void bind_io(nb::module_& m) {
               "positions: morula.typing.FloatArray | None = None) -> None"),
       doc::write_mesh);
 
-  nb::class_<TreeFile>(m, "TreeFile", doc::TreeFile)
+  nb::class_<TreeFile>(m, "TreeFile", only_returned(), doc::TreeFile)
       .def_prop_ro("tree", [](const TreeFile& f) { return f.tree; })
       .def_prop_ro(
           "cover", [](const TreeFile& f) { return f.cover; }, doc::TreeFile_cover)
@@ -105,7 +106,8 @@ void bind_io(nb::module_& m) {
       "write_tree", [](const Path& path, const SphereTree& tree) { without_gil([&] { write_tree(path, tree); }); },
       nb::arg("path"), nb::arg("tree"), doc::write_tree_2);
 
-  nb::class_<SpheresOfFrames>(m, "SphereFrames", "The spheres of all frames of a motion, and their tree.")
+  nb::class_<SpheresOfFrames>(m, "SphereFrames", only_returned(),
+                              "The spheres of all frames of a motion, and their tree.")
       .def_prop_ro(
           "tree", [](const SpheresOfFrames& f) { return f.tree; }, "That of the first frame.")
       .def_prop_ro(

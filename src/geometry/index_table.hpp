@@ -52,14 +52,16 @@ class IndexTable {
     while (slots_[place] != none) place = next(place);
     slots_[place] = index;
   }
+  // Out of line: within add() it keeps that, and what calls it, from being inlined.
   template <class HashOf>
-  void grow(const HashOf& hash_of) {
+  [[gnu::noinline]] void grow(const HashOf& hash_of) {
     std::vector<std::uint32_t> before(4 * slots_.size(), none);
     before.swap(slots_);
     AskNowAndThen ask_now_and_then(1u << 14);
     for (const std::uint32_t index : before) {
+      if (index == none) continue;
       ask_now_and_then();
-      if (index != none) put(index, hash_of(index));
+      put(index, hash_of(index));
     }
   }
 

@@ -5,39 +5,15 @@
 #include <algorithm>
 #include <iterator>
 
+#include "io/asking_text.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
 
-namespace {
-
-/// Characters of a text, which asks at every 65,536th of them whether to go on.
-class AskingCharacters {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  AskingCharacters(const char* at, const char* begin) : at_(at), begin_(begin) {}
-  const char& operator*() const { return *at_; }
-  AskingCharacters& operator++() {
-    if ((++at_ - begin_) % 65536 == 0) ask_to_go_on();
-    return *this;
-  }
-  bool operator==(const AskingCharacters& other) const { return at_ == other.at_; }
-
- private:
-  const char *at_, *begin_;
-};
-
-}  // namespace
-
 JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(path.string()) {
   try {
-    const char *const begin = text.data(), *const end = begin + text.size();
-    root_ = nlohmann::json::parse(AskingCharacters(begin, begin), AskingCharacters(end, begin));
+    const AskingText asking(text);
+    root_ = nlohmann::json::parse(asking.begin(), asking.end());
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t before = std::min(text.size(), error.byte);
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(before), '\n');
@@ -64,6 +40,22 @@ bool JsonFile::flag(const nlohmann::json& object, const char* key, const std::st
   if (found == object.end()) return false;
   if (!found->is_boolean()) fail("\"" + std::string(key) + "\" of " + owner + " is neither true nor false");
   return found->get<bool>();
+}
+
+void JsonFile::forget_lists() {
+  // Small blocks that are free are joined by the C library when a large one becomes free. With each part it frees one
+  // of 96 KiB: else all are joined at once, at the end.
+  constexpr std::ptrdiff_t elements_at_once = 6144;
+  for (nlohmann::json& member : root_) {
+    if (!member.is_array()) continue;
+    auto& list = member.get_ref<nlohmann::json::array_t&>();
+    while (!list.empty()) {
+      ask_to_go_on();
+      const auto begin = list.end() - std::min(elements_at_once, std::ssize(list));
+      const nlohmann::json::array_t part(std::make_move_iterator(begin), std::make_move_iterator(list.end()));
+      list.erase(begin, list.end());
+    }
+  }
 }
 
 void JsonFile::fail(const std::string& problem) const {

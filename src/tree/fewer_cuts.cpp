@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "parallel/float_environment.hpp"
+#include "parallel/interruption.hpp"
 #include "tree/joined_pieces.hpp"
 #include "tree/region.hpp"
 
@@ -104,8 +105,11 @@ Cover Sharing::with_fewer_cuts() && {
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (std::uint32_t p = 0; p < patches.size(); ++p) patches[next[cover_.patch_facet[p]]++] = p;
-  for (std::uint32_t f = 0; f < mesh_.facet_count(); ++f)
+  AskNowAndThen ask_now_and_then(1u << 14);
+  for (std::uint32_t f = 0; f < mesh_.facet_count(); ++f) {
+    ask_now_and_then();
     look_at(f, std::span(patches).subspan(begin[f], begin[f + 1] - begin[f]));
+  }
   return assembled();
 }
 
@@ -252,9 +256,11 @@ Cover Sharing::assembled() const {
     }
     result.corners.push_back(c);
   };
+  AskNowAndThen ask_now_and_then(1u << 16);
   const auto visit = [&](const auto& self, std::uint32_t node) -> void {
     result.region_begin[node] = static_cast<std::uint32_t>(result.patch_count());
     for (const std::uint32_t p : patches_of[node]) {
+      ask_now_and_then();
       const std::uint32_t f = cover_.patch_facet[p];
       result.patch_facet.push_back(f);
       if (owner_[p] == none)

@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "parallel/interruption.hpp"
 #include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
@@ -131,8 +132,10 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Regio
   cover.corner_begin.reserve(patches + 1);
   cover.corners.reserve(corners);
 
+  AskNowAndThen ask_now_and_then(1u << 14);
   const auto add_region = [&](const Region& region) {
     for (std::size_t k = 0; k < region.size(); ++k) {
+      ask_now_and_then();
       cover.patch_facet.push_back(region.facet[k]);
       const Facet& facet = mesh.facets[region.facet[k]];
       if (region.is_whole(k))

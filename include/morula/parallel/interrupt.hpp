@@ -25,7 +25,7 @@ struct Interruption;
 /// that ends so leaves no file, or the one that was there. Workers of a pool end with the chunks that they are in.
 /// Where an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
 /// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time. Nor do tinygltf while it decodes
-/// the JSON of a glTF file, and the system while it brings a file to the disk.
+/// the JSON of a glTF file, tinyxml2 while it reads a robot's, and the system while it brings a file to the disk.
 ///
 /// Of several, the one made last is asked. Destroyed by the thread that made it, the last one first.
 class Interrupt {

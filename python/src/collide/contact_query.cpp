@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "calls.hpp"
 #include "choices.hpp"
 #include "contacts.hpp"
 #include "held_query.hpp"
@@ -63,7 +64,8 @@ Contacts asked(HeldContactQuery& self, Threads* workers, bool keep, const Call& 
       query.set_options(std::move(options));
     }
     const ContactStatus status = call(query, threads);
-    if (status) contacts = keep ? query.contacts() : query.take_contacts();
+    if (status && keep) contacts = query.contacts();
+    if (status && !keep) contacts = query.take_contacts();
     return status;
   }));
   return contacts;
@@ -98,7 +100,7 @@ void bind_contact_query(nb::module_& m) {
           },
           "(n,) uint8: morula.FrontPairState of each.")
       .table([](const FrontPairs& self) { return self.rows.size(); });
-  nb::class_<Front>(m, "Front", doc::Front)
+  nb::class_<Front>(m, "Front", only_returned(), doc::Front)
       .def_ro("margin", &Front::margin)
       .def_prop_ro(
           "pair_count", [](const Front& self) { return self.pairs.size(); }, "Of bodies.")

@@ -81,7 +81,7 @@ PageJoints::Joint::Kind kind_of(std::string_view text) {
 void bind_page_joints(nb::module_& m) {
   using Joint = PageJoints::Joint;
   using Part = PageJoints::Part;
-  Record<Part> part(m, "PagePart", "Vertices and spheres of a page's body that move as one.");
+  Record<Part> part(m, "PagePart", "Vertices and spheres of a page's body that move as one.", MadeBy::calls);
   part.field("name", &Part::name)
       .field("vertex_begin", &Part::vertex_begin)
       .field("vertex_end", &Part::vertex_end)
@@ -94,7 +94,8 @@ void bind_page_joints(nb::module_& m) {
       nb::arg("name"), nb::arg("vertex_begin") = 0, nb::arg("vertex_end") = 0, nb::arg("protrusion") = nb::none(),
       with_arguments("Vertices [vertex_begin, vertex_end).", {{"protrusion", doc::PageJoints_Part_protrusion}})
           .c_str());
-  Record<Joint> joint(m, "PageJoint", "What holds two parts of a page's body together, for the reader to move.");
+  Record<Joint> joint(m, "PageJoint", "What holds two parts of a page's body together, for the reader to move.",
+                      MadeBy::calls);
   joint.field("name", &Joint::name)
       .property(
           "kind",
@@ -130,7 +131,7 @@ void bind_page_joints(nb::module_& m) {
                                                             {"rest", doc::PageJoints_Joint_rest},
                                                             {"leader", doc::PageJoints_Joint_leader}})
           .c_str());
-  Record<PageJoints> joints(m, "PageJoints", doc::PageJoints);
+  Record<PageJoints> joints(m, "PageJoints", doc::PageJoints, MadeBy::calls);
   joints.field("parts", &PageJoints::parts)
       .field("joints", &PageJoints::joints, doc::PageJoints_joints)
       .field("ignored", &PageJoints::ignored, doc::PageJoints_ignored);
@@ -188,7 +189,7 @@ void bind_page_motion(nb::module_& m) {
         return "<morula.PageMotion: " + self.body + ", " + self.name + ", " + std::to_string(self.frames.size()) +
                (self.frames.size() == 1 ? " frame>" : " frames>");
       });
-  Record<PageContact> contact(m, "PageContact", doc::PageContact);
+  Record<PageContact> contact(m, "PageContact", doc::PageContact, MadeBy::calls);
   contact.field("point", &PageContact::point, doc::PageContact_point)
       .field("normal", &PageContact::normal, doc::PageContact_normal)
       .field("depth", &PageContact::depth, doc::PageContact_depth);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calls.hpp"
 #include "holders.hpp"
 #include "records.hpp"
 #include "robots.hpp"
@@ -15,7 +16,8 @@ namespace morula::python {
 
 void bind_robot_output(nb::module_& m) {
   using robot::OutputFormat;
-  nb::class_<OutputFormat>(m, "OutputFormat", "A format of a robot's spheres, as another program reads them.")
+  nb::class_<OutputFormat>(m, "OutputFormat", only_returned(),
+                           "A format of a robot's spheres, as another program reads them.")
       .def_prop_ro("name", [](const OutputFormat& f) { return std::string(f.name); })
       .def_prop_ro("files", [](const OutputFormat& f) { return std::string(f.files); })
       .def_prop_ro(

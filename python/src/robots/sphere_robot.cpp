@@ -42,7 +42,7 @@ std::shared_ptr<Posed> posed_of(nb::handle given) {
 
 void bind_sphere_robot(nb::module_& m) {
   using robot::ObstacleBox;
-  Record<ObstacleBox> box(m, "ObstacleBox", doc::ObstacleBox);
+  Record<ObstacleBox> box(m, "ObstacleBox", doc::ObstacleBox, MadeBy::calls);
   box.field("pose", &ObstacleBox::pose).field("half", &ObstacleBox::half, doc::ObstacleBox_half);
   box.python().def(
       "__init__",

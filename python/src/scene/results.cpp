@@ -37,7 +37,7 @@ SceneRow row_of(const ScenePair& pair) {
 }
 
 void bind_scene_results(nb::module_& m) {
-  Record<BodyId> id(m, "BodyId", doc::BodyId);
+  Record<BodyId> id(m, "BodyId", doc::BodyId, MadeBy::calls);
   id.field("place", &BodyId::place, doc::BodyId_place).field("generation", &BodyId::generation);
   id.python()
       .def(

@@ -7,6 +7,14 @@
 
 namespace morula::python {
 
+/// For nb::class_ of what only functions make: a call of the class is a TypeError that names the functions. Instances
+/// of classes that have __setstate__ are unpickled all the same.
+nanobind::type_slots only_returned();
+/// The same in parts, for a class that has more slots.
+PyType_Slot refused_call();
+PyType_Slot refused_new();
+PyType_Slot refused_init();
+
 /// From now on a TypeError of a function or method of the module and its submodules names the function and the
 /// argument, in words of morula._calls. To be called once all are bound.
 void name_arguments(nanobind::module_& m);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <type_traits>
 
+#include "calls.hpp"
 #include "casters.hpp"
 
 namespace morula::python {
@@ -89,6 +90,18 @@ template <class Holder>
 nb::type_slots collected() {
   static PyType_Slot slots[]{{Py_tp_traverse, reinterpret_cast<void*>(&traverse_holder<Holder>)},
                              {Py_tp_clear, reinterpret_cast<void*>(&clear_holder<Holder>)},
+                             {0, nullptr}};
+  return nb::type_slots(slots);
+}
+
+/// The same of a holder that only functions make.
+template <class Holder>
+nb::type_slots collected_and_only_returned() {
+  static PyType_Slot slots[]{{Py_tp_traverse, reinterpret_cast<void*>(&traverse_holder<Holder>)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&clear_holder<Holder>)},
+                             refused_call(),
+                             refused_new(),
+                             refused_init(),
                              {0, nullptr}};
   return nb::type_slots(slots);
 }

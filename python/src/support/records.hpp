@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "calls.hpp"
 #include "docstrings.hpp"
 
 namespace morula::python {
@@ -22,11 +23,16 @@ nb::object equals(nb::handle a, nb::handle b);
 nb::object rows(nb::handle columns, nb::handle index);
 nb::object rows_one_by_one(nb::handle columns);
 
+/// Who makes a record: functions alone, which return it, or also calls of its class.
+enum class MadeBy { functions, calls };
+
 /// A class whose fields are bound one by one.
 template <class T>
 class Record {
  public:
-  Record(nb::module_& m, const char* name, const char* text) : class_(m, name, text) {
+  Record(nb::module_& m, const char* name, const char* text, MadeBy made_by = MadeBy::functions)
+      : class_(made_by == MadeBy::calls ? nb::class_<T>(m, name, text)
+                                        : nb::class_<T>(m, name, only_returned(), text)) {
     class_
         .def(
             "to_dict", [](nb::handle self) { return to_dict(self); },

@@ -26,7 +26,7 @@ nb::object copy_of(nb::handle self) {
 
 void bind_spheres_view(nb::module_& m) {
   nb::class_<SpheresView>(
-      m, "SpheresView", collected<SpheresView>(),
+      m, "SpheresView", collected_and_only_returned<SpheresView>(),
       "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. Reads "
       "as an array and gives copies; once the body has moved on, reading it is a RuntimeError.")
       .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })

@@ -14,6 +14,7 @@
 #include "generators/reduce/sample_columns.hpp"
 #include "medial/shrunken_balls.hpp"
 #include "medial/voronoi_balls.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -83,7 +84,11 @@ class AdaptiveMedial {
     }
     slots_.resize(diagram_.balls().size());
     for (const std::uint32_t s : diagram_.removed()) slots_[s] = {};
-    for (const std::uint32_t s : diagram_.created()) slots_[s] = described(s);
+    AskNowAndThen ask_now_and_then(64);
+    for (const std::uint32_t s : diagram_.created()) {
+      ask_now_and_then();
+      slots_[s] = described(s);
+    }
     choose_covers();
   }
 

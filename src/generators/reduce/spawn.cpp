@@ -18,6 +18,7 @@
 #include "generators/reduce/reducers.hpp"
 #include "generators/reduce/sample_columns.hpp"
 #include "medial/shrunken_balls.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
@@ -79,6 +80,7 @@ class Spawn {
     for (std::size_t k = 0; k < node_.samples.size(); ++k) left.add(k);
     while (!left.empty()) {
       if (spheres.size() == node_.branching) return {};
+      ask_to_go_on();
       const std::size_t remotest = find_remotest(left);
       const Sphere sphere = best_sphere(s, node_.samples[remotest], left, previous);
       SampleSet next = left;

@@ -62,11 +62,14 @@ std::vector<double> Accessors::numbers(int index, int type, const std::string& o
       for (std::size_t k = 0; k < width; ++k) values.push_back(from.number(i, k, a.normalized));
     }
   } else {
-    values.resize(a.count * width);
+    resize_asking(values, a.count * width);
   }
   if (a.sparse.isSparse) replace_sparse(a, width, values, owner);
-  for (const double value : values)
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const double value : values) {
+    ask_now_and_then();
     if (!std::isfinite(value)) document_.fail(owner + " has a number that is not finite");
+  }
   return values;
 }
 
@@ -74,7 +77,11 @@ std::vector<Vec3> Accessors::vectors(int index, const std::string& owner) const 
   const std::vector<double> values = numbers(index, TINYGLTF_TYPE_VEC3, owner);
   std::vector<Vec3> vectors;
   vectors.reserve(values.size() / 3);
-  for (std::size_t i = 0; i < values.size(); i += 3) vectors.push_back({values[i], values[i + 1], values[i + 2]});
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (std::size_t i = 0; i < values.size(); i += 3) {
+    ask_now_and_then();
+    vectors.push_back({values[i], values[i + 1], values[i + 2]});
+  }
   return vectors;
 }
 
@@ -86,7 +93,13 @@ std::vector<std::uint32_t> Accessors::indices(int index, int type, const std::st
     document_.fail(owner + " has numbers that are no unsigned integers");
   std::vector<std::uint32_t> result;
   if (a.normalized) document_.fail(owner + " has normalised numbers, which are no indices");
-  for (const double value : numbers(index, type, owner)) result.push_back(static_cast<std::uint32_t>(value));
+  const std::vector<double> values = numbers(index, type, owner);
+  result.reserve(values.size());
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const double value : values) {
+    ask_now_and_then();
+    result.push_back(static_cast<std::uint32_t>(value));
+  }
   return result;
 }
 
@@ -151,7 +164,9 @@ void Accessors::replace_sparse(const morula_tinygltf::Accessor& a, std::size_t w
                                 type, 1, count, false, owner);
   const Strided from = strided(a.sparse.values.bufferView, static_cast<std::uint64_t>(a.sparse.values.byteOffset),
                                a.componentType, width, count, false, owner);
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t i = 0; i < count; ++i) {
+    ask_now_and_then();
     const auto target = static_cast<std::size_t>(where.number(i, 0, false));
     if (target >= a.count)
       document_.fail(owner + " replaces number " + std::to_string(target) + " of " + std::to_string(a.count));

@@ -14,6 +14,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/asking_text.hpp"
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
@@ -188,18 +189,34 @@ void strip(Json& value) {
     for (Json& part : value) strip(part);
 }
 
+// How deep lists and objects are nested in a text, where it is JSON: brackets in strings do not count.
+int depth_of(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool is_in_string = false;
+  AskNowAndThen ask_now_and_then(1u << 20);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    ask_now_and_then();
+    const char c = text[i];
+    if (is_in_string && c == '\\')
+      ++i;
+    else if (c == '"')
+      is_in_string = !is_in_string;
+    else if (!is_in_string && (c == '[' || c == '{'))
+      deepest = std::max(deepest, ++depth);
+    else if (!is_in_string && (c == ']' || c == '}'))
+      --depth;
+  }
+  return deepest;
+}
+
 Json parsed(const Container& file) {
   const std::string name = file.path.string();
   // As deep as glTF goes is 8; what recurses after this, here and in tinygltf, then cannot run out of stack.
   constexpr int deepest = 32;
-  AskNowAndThen ask_now_and_then(4096);
-  const auto is_shallow = [&](int depth, Json::parse_event_t, Json&) {
-    ask_now_and_then();
-    if (depth > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
-    return true;
-  };
+  if (depth_of(file.json) > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
   try {
-    return Json::parse(file.json.begin(), file.json.end(), is_shallow);
+    const AskingText asking(file.json);
+    return Json::parse(asking.begin(), asking.end());
   } catch (const Json::parse_error& error) {
     throw FileError(name + ": is not JSON at byte " + std::to_string(error.byte) +
                     " of its text; it was cut short or edited wrongly");
@@ -292,8 +309,14 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
       throw FileError(file.path.string() + ": its buffer " + in_quotes(uri) + " cannot be read: " + error.what());
     }
   };
-  const std::string bytes = uri == binary_chunk ? std::string(file.binary) : whole(beside(file, uri));
-  out->assign(bytes.begin(), bytes.end());
+  const std::string read = uri == binary_chunk ? std::string() : whole(beside(file, uri));
+  const std::string_view bytes = uri == binary_chunk ? file.binary : std::string_view(read);
+  out->reserve(bytes.size());
+  for (std::size_t begin = 0; begin < bytes.size(); begin += bytes_per_look) {
+    ask_to_go_on();
+    const std::string_view part = bytes.substr(begin, bytes_per_look);
+    out->insert(out->end(), part.begin(), part.end());
+  }
   return true;
 }
 
@@ -339,7 +362,6 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   std::string error, warning;
   bool good = false;
   try {
-    const Uninterrupted whole;  // what ends the call would pass for a fault of the file
     good = loader.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
   } catch (const FileError&) {
     throw;
@@ -348,6 +370,7 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   } catch (const std::exception& problem) {
     error = problem.what();
   }
+  ask_to_go_on();  // what ended the call while a buffer was read is no fault of the file
   // It goes on after some errors, and leaves out what it did not understand.
   if (!good || !error.empty()) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();

@@ -21,7 +21,6 @@ class Welder {
   explicit Welder(Mesh& mesh) : mesh_(mesh) {}
   /// p: finite.
   std::uint32_t vertex(const Vec3& p) {
-    ask_now_and_then_();
     const std::uint32_t known = vertices_.find(hash_of(p), [&](std::uint32_t v) { return mesh_.positions[v] == p; });
     if (known != IndexTable::none) return known;
     const auto added = static_cast<std::uint32_t>(mesh_.vertex_count());
@@ -35,7 +34,6 @@ class Welder {
 
   Mesh& mesh_;
   IndexTable vertices_;
-  AskNowAndThen ask_now_and_then_{1u << 14};
 };
 
 // Less than a facet, or nothing but padding: no facet is lost when it is left.
@@ -58,7 +56,9 @@ Mesh read_binary(const std::filesystem::path& path, std::string_view bytes, Mesh
   Mesh mesh;
   mesh.facets.reserve(count);
   Welder welder(mesh);
+  AskNowAndThen ask_now_and_then(1u << 12);
   for (std::uint32_t f = 0; f < count; ++f) {
+    ask_now_and_then();
     in.skip(12, "a normal");
     Facet facet;
     for (std::uint32_t& v : facet) {

@@ -39,7 +39,7 @@ Sphere sphere_of(const JsonFile& file, const nlohmann::json& node, const std::st
 }  // namespace
 
 SphereTree read_json_tree(const std::filesystem::path& path, std::string_view text) {
-  const JsonFile file(path, text);
+  JsonFile file(path, text);
   const nlohmann::json& root = file.root();
   if (!root.is_object() || root.value("format", nlohmann::json()) != format_name)
     file.fail(std::string("is JSON, but not a sphere tree: \"format\" is not \"") + format_name + "\"");
@@ -93,6 +93,7 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
   if (const std::uint64_t levels = file.unsigned_member(root, "levels", "the file"); levels != tree.level_count())
     file.fail("\"levels\" is " + std::to_string(levels) + ", but the nodes form " + std::to_string(tree.level_count()));
   tree.nested = file.flag(root, "nested", "the file");
+  file.forget_lists();
   require_valid(path, tree);
   return tree;
 }

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "io/mesh/reading.hpp"
+#include "parallel/interruption.hpp"
 #include "robot/read/xml.hpp"
 
 namespace morula::robot {
@@ -49,6 +50,7 @@ struct Reader {
   detail::PolygonReader cutter{reading};
   std::vector<std::uint32_t> polygon{};
   std::size_t instances = 0, elements = 0, faces = 0, holed = 0;
+  mutable detail::AskNowAndThen ask_now_and_then{1u << 14};  // before each number, position and facet
 
   /// A few nodes that hold each other several times would be more than anybody can draw.
   void count_instance(const XMLElement& at) {
@@ -94,6 +96,7 @@ struct Reader {
     std::vector<std::size_t> result;
     result.reserve(values.size());
     for (const double value : values) {
+      ask_now_and_then();
       if (!(value >= 0 && value < 4e9 && value == std::floor(value))) {
         xml.fail(at, fmt::format("<{}> holds {}, which is no index", at.Name(), value));
       }
@@ -128,13 +131,16 @@ struct Reader {
       }
     }
     std::vector<Vec3> result;
-    for (std::size_t i = offset; i + 3 <= values.size(); i += stride)
+    for (std::size_t i = offset; i + 3 <= values.size(); i += stride) {
+      ask_now_and_then();
       result.push_back({values[i], values[i + 1], values[i + 2]});
+    }
     return result;
   }
 
   void add_facet(const XMLElement& at, std::size_t base, std::size_t count, std::array<std::size_t, 3> corners,
                  bool turned) {
+    ask_now_and_then();
     for (const std::size_t corner : corners) {
       if (corner >= count) xml.fail(at, fmt::format("there is no vertex {} of {}", corner, count));
     }
@@ -221,7 +227,10 @@ struct Reader {
     const XMLElement* vertices = data->FirstChildElement("vertices");
     if (vertices == nullptr) xml.fail(*data, "a mesh has no vertices");
     const std::size_t base = mesh.positions.size();
-    for (const Vec3& p : positions(*vertices)) mesh.positions.push_back(pose(p));
+    for (const Vec3& p : positions(*vertices)) {
+      ask_now_and_then();
+      mesh.positions.push_back(pose(p));
+    }
     const std::size_t count = mesh.positions.size() - base;
     for (const char* kind : {"triangles", "polylist", "polygons", "tristrips", "trifans"}) {
       for (const XMLElement* at = data->FirstChildElement(kind); at != nullptr; at = at->NextSiblingElement(kind)) {

@@ -9,10 +9,11 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <morula/io/mesh_file.hpp>
 
 #include "io/byte_reader.hpp"
+#include "io/whole_file.hpp"
+#include "parallel/interruption.hpp"
 
 namespace morula::robot {
 
@@ -30,9 +31,7 @@ bool is_mujoco_mesh(const std::filesystem::path& path) {
 }
 
 Mesh read_mujoco_mesh(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw FileError(fmt::format("{}: cannot be read; look at its permissions", path.string()));
+  const std::string bytes = detail::read_whole(path);
   const auto refuse = [&](const std::string& text) {
     return FileError(fmt::format("{}: {}; save the mesh as OBJ or STL", path.string(), text));
   };
@@ -51,7 +50,9 @@ Mesh read_mujoco_mesh(const std::filesystem::path& path) {
   }
   if (counts[3] == 0) throw refuse("has no facets, and the hull of its vertices, which is meant, is not computed");
   Mesh mesh;
+  detail::AskNowAndThen ask_now_and_then(1u << 14);
   for (std::uint64_t v = 0; v < counts[0]; ++v) {
+    ask_now_and_then();
     const char* at = bytes.data() + head + 12 * v;
     const Vec3 p{detail::load<float>(at), detail::load<float>(at + 4), detail::load<float>(at + 8)};
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
@@ -60,6 +61,7 @@ Mesh read_mujoco_mesh(const std::filesystem::path& path) {
     mesh.positions.push_back(p);
   }
   for (std::uint64_t f = 0; f < counts[3]; ++f) {
+    ask_now_and_then();
     Facet facet{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto vertex = detail::load<std::int32_t>(bytes.data() + facets_at + 12 * f + 4 * k);

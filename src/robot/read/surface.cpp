@@ -13,6 +13,7 @@
 #include <morula/robot/robot.hpp>
 #include <numbers>
 
+#include "parallel/interruption.hpp"
 #include "robot/read/mujoco_mesh.hpp"
 #include "robot/read/xml.hpp"
 
@@ -116,9 +117,14 @@ Mesh ball_mesh(RoundShapes round) {
 
 void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& origin) {
   const auto base = static_cast<std::uint32_t>(to.positions.size());
-  for (const Vec3& p : mesh.positions) to.positions.push_back(origin({scale.x * p.x, scale.y * p.y, scale.z * p.z}));
+  detail::AskNowAndThen ask_now_and_then(1u << 14);
+  for (const Vec3& p : mesh.positions) {
+    ask_now_and_then();
+    to.positions.push_back(origin({scale.x * p.x, scale.y * p.y, scale.z * p.z}));
+  }
   const bool mirrored = scale.x * scale.y * scale.z < 0;
   for (const Facet& f : mesh.facets) {
+    ask_now_and_then();
     to.facets.push_back({base + f[0], base + f[mirrored ? 2 : 1], base + f[mirrored ? 1 : 2]});
   }
 }
@@ -170,6 +176,7 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
 LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes, RoundShapes round) {
   LinkSurface surface;
   for (const Shape& shape : shapes) {
+    detail::ask_to_go_on();
     const std::size_t first_vertex = surface.mesh.positions.size();
     switch (shape.kind) {
       case Shape::Kind::mesh:

@@ -9,10 +9,11 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/system_file_error.hpp>
+
+#include "io/whole_file.hpp"
 
 namespace morula::robot {
 
@@ -30,8 +31,16 @@ std::string bytes_of(const std::filesystem::path& file) {
     throw FileError(fmt::format("{}: is larger than 64 MiB, which no description of a robot is", file.string()));
   }
   std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw FileError(fmt::format("{}: cannot be read; look at its permissions", file.string()));
+  std::string bytes;
+  while (stream.peek() != std::ifstream::traits_type::eof()) {
+    detail::ask_to_go_on();
+    const std::size_t before = bytes.size();
+    bytes.resize(before + detail::bytes_per_look);
+    stream.read(bytes.data() + before, detail::bytes_per_look);
+    bytes.resize(before + static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad() || !stream.eof())
+    throw FileError(fmt::format("{}: cannot be read; look at its permissions", file.string()));
   return bytes;
 }
 
@@ -100,6 +109,7 @@ void Xml::fail(const tinyxml2::XMLElement& at, const std::string& text) const {
 }
 
 std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) const {
+  ask_now_and_then_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr || *value == '\0') fail(at, fmt::format("<{}> has no {}", at.Name(), attribute));
   return value;
@@ -140,6 +150,7 @@ double Xml::number(const tinyxml2::XMLElement& at, const char* attribute, double
 }
 
 Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const {
+  ask_now_and_then_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr) return fallback;
   std::vector<double> numbers;
@@ -153,7 +164,9 @@ Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Ve
 bool read_numbers(std::string_view text, std::vector<double>& numbers) {
   const char* at = text.data();
   const char* const end = at + text.size();
+  detail::AskNowAndThen ask_now_and_then(4096);
   for (;;) {
+    ask_now_and_then();
     while (at != end && is_blank(*at)) ++at;
     if (at == end) return true;
     if (*at == '+' && at + 1 != end && at[1] != '-') ++at;

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::robot {
 
 /// Throws FileError "FILE:LINE: …".
@@ -45,6 +47,7 @@ class Xml {
   std::filesystem::path file_;
   tinyxml2::XMLDocument document_;
   mutable std::vector<std::string> notes_;
+  mutable detail::AskNowAndThen ask_now_and_then_{256};  // whenever an attribute is looked at
 };
 
 /// Finite numbers apart by blanks; nothing where something else is among them.
