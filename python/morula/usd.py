@@ -27,6 +27,8 @@ except ImportError as error:  # pragma: no cover
     raise ImportError("morula.usd needs the package usd-core: pip install usd-core") from error
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from .typing import FloatArray, MeshLike
 
 __all__ = ["mesh_paths", "read_mesh", "read_motion", "write_mesh", "write_spheres"]
@@ -35,18 +37,22 @@ _ENDINGS = (".usd", ".usda", ".usdc")
 _KINDS = ("points", "instances")
 
 
-def mesh_paths(path: str | os.PathLike[str]) -> list[str]:
-    """The meshes of a file, as `prim` names them."""
-    return [str(prim.GetPath()) for prim in _meshes(_open(path))]
+def mesh_paths(path: str | os.PathLike[str], *, roots: Iterable[str | os.PathLike[str]] = ()) -> list[str]:
+    """The meshes of a file, as `prim` names them. roots: as of read_mesh."""
+    return [str(prim.GetPath()) for prim in _meshes(_open(path, roots))]
 
 
-def read_mesh(path: str | os.PathLike[str], prim: str | None = None) -> _morula.Mesh:
+def read_mesh(
+    path: str | os.PathLike[str], prim: str | None = None, *, roots: Iterable[str | os.PathLike[str]] = ()
+) -> _morula.Mesh:
     """A mesh in the coordinates of the world, at its first time; polygons are cut into triangles as read_mesh cuts them.
 
     prim: its place in the file; not needed where there is one mesh. A subdivision surface is read as its control mesh.
-    ValueError for a mesh that is none, or that is not there, with those that are.
+    roots: folders, besides the file's own, that may hold the files that it refers to. Symbolic links are resolved first.
+    ValueError for a mesh that is none, or that is not there, with those that are. OSError for a file that cannot be read,
+    or that refers to one elsewhere.
     """
-    stage = _open(path)
+    stage = _open(path, roots)
     mesh = _one_mesh(path, stage, prim)
     times = _times_of(mesh)
     points = _positions(path, mesh, times[0])
@@ -54,14 +60,14 @@ def read_mesh(path: str | os.PathLike[str], prim: str | None = None) -> _morula.
 
 
 def read_motion(
-    path: str | os.PathLike[str], prim: str | None = None
+    path: str | os.PathLike[str], prim: str | None = None, *, roots: Iterable[str | os.PathLike[str]] = ()
 ) -> tuple[_morula.Mesh, NDArray[numpy.float64], NDArray[numpy.float64]]:
     """(mesh, frames, times): the mesh at its first time, its positions (frames, vertices, 3) at every time, and these in
     seconds. Times are those at which the file says where the points are, or where anything is that they hang on.
 
-    ValueError where facets or the number of points change.
+    prim, roots: as of read_mesh. ValueError where facets or the number of points change.
     """
-    stage = _open(path)
+    stage = _open(path, roots)
     mesh = _one_mesh(path, stage, prim)
     times = _times_of(mesh)
     frames = [_positions(path, mesh, time) for time in times]
@@ -187,19 +193,49 @@ def _up(values: NDArray[numpy.float64]) -> NDArray[numpy.float32]:
     return numpy.where(near.astype(numpy.float64) < values, numpy.nextafter(near, numpy.float32(numpy.inf)), near)
 
 
-def _open(path: str | os.PathLike[str]) -> Any:
+def _open(path: str | os.PathLike[str], roots: Iterable[str | os.PathLike[str]]) -> Any:
     name = os.fspath(path)
     if not os.path.exists(name):
         raise FileNotFoundError(f"{name}: there is no such file")
+    own = os.path.dirname(os.path.abspath(name))
+    folders = [pathlib.Path(os.path.realpath(folder)) for folder in (own, *roots)]
     try:
         # A layer that was opened before would be given again, whatever the file holds now.
         layer = Sdf.Layer.OpenAsAnonymous(name)
+        if layer:
+            _check_references(name, layer, own, folders, set())
         stage = Usd.Stage.Open(layer) if layer else None
+    except OSError:
+        raise
     except Exception as error:  # Tf.ErrorException, which is not to be caught by name
         raise OSError(f"{name}: {str(error).strip().splitlines()[-1]}") from None
     if stage is None:
         raise OSError(f"{name}: cannot be read as USD")
+    # What is not referred to but used all the same, such as value clips.
+    for used in stage.GetUsedLayers():
+        if not used.anonymous:
+            _check_place(name, used.realPath, folders)
     return stage
+
+
+def _check_references(name: str, layer: Any, folder: str, folders: list[pathlib.Path], seen: set[str]) -> None:
+    """Before anything that a layer refers to is read: does it lie in one of the folders?"""
+    for asset in layer.GetCompositionAssetDependencies():
+        file = os.path.join(folder, asset)
+        if not asset or file in seen or not os.path.exists(file):
+            continue
+        seen.add(file)
+        _check_place(name, file, folders)
+        below = Sdf.Layer.FindOrOpen(file)
+        if below:
+            _check_references(name, below, os.path.dirname(file), folders, seen)
+
+
+def _check_place(name: str, file: str, folders: list[pathlib.Path]) -> None:
+    real = pathlib.Path(os.path.realpath(file))
+    if not any(real.is_relative_to(folder) for folder in folders):
+        allowed = " and ".join(map(str, folders))
+        raise OSError(f"{name}: refers to {real}, which lies outside {allowed}; allow its folder with roots=[{str(real.parent)!r}]")
 
 
 def _meshes(stage: Any) -> list[Any]:

@@ -8,6 +8,7 @@
 #include "module.hpp"
 #include "motion.hpp"
 #include "records.hpp"
+#include "text.hpp"
 
 namespace morula::python {
 
@@ -32,7 +33,8 @@ void bind_io(nb::module_& m) {
         auto mesh = std::make_shared<Mesh>(without_gil([&] { return read_mesh(path, info); }));
         const std::string name = static_cast<const std::filesystem::path&>(path).string();
         for (const std::string& note : info.notes)
-          if (PyErr_WarnEx(PyExc_UserWarning, (name + ": " + note).c_str(), 1) != 0) throw nb::python_error();
+          if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%U", python_text(name + ": " + note).ptr()) != 0)
+            throw nb::python_error();
         return mesh;
       },
       nb::arg("path"),

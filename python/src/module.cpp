@@ -5,12 +5,14 @@
 
 #include <morula/io/system_file_error.hpp>
 #include <morula/morula.hpp>
+#include <stdexcept>
 #include <string>
 #include <typeinfo>
 
 #include "calls.hpp"
 #include "holders.hpp"
 #include "records.hpp"
+#include "text.hpp"
 
 namespace morula::python {
 namespace {
@@ -20,8 +22,12 @@ void raise_os_error(const SystemFileError& error) {
   const std::string file = error.file().string();
   // The file stands beside the problem in Python.
   const std::string problem = error.what() + file.size() + 2;
-  const nb::object made = nb::handle(PyExc_OSError)(error.error(), problem, file);
+  const nb::object made = nb::handle(PyExc_OSError)(error.error(), python_text(problem), python_text(file));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+}
+
+void raise(PyObject* kind, const char* message) {
+  PyErr_SetObject(kind, python_text(message).ptr());
 }
 
 }  // namespace
@@ -33,6 +39,9 @@ NB_MODULE(_morula, m) {
   using namespace morula::python;
   m.doc() = "Certified sphere trees for deforming triangle meshes: the compiled part of the package morula.";
   m.attr("version") = morula::version;
+  // NumPy keeps arrays that others hold when the interpreter ends, so a mesh whose positions a body follows is still
+  // there then. nanobind would print a report of that for the user of any such program.
+  nb::set_leak_warnings(false);
 
   nb::register_exception_translator([](const std::exception_ptr& p, void*) {
     try {
@@ -40,7 +49,9 @@ NB_MODULE(_morula, m) {
     } catch (const SystemFileError& error) {
       raise_os_error(error);
     } catch (const FileError& error) {
-      PyErr_SetString(PyExc_OSError, error.what());
+      raise(PyExc_OSError, error.what());
+    } catch (const std::invalid_argument& error) {
+      raise(PyExc_ValueError, error.what());
     } catch (const std::bad_cast&) {
       PyErr_SetString(PyExc_TypeError, "an argument is of another type than is needed");
     }

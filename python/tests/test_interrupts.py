@@ -263,8 +263,8 @@ def test_follow_keeps_the_positions_that_the_body_ends_in():
     assert found.distance == expected.distance
 
 
-#: One of each kind: with the handler that Python has, and with threads. What is made, and the call, which goes on much
-#: longer than the half second after which it is ended.
+#: A call with Python's own handler of signals, and one with threads: what is made first, and the call, which would go on
+#: much longer than the half second after which it is ended.
 PROGRAMS = {
     "build": ("mesh = morula.sample_body('limb', 300)", "morula.build(mesh, quality='best')"),
     "SignedDistance with workers": (

@@ -4,8 +4,11 @@
 
 import copy
 import errno
+import os
 import pickle
 import re
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -237,6 +240,42 @@ def test_files_that_are_not_there_are_of_their_kind(tmp_path):
     assert type(caught.value) is OSError
     again = pickle.loads(pickle.dumps(FileNotFoundError(errno.ENOENT, "x", "y")))
     assert again.filename == "y"
+
+
+def test_files_whose_names_are_not_utf8_are_told_as_others_are(tmp_path):
+    folder = tmp_path / os.fsdecode(b"n\xff")
+    folder.mkdir()
+    missing = folder / "missing.obj"
+    for path in (missing, str(missing), os.fsencode(missing)):
+        with pytest.raises(FileNotFoundError) as caught:
+            morula.read_mesh(path)
+        assert (caught.value.filename, caught.value.errno) == (str(missing), errno.ENOENT)
+    bad = folder / "bad.obj"
+    bad.write_text("v 1 2\n")
+    with pytest.raises(OSError) as caught:
+        morula.read_mesh(bad)
+    assert str(caught.value).startswith(f"{bad}:1: ")
+    with pytest.raises(OSError) as caught:
+        morula.read_tree(folder / "tree.txt")
+    assert str(caught.value).startswith(f"{folder / 'tree.txt'}: ")
+    noted = folder / "noted.obj"
+    noted.write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n\xe9tat 1\n")
+    with pytest.warns(UserWarning) as told:
+        assert morula.read_mesh(noted).facet_count == 1
+    assert str(told[0].message).startswith(f"{noted}: ")
+
+
+def test_programs_that_end_with_all_they_have_made_print_nothing():
+    program = """
+import morula
+mesh = morula.sample_body("blob", 6)
+body = morula.Body(mesh, morula.build(mesh, method="octree", depth=1))
+body.update(mesh.positions)
+surface = morula.SurfaceTree(mesh)
+surface.update(mesh.positions)
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    assert run.stdout == run.stderr == b""
 
 
 def test_choices_of_type_checkers_are_those_of_the_library():

@@ -131,6 +131,37 @@ def test_concave_polygons_have_their_area(tmp_path):
         assert read.facet_count == 4 and morula.surface_area(read) == pytest.approx(5)
 
 
+def test_references_lead_to_known_folders(tmp_path):
+    (tmp_path / "own" / "below").mkdir(parents=True)
+    (tmp_path / "other").mkdir()
+    cube = morula.sample_body("bar", 3)
+    for place in ("own/below/cube.usda", "other/cube.usda"):
+        morula.usd.write_mesh(tmp_path / place, cube)
+    (tmp_path / "own" / "link.usda").symlink_to(tmp_path / "other" / "cube.usda")
+    (tmp_path / "own" / "middle.usda").write_text('#usda 1.0\n(defaultPrim = "a")\ndef Xform "a" (references = @../other/cube.usda@</morula>) {}\n')
+
+    def scene(reference):
+        (tmp_path / "own" / "scene.usda").write_text(f'#usda 1.0\n(defaultPrim = "w")\ndef Xform "w" ({reference}) {{}}\n')
+        return tmp_path / "own" / "scene.usda"
+
+    inside = scene(f"references = @{tmp_path / 'own' / 'below' / 'cube.usda'}@</morula>")
+    assert morula.usd.read_mesh(inside).facet_count == cube.facet_count
+    for reference in (
+        f"references = @{tmp_path / 'other' / 'cube.usda'}@</morula>",
+        f"payload = @{tmp_path / 'other' / 'cube.usda'}@</morula>",
+        "references = @../other/cube.usda@</morula>",
+        f"references = @{tmp_path / 'own' / 'link.usda'}@</morula>",
+        f"references = @{tmp_path / 'own' / 'middle.usda'}@</a>",
+    ):
+        file = scene(reference)
+        for call in (morula.usd.read_mesh, morula.usd.read_motion, morula.usd.mesh_paths):
+            with pytest.raises(OSError, match="other.cube.usda, which lies outside .*own; allow its folder with roots="):
+                call(file)
+        morula.usd.mesh_paths(file, roots=[tmp_path / "other"])
+    file = scene(f"references = @{tmp_path / 'other' / 'cube.usda'}@</morula>")
+    assert morula.usd.read_mesh(file, roots=[tmp_path / "other"]).facet_count == cube.facet_count
+
+
 def test_holes_are_left_out_and_one_of_several_is_named(tmp_path):
     path = tmp_path / "two.usda"
     stage = Usd.Stage.CreateNew(str(path))

@@ -15,9 +15,6 @@
 namespace morula::detail {
 namespace fs = std::filesystem;
 
-// Read or written between two questions whether to go on.
-constexpr std::size_t bytes_per_look = std::size_t{1} << 22;
-
 std::string reason(int error) {
   return std::generic_category().message(error);
 }

@@ -3,6 +3,7 @@
 // Files as a whole, read into memory. Those that are written: morula/io/whole_output.hpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <morula/io/whole_output.hpp>
@@ -19,6 +20,9 @@ std::string read_whole(const std::filesystem::path& path);
 
 /// `count` bytes from `offset` on, which must lie inside the file. Throws FileError.
 std::string read_part(const std::filesystem::path& path, std::uintmax_t offset, std::uintmax_t count);
+
+/// Read or written between two questions whether to go on.
+inline constexpr std::size_t bytes_per_look = std::size_t{1} << 22;
 
 /// What the system says of an errno.
 std::string reason(int error);

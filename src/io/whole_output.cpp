@@ -195,7 +195,6 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 
 void write_whole(const fs::path& path, std::string_view bytes) {
   WholeFile file(path);
-  constexpr std::size_t bytes_per_look = std::size_t{1} << 22;
   for (std::size_t done = 0; done < bytes.size(); done += bytes_per_look) {
     ask_to_go_on();
     file.write(bytes.substr(done, bytes_per_look));

@@ -13,7 +13,7 @@
 #include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
-#include <morula/parallel/interrupt.hpp>
+#include <support/ended_where_asked.hpp>
 
 #include "files.hpp"
 #include "solid_files.hpp"
@@ -22,34 +22,6 @@ namespace morula::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-// As what Python throws is: readers that turn exceptions of their own into others may not take it for one of them.
-struct Cancelled : std::runtime_error {
-  Cancelled() : std::runtime_error("cancelled") {}
-};
-
-/// Ends a call where it asks for the first time, the second, the fourth …; each time Cancelled comes out. It asks
-/// `least` times or more.
-void expect_ends_wherever_it_asks(const std::string& name, int least, const std::function<void()>& call) {
-  for (int last = 1;; last *= 2) {
-    int asked = 0;
-    bool ended = false;
-    const Interrupt interrupt([&] {
-      if (++asked == last) throw Cancelled();
-    });
-    try {
-      call();
-    } catch (const Cancelled&) {
-      ended = true;
-    } catch (const std::exception& other) {
-      FAIL() << name << ", asked " << asked << " times: " << other.what();
-    }
-    ASSERT_EQ(ended, asked >= last) << name;
-    if (ended) continue;
-    EXPECT_GE(asked, least) << name;
-    return;
-  }
-}
 
 // Some 20,000 vertices.
 const Mesh& many_facets() {

@@ -19,7 +19,9 @@ void expect_meshes_refused(const std::vector<HostileFile>& files) {
 TEST(HostileMeshes, obj) {
   const std::string v3 = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   expect_meshes_refused({
-      {"empty.obj", "", 0, "no facets"},
+      {"empty.obj", "", 0, "has neither vertices nor facets: it is empty, or not what its name says"},
+      {"blank.obj", " \n# nothing\n", 0, "it is empty, or not what its name says"},
+      {"other.obj", "ISO-10303-21;\nHEADER;\n", 0, "not what its name says; 2 statements that OBJ does not know"},
       {"only_vertices.obj", v3, 0, "has 3 vertices but no facets"},
       {"no_vertices.obj", "# nothing\nf 1 2 3\n", 2, "refers to vertex 3, but the file has 0 vertices"},
       {"short_vertex.obj", "v 0 0 0\nv 1 0\n", 2, "the line ends where z should be"},
@@ -199,13 +201,13 @@ TEST(HostileMeshes, stl) {
   expect_meshes_refused({
       {"empty.stl", "", 0, "the file ends inside the header of a binary STL"},
       {"short_header.stl", head, 0, "byte 80: the file ends inside the header"},
-      {"no_facets.stl", head + raw(0), 0, "has 0 vertices but no facets"},
+      {"no_facets.stl", head + raw(0), 0, "has neither vertices nor facets"},
       {"short_body.stl", head + raw(2) + triangle, 0, "counts 2 facets, which take 184 bytes, but the file has 134"},
       {"long_body.stl", head + raw(1) + triangle + triangle, 0, "counts 1 facets"},
       {"huge_count.stl", head + raw(0xffffffffu) + triangle, 0, "counts 4294967295 facets"},
       {"solid_short_body.stl", "solid" + head.substr(5) + raw(2) + triangle, 0, "counts 2 facets"},
       {"binary_nan.stl", head + raw(1) + nan_triangle, 0, "a corner of facet 0 is not finite"},
-      {"no_solid.stl", "solid nothing\nendsolid nothing\n", 0, "no facets"},
+      {"no_solid.stl", "solid nothing\nendsolid nothing\n", 0, "has neither vertices nor facets"},
       {"cut_solid.stl", "solid x\n" + facet + "facet normal 0 0 1\n", 9, "ends inside a solid"},
       {"only_solid.stl", "solid x\n", 1, "ends inside a solid"},
       {"cut_facet.stl", solid.substr(0, solid.find("endloop")), 6, "ends inside a solid"},

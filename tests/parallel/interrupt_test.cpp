@@ -11,13 +11,14 @@
 #include <morula/surface/surface_tree.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
+#include <support/ended_where_asked.hpp>
 #include <thread>
 #include <vector>
 
 namespace morula {
 namespace {
 
-struct Cancelled {};
+using test::Cancelled;
 
 TEST(Interrupt, asks_before_every_chunk_on_the_callers_thread) {
   int asked = 0;
@@ -128,20 +129,8 @@ TEST(Interrupt, ends_builds_and_indices_wherever_it_throws) {
   const Mesh mesh = sample_body("blob", 8);
   const BuildOptions options{.depth = 1, .quality = Quality::draft};
   const CoveredTree whole = build(mesh, options);
-  for (int last = 1;; last *= 2) {
-    int asked = 0;
-    bool ended = false;
-    const Interrupt interrupt([&] {
-      if (++asked == last) throw Cancelled();
-    });
-    try {
-      EXPECT_EQ(build(mesh, options).tree.spheres, whole.tree.spheres);
-    } catch (const Cancelled&) {
-      ended = true;
-    }
-    EXPECT_EQ(ended, asked >= last);
-    if (!ended) break;
-  }
+  test::expect_ends_wherever_it_asks("build", 1,
+                                     [&] { EXPECT_EQ(build(mesh, options).tree.spheres, whole.tree.spheres); });
   const Interrupt interrupt([] { throw Cancelled(); });
   EXPECT_THROW(SignedDistance{mesh}, Cancelled);
 }

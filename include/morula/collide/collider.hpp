@@ -41,8 +41,8 @@ class Collider {
   /// Are facets() those that leaves own now?
   bool has_current_ownership() const { return !has_surface() || dealing_ == pose_->dealing; }
 
-  /// Where the body is from now on, on top of its deformation: x ↦ placement(x). Throws std::invalid_argument unless
-  /// all is finite and deviation_from_rigid(placement) ≤ largest_rigid_deviation; nothing has changed then.
+  /// Where the body is from now on: x ↦ placement(x). A rotation of single precision becomes the nearest one. Throws
+  /// std::invalid_argument where deviation_from_rigid() is above largest_float_deviation; nothing has changed then.
   void place(const RigidTransform& placement);
   const RigidTransform& placement() const { return placement_; }
 

@@ -27,7 +27,7 @@ class ConvexHull {
   /// A box, placed. Throws std::invalid_argument for one that is empty or flat, as above for one that is not finite.
   static ConvexHull box(const Box& box, const RigidTransform& placement = {});
   /// The same hull elsewhere: a rigid motion needs no new facets. Throws std::invalid_argument for a transform that
-  /// queries would not take (largest_rigid_deviation), and as above for points too far away. Cost: points + facets.
+  /// queries would not take (largest_float_deviation), and as above for points too far away. Cost: points + facets.
   ConvexHull placed(const RigidTransform& placement) const;
 
   /// Those of the points that facets have, in the order in which they were given.

@@ -33,7 +33,7 @@ RigidTransform inverse(const RigidTransform& t);
 /// Largest |(R Rᵀ − I)_ij|: 0 for a perfect rotation; infinity when an entry or the translation is not finite, or when
 /// R is a reflection.
 double deviation_from_rigid(const RigidTransform& t);
-/// What queries accept: anything made by the functions above, and products of thousands of such.
+/// What queries compute with: anything made by the functions above, and products of thousands of such.
 inline constexpr double largest_rigid_deviation = 1e-9;
 
 }  // namespace morula

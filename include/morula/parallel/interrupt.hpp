@@ -20,8 +20,8 @@ struct Interruption;
 /// the object is as it was before, or empty, and may be asked again. The same exception ends every later call, until
 /// the Interrupt is destroyed.
 ///
-/// ask: called on the thread that made the Interrupt, mostly from once in some 10 ms to a million times a second, at
-/// times only after some tenths of a second: whatever costs more than a look at a clock is for every 20 ms. A write
+/// ask: called on the thread that made the Interrupt: up to a million times a second, mostly every 10 ms at least, and
+/// at times only after some tenths of a second. Look at a clock in it, and do what costs more every 20 ms. A write
 /// that ends so leaves no file, or the one that was there. Workers of a pool end with the chunks that they are in.
 /// Where an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
 /// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time. Nor do tinygltf while it decodes

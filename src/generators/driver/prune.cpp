@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 namespace {
 
@@ -53,6 +55,7 @@ class Pruner {
  private:
   // The least cost of joining two leaves among a node's children.
   void look_for_join(std::uint32_t parent) {
+    ask_to_go_on();
     Candidates& of = candidates_[parent];
     std::vector<std::pair<double, Pair>> pairs;
     const std::vector<std::uint32_t>& children = nodes_[parent].children;

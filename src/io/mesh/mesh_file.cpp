@@ -13,6 +13,9 @@ using namespace detail;
 namespace {
 
 void require_sound(const std::filesystem::path& path, const Mesh& mesh, const MeshInfo& info) {
+  if (mesh.facets.empty() && mesh.positions.empty())
+    throw FileError(path.string() + ": has neither vertices nor facets: it is empty, or not what its name says" +
+                    (info.notes.empty() ? "" : "; " + info.notes.front()));
   if (mesh.facets.empty())
     throw FileError(path.string() + ": has " + std::to_string(mesh.vertex_count()) + " vertices but no facets; " +
                     (info.notes.empty() ? "points and lines alone have no surface" : info.notes.front()));
