@@ -368,9 +368,8 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
       return [level, divide = OwnDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
                  const BuildNode& node) { return divide(node); };
     };
-    const Effort& of_parts = effort.inscribed ? fast : draft;
     FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
-                 .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), of_parts); },
+                 .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), fast); },
                  .levels = {},
                  .improve = {},
                  .grows = true};

@@ -28,6 +28,7 @@ struct Rung {
   bool other = false;  // sought by the other start
 };
 
+// 12, 16, 24, 32, 48, 64 …
 bool is_other_start(std::size_t size) {
   return size >= least_other_start && (std::has_single_bit(size) || (size % 3 == 0 && std::has_single_bit(size / 3)));
 }
