@@ -14,7 +14,7 @@ void write_sofa_spheres(const std::filesystem::path& path, std::span<const Spher
   // The loader steps over the first line whatever it says, and does not look at the index.
   std::string text = "sph 1.0\nnums ";
   detail::append_number(text, spheres.size());
-  AskNowAndThen ask_now_and_then(4096);
+  detail::AskNowAndThen ask_now_and_then(4096);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     ask_now_and_then();
     const Sphere& s = spheres[i];
