@@ -28,9 +28,9 @@ struct Rung {
   bool other = false;  // sought by the other start
 };
 
-// 12, 16, 24, 32, 48, 64 …
+// 12, 16, 24, 48, 96 …: at 32 and more, what else powers of two find is not worth its time.
 bool is_other_start(std::size_t size) {
-  return size >= least_other_start && (std::has_single_bit(size) || (size % 3 == 0 && std::has_single_bit(size / 3)));
+  return size == 2 * few_spheres || (size >= least_other_start && size % 3 == 0 && std::has_single_bit(size / 3));
 }
 
 // The rungs of a set of so many spheres, the last of which is its own. A set is never looser than one of a size below
