@@ -25,8 +25,8 @@ std::vector<Sphere> balls_in(const Mesh& mesh) {
 // Facets are this far from the round body.
 constexpr double error = 0.01;
 
-// A ball about c reaches to the nearest of 1,000 samples, at most: `depth` of c, where it lies nearer to the surface than
-// that, and something for where the samples are not. No disc of two spacings on these bodies is without a sample.
+// A ball about c reaches to the nearest of 1,000 samples, at most: `depth` of c, where it lies nearer to the surface
+// than that, and something for where the samples are not. No disc of two spacings on these bodies is without a sample.
 double gap(double area) {
   return 2 * std::sqrt(area / 1000);
 }
@@ -51,7 +51,8 @@ void expect_about_inscribed(std::span<const Sphere> balls, double thickest, cons
 TEST(ChordBalls, are_about_inscribed_in_a_capsule) {
   constexpr double radius = 0.5, length = 2;
   const double s = gap(4 * M_PI * radius * radius + 2 * M_PI * radius * length);
-  // The body is convex: from the surface's nearest point, samples lie on the near side of the plane across the way to it.
+  // The body is convex: from the surface's nearest point, samples lie on the near side of the plane across the way to
+  // it.
   expect_about_inscribed(
       balls_in(sample_body("capsule", 32)), radius,
       [](const Vec3& p) { return radius - std::hypot(p.y, p.z, std::max(0.0, std::abs(p.x) - length / 2)); },

@@ -35,8 +35,8 @@ struct FlatSetBy {
 /// The tree whose leaves are at most run.spheres spheres. lines: what sets are compared by.
 ///
 /// The set is the tightest of: as many spheres as are wanted, sought at once; the leaves of a tree, where by.levels has
-/// one; and the set of 2, 3, 4, 6, 8, 16, 32, 64 … spheres below, grown by dividing the worst sphere, by way of one that
-/// by.other_start seeks at 12, 16, 24, 48 …, where that is tighter. Sets are compared by the volume of their union
+/// one; and the set of 2, 3, 4, 6, 8, 16, 32, 64 … spheres below, grown by dividing the worst sphere, by way of one
+/// that by.other_start seeks at 12, 16, 24, 48 …, where that is tighter. Sets are compared by the volume of their union
 /// outside the object. Where more spheres would be looser, fewer are returned.
 /// So a set of N is never looser than one level of N children, nor than a set of one of those numbers. It may be
 /// looser than one of another smaller number that was sought at once and is tighter than what had grown.
