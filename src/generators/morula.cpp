@@ -22,6 +22,7 @@
 #include "generators/divide/exchange.hpp"
 #include "generators/divide/flat_set.hpp"
 #include "generators/divide/node_fit.hpp"
+#include "generators/fit/chord_balls.hpp"
 #include "generators/fit/lattice.hpp"
 #include "generators/fit/medial_seeds.hpp"
 #include "generators/reduce/reducers.hpp"
@@ -69,7 +70,6 @@ constexpr Effort draft = [] {
 // The smaller sets that a flat set grows from, of efforts that only split: a set that begins with seeds takes no
 // longer, and is 0.8 to 0.9 times as loose; on rings, 0.3 times.
 constexpr Effort from_seeds(Effort effort) {
-  effort.medial_samples = enough_seeds;
   effort.begins_with_seeds = true;
   effort.changes = {0, 0, 0};
   return effort;
@@ -340,15 +340,13 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
   const bool flat = run.spheres > 0 || run.max_protrusion > 0;
   const bool grows = flat && !is_flat_set(run);
-  const Effort seeded =
-      !effort.inscribed && is_flat_set(run) && run.spheres > other_start_of ? from_seeds(effort) : effort;
-  const bool asks_for_distances = seeded.medial_samples > 0 || grows;
+  const bool asks_for_distances = effort.medial_samples > 0 || grows;
   std::optional<ObjectShape> object;
   asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
   const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
   const FitInput input = fit_input(mesh, shape, lines);
-  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(seeded, run), run.seed, workers);
+  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
   const auto exchange_parts = [&](int rounds) {
     return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
       // Siblings have shared demand out evenly: level 1 keeps what it owns.
@@ -361,18 +359,21 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   if (is_flat_set(run)) {
     const ObjectLines fine(mesh, shape, flat_set_cells, workers);
     const FitInput fine_input = fit_input(mesh, shape, fine);
+    const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
+    const Effort seeded = from_seeds(effort);
+    const std::vector<Sphere> seeds =
+        has_other_start ? chord_balls(mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
     const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
       const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OwnDivider(by, *level, how, balls, {}, workers)](const BuildNode& node) {
-        return divide(node);
-      };
+      return [level, divide = OwnDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
+                 const BuildNode& node) { return divide(node); };
     };
     FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
                  .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), fast); },
                  .levels = {},
                  .improve = {},
                  .grows = true};
-    if (seeded.begins_with_seeds)
+    if (has_other_start)
       by.other_start = [&](std::size_t most) { return divider(fine_input, run.one_level(most), seeded); };
     if (effort.exchanges > 0) {
       by.levels = [&](int depth) { return divider(fine_input, of_levels(run, depth), effort); };

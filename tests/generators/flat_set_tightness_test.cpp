@@ -173,19 +173,21 @@ double worst_step(const char* body, int resolution, Quality quality, std::size_t
 }
 
 // By luck, a set that is sought at once is tighter or looser than its neighbors: without growing, these steps are 1.19
-// and 1.05.
+// and 1.05; where nothing is sought by another start, the last is 1.22.
 TEST(FlatSetTightness, of_one_sphere_more_is_that_of_a_set_that_grew) {
   EXPECT_LE(worst_step("torus", 16, Quality::fast, 9, 14), 1.005);
   EXPECT_LE(worst_step("limb", 12, Quality::fast, 28, 33), 1.005);
+  for (const Quality quality : {Quality::draft, Quality::fast})
+    EXPECT_LE(worst_step("torus", 32, quality, 11, 13), 1.005);
 }
 
 // What is measured, not promised: sets that were sought at once can be tighter than what has grown.
 TEST(LongFlatSetTightness, of_one_sphere_more_seldom_gets_worse) {
-  for (const Quality quality : {Quality::draft, Quality::fast}) {
-    EXPECT_LE(worst_step("torus", 16, quality, 2, 64), 1.005);
-    EXPECT_LE(worst_step("limb", 12, quality, 2, 64), 1.02);
-  }
-  EXPECT_LE(worst_step("limb", 12, Quality::standard, 8, 40), 1.02);
+  for (const Quality quality : {Quality::draft, Quality::fast})
+    for (const int resolution : {16, 32}) EXPECT_LE(worst_step("torus", resolution, quality, 2, 64), 1.005);
+  EXPECT_LE(worst_step("limb", 12, Quality::draft, 2, 64), 1.02);
+  EXPECT_LE(worst_step("limb", 12, Quality::fast, 2, 64), 1.005);
+  EXPECT_LE(worst_step("limb", 12, Quality::standard, 8, 40), 1.01);
 }
 
 // MORULA_FLAT_SET_SEEDS: so many seeds of every body by every method, which takes an hour each; else every body and

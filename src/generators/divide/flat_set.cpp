@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <iterator>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
@@ -20,15 +21,33 @@
 namespace morula::detail {
 namespace {
 
-// The sizes that a set of so many spheres goes through, and that size. A set is never looser than one of a size below
+// A size that a set goes through on the way to its own.
+struct Rung {
+  std::size_t size;
+  bool at_once;        // sought as it would be on its own
+  bool other = false;  // sought by the other start
+};
+
+// 12, 16, 24, 48, 96 …: at 32 and more, what else powers of two find is not worth its time.
+bool is_other_start(std::size_t size) {
+  return size == 2 * few_spheres || (size >= least_other_start && size % 3 == 0 && std::has_single_bit(size / 3));
+}
+
+// The rungs of a set of so many spheres, the last of which is its own. A set is never looser than one of a size below
 // it in this list, since it goes through the same sets on the way to its own.
-std::vector<std::size_t> sizes_up_to(std::size_t spheres) {
-  std::vector<std::size_t> sizes;
+std::vector<Rung> rungs_up_to(std::size_t spheres, bool has_other_start) {
+  std::vector<Rung> rungs;
   for (const std::size_t few : {2, 3, 4, 6})
-    if (few < spheres) sizes.push_back(few);
-  for (std::size_t power = 8; power < spheres; power *= 2) sizes.push_back(power);
-  if (spheres > 1) sizes.push_back(spheres);
-  return sizes;
+    if (few < spheres) rungs.push_back({few, true});
+  const auto add = [&](std::size_t size, bool at_once) {
+    rungs.push_back({size, at_once, has_other_start && is_other_start(size)});
+  };
+  for (std::size_t power = few_spheres; power < spheres; power *= 2) {
+    add(power, true);
+    if (const std::size_t between = 3 * power / 2; has_other_start && between < spheres) add(between, false);
+  }
+  if (spheres > 1) add(spheres, true);
+  return rungs;
 }
 
 // How far a set has grown: what is known of its leaves while they stay as they are.
@@ -65,28 +84,14 @@ class FlatSet {
     Set best = only_root();
     const double prepared = run_.seconds();
     bool in_time = !run_.out_of_time();
-    const std::vector<std::size_t> sizes = sizes_up_to(run_.spheres);
+    const std::vector<Rung> rungs = rungs_up_to(run_.spheres, by_.other_start != nullptr);
     double gone = 0, all = 0;
-    for (const std::size_t n : sizes) all += static_cast<double>(n);
-    for (const std::size_t size : sizes) {
+    for (const Rung& rung : rungs) all += static_cast<double>(rung.size);
+    for (const Rung& rung : rungs) {
       if (!in_time) break;
       run_.throw_if_stopped();
-      // As it would be on its own, so that the larger sets cannot be looser.
-      Set now = sought(by_.one_level(size));
-      if (by_.improve && size == static_cast<std::size_t>(run_.branching)) first_level_ = now.leaves;
-      if (by_.levels && (by_.quick || is_slender(now)))
-        if (std::optional<Set> other = last_level(size); other && other->outside < now.outside) now = *std::move(other);
-      if (by_.grows) grow(now, size);
-      // Growing is no rival to seeking a few spheres.
-      if (by_.grows && best.leaves.size() > 1 && size > few_spheres) {
-        grow(best, size);
-        improve(best);
-      }
-      if (now.outside < best.outside) best = std::move(now);
-      if (by_.other_start && size == other_start_of && size < run_.spheres)
-        if (now = sought(by_.other_start(size)); now.outside < best.outside) best = std::move(now);
-      grow(best, size);
-      gone += static_cast<double>(size);
+      climb(best, rung);
+      gone += static_cast<double>(rung.size);
       const double share = 0.95 * gone / all;
       run_.tell(share, 1, (run_.seconds() - prepared) * (1 - share) / share);
       in_time = !run_.out_of_time();
@@ -96,6 +101,34 @@ class FlatSet {
   }
 
  private:
+  // The tightest set of the rung's size or fewer: the one so far, grown, or one that is sought.
+  void climb(Set& best, const Rung& rung) {
+    std::optional<Set> at_once;
+    if (rung.at_once) at_once = sought_at_once(rung.size);
+    // Growing is no rival to seeking a few spheres.
+    if (by_.grows && best.leaves.size() > 1 && rung.size > few_spheres) {
+      grow(best, rung.size);
+      improve(best);
+    }
+    if (at_once) keep_tighter(best, *std::move(at_once));
+    if (rung.other) keep_tighter(best, sought(by_.other_start(rung.size)));
+    grow(best, rung.size);
+  }
+
+  static void keep_tighter(Set& best, Set other) {
+    if (other.outside < best.outside) best = std::move(other);
+  }
+
+  // As it would be on its own, so that larger sets cannot be looser.
+  Set sought_at_once(std::size_t size) {
+    Set set = sought(by_.one_level(size));
+    if (by_.improve && size == static_cast<std::size_t>(run_.branching)) first_level_ = set.leaves;
+    if (by_.levels && (by_.quick || is_slender(set)))
+      if (std::optional<Set> other = last_level(size)) keep_tighter(set, *std::move(other));
+    if (by_.grows) grow(set, size);
+    return set;
+  }
+
   double outside(const std::vector<BuildNode>& leaves) {
     std::vector<Sphere> spheres;
     for (const BuildNode& leaf : leaves) spheres.push_back(leaf.sphere);
