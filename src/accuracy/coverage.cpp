@@ -17,6 +17,7 @@ namespace {
 double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres) {
   double largest = largest_coordinate(mesh);
   for (const Sphere& s : spheres) largest = std::max({largest, max_norm(s.center), s.radius});
+  // mutant coverage-tolerance: `0x1p-46` -> `0`
   return largest * 0x1p-46;
 }
 

@@ -42,6 +42,7 @@ struct HalfLine {
     int turns = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 &a = t[k], &b = t[(k + 1) % 3];
+      // mutant inside-counts-corners-twice: `b[other] <=` -> `b[other] <`
       const bool a_below = a[other] <= from[other], b_below = b[other] <= from[other];
       if (a_below == b_below) continue;
       const int turn = orient2d(a, b, from, projections[axis]);
@@ -58,6 +59,7 @@ bool holds(const Triangle& t, const Vec3& p) {
     const double a = t[0][axis], b = t[1][axis], c = t[2][axis];
     if (p[axis] < std::min({a, b, c}) || p[axis] > std::max({a, b, c})) return false;
   }
+  // mutant inside-surface: `if (orient3d(t[0], t[1], t[2], p) != 0) return` -> `return`
   if (orient3d(t[0], t[1], t[2], p) != 0) return false;
   // In the plane, and on no wrong side of an edge along any axis. Of triangles without area: on their line, and in the
   // box.

@@ -116,6 +116,7 @@ class Search {
     const std::uint32_t facet_a = a_.facets(0).front(), facet_b = b_.facets(0).front();
     answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
     answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
+    // mutant distance-witness: `) * (1 + 0x1p-49)` -> `)`
     answer_.upper = scaled_length(answer_.b.point - answer_.a.point) * (1 + 0x1p-49);
     answer_.crossing = answer_.upper == 0;
     is_of_facets_ = false;
@@ -218,6 +219,7 @@ class Search {
     if (found.upper < answer_.upper || (found.upper == answer_.upper && (!is_of_facets_ || is_first))) {
       is_of_facets_ = true;
       answer_.upper = found.upper;
+      // mutant distance-crossing-forgotten: `answer_.crossing = found.crossing` -> ``
       answer_.crossing = found.crossing;
       answer_.a = {facet_a.facet, found.a, found.point_a};
       answer_.b = {facet_b.facet, found.b, found.point_b};

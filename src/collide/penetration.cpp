@@ -155,6 +155,7 @@ struct PenetrationQuery::State {
   Verdict look(Cell& cell) {
     Verdict verdict;
     const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
+    // mutant penetration-cell-by-its-middle: `length` -> `0 * length`
     const double reach = length(half) * scale * (1 + 0x1p-40) + pad;
     const double half_side = std::cbrt(volume_of(cell.level)) * 0.5;
     verdict.share.guess = 1;

@@ -30,7 +30,10 @@ class ColliderAsRead {
         changes_(collider.changes_.value),
         was_usable_(is_usable()) {}
   bool has_moved() const {
+    // mutant collider-moved-in-call: `return ... ->changes_.value != changes_ || pose_->frame != frame_ ||` -> `return`
+    // mutant collider-placed-in-call: `collider_->changes_.value != changes_ || pose_` -> `pose_`
     return collider_->pose_ != pose_ || collider_->changes_.value != changes_ || pose_->frame != frame_ ||
+           // mutant body-refused-in-call: `is_usable() != was_usable_` -> `false`
            is_usable() != was_usable_;
   }
 

@@ -216,8 +216,10 @@ class OwnDivider {
     for (const Sphere& s : spheres) mean_radius += s.radius / static_cast<double>(spheres.size());
     NodeFit::Settings settings = effort_.fit;
     if (demand_ && node.level < run_.depth - 1 && level < 2) settings.balance = effort_.balance[level];
+    // mutant slabs-cells: `are_slabs(spheres, mean_radius)` -> `spheres.empty()`
     const bool slabs = effort_.slabs != Effort::Slabs::unseen && are_slabs(spheres, mean_radius);
     const bool fine_slabs = slabs && effort_.slabs == Effort::Slabs::seen_finely && level < 2 && are_in_line(spheres);
+    // mutant slabs-narrow-cells: `narrow` -> `upper`
     if (slabs) settings.slab_cell = fine_slabs ? narrow : level < 2 ? upper : lower;
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     Group& group = fit.group();

@@ -114,6 +114,7 @@ bool is_exact_difference(double x, double y, double difference) {
 bool exact_difference(const Vec3& p, const Vec3& base, Number* row) {
   for (int axis = 0; axis < 3; ++axis) {
     const double difference = p[axis] - base[axis];
+    // mutant difference-taken-for-exact: `)) return` -> `) && false) return`
     if (!is_exact_difference(p[axis], base[axis], difference)) return false;
     row[axis] = number(difference);
   }
@@ -176,14 +177,18 @@ int exact_sign_of_gap(const Sphere& outer, const Sphere& inner) {
 }  // namespace
 
 bool encloses(const Sphere& outer, const Sphere& inner) {
+  // mutant encloses-larger: `if (inner.radius > outer.radius) return false` -> ``
   if (inner.radius > outer.radius) return false;
   const double squared = squared_distance(outer.center, inner.center);
   const double room = outer.radius - inner.radius, squared_room = room * room;
   // A square of a difference (1 + e)^3, the sum of three of them (1 + e)^5, their difference (1 + e)^6. Allowed: 8 e,
   // and what underflow takes.
+  // mutant encloses-no-error: `8` -> `0`
+  // mutant encloses-underflow: `(squared + squared_room) + TrianglePlane::underflow` -> `(squared + squared_room)`
   const double error = 8 * 0x1p-53 * (squared + squared_room) + TrianglePlane::underflow;
   if (squared_room - squared > error) return true;
   if (squared - squared_room > error) return false;
+  // mutant encloses-touching: `<= 0` -> `< 0`
   return exact_sign_of_gap(outer, inner) <= 0;
 }
 
@@ -201,6 +206,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const {
   const int sign = exact_orient3d((*t_)[0], (*t_)[1], (*t_)[2], d);
   // Only as good as double makes it, but not on the other side; NaN after an overflow.
+  // mutant exact-side-keeps-its-value: `0 || !(value * sign > 0)` -> `0`
   if (sign == 0 || !(value * sign > 0)) value = 0;
   return {sign, value};
 }

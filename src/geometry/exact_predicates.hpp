@@ -25,6 +25,8 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection)
 
 // Products of two differences (1 + e)^3, their difference (1 + e)^4. Allowed: 6 e, and what underflow takes, as
 // TrianglePlane has it.
+// mutant orient2d-no-error: `6 * 0x1p-53` -> `0`
+// mutant orient2d-error-less: `6` -> `1`
 inline constexpr double orient2d_relative_error = 6 * 0x1p-53, orient2d_underflow = 0x1p-1000;
 
 /// The same, or 0 where doubles alone do not tell. Cost: 2 ns.
@@ -41,8 +43,10 @@ inline bool is_beyond_an_edge(const Triangle& a, const Triangle& b, Projection p
   const int turn = certain_orient2d(a[0], a[1], a[2], projection);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto is_beyond = [&](const Vec3& p) {
+      // mutant crossing-beyond-an-edge: `< 0` -> `<= 0`
       return certain_orient2d(a[k], a[(k + 1) % 3], p, projection) * turn < 0;
     };
+    // mutant crossing-beyond-any-edge: `(b[1]) && is_beyond(b[2])` -> `(b[1])`
     if (is_beyond(b[0]) && is_beyond(b[1]) && is_beyond(b[2])) return true;
   }
   return false;
@@ -91,9 +95,12 @@ class TrianglePlane {
   // Each of the six products of two differences is off by (1 + e)^3, e = 2^-53, their differences by (1 + e)^4; times
   // another difference (1 + e)^6, summed (1 + e)^8: 8 e of the permanent and terms in e^2; the computed permanent may
   // fall short by as many e^2. Allowed: 10 e.
+  // mutant orient3d-no-error: `10 * 0x1p-53` -> `0`
+  // mutant orient3d-error-less: `10` -> `1`
   static constexpr double relative_error = 10 * 0x1p-53;
   // Products that leave the normal range lose up to 2^-1075 each: 2^-1074 of each normal coordinate, times |w|, and
   // three more. Overflow makes the error infinite or NaN, so it decides nothing.
+  // mutant orient3d-underflow: `0x1p-1000` -> `0`
   static constexpr double underflow = 0x1p-1000;
 
  private:

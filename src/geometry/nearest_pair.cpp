@@ -155,6 +155,8 @@ class Search {
     const auto is_corner = [](const Barycentric& b) { return b[0] == 1 || b[1] == 1 || b[2] == 1; };
     const bool corners = is_corner(best_.a) && is_corner(best_.b);
     const Vec3 direction = best_.point_b - best_.point_a;
+    // mutant nearest-upper: `* (1 + 0x1p-49) +` -> `+`
+    // mutant nearest-upper-of-edges: `(corners ? 0.0 : 0x1p-48 * coordinate)` -> `0.0`
     best_.upper = scaled_length(direction) * (1 + 0x1p-49) + (corners ? 0.0 : 0x1p-48 * coordinate);
     best_.lower = std::max(0.0, slab_width(a_, b_, best_.point_a, direction));
     if (best_.upper - best_.lower > 0x1p-40 * best_.upper) try_other_slabs();
@@ -216,6 +218,7 @@ bool are_within(const Triangle& a, const Triangle& b, double distance) {
   for (const Triangle* t : {&a, &b})
     for (const Vec3& p : *t) largest = std::max(largest, max_norm(p));
   // upper exceeds the distance of the nearest features by 2^-48 of the largest coordinate and 2^-49 of itself at most.
+  // mutant within-rounding: `0x1p-40` -> `0`
   const double rounding = 0x1p-40 * (largest + distance), near = distance - rounding, far = distance + rounding;
   if (largest >= least_ordinary && near > 0x1p-400 && far < 0x1p400) {
     // A slab between them that is wider than that: upper is no less than their distance, and that no less than the
@@ -224,6 +227,7 @@ bool are_within(const Triangle& a, const Triangle& b, double distance) {
     const double squared = Search(a, b).try_features_until(near * near);
     if (squared <= near * near) return true;
     // What crosses is at distance 0, and its features may be far apart.
+    // mutant within-crossing: `triangles_meet(a, b)` -> `false`
     if (squared > far * far) return triangles_meet(a, b);
   }
   return nearest_pair(a, b).upper <= distance;
@@ -281,6 +285,7 @@ double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& 
   }
   const double width = (bottom - top) / size;
   // Squares of differences below 2^-511 vanish; errors of those are below 2^-560.
+  // mutant nearest-slab-heights: `49 * std::sqrt(farthest) - 0x1p-` -> ``
   return width - 0x1p-50 * std::abs(width) - 0x1p-49 * std::sqrt(farthest) - 0x1p-560;
 }
 

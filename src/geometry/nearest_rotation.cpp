@@ -18,6 +18,7 @@ using namespace detail;
 RigidTransform orthonormalized(const RigidTransform& t) {
   const StandardFloats standard;
   RigidTransform nearest = t;
+  // mutant orthonormalized-less: `3` -> `1`
   for (int step = 0; step < 3; ++step) {
     const std::array<Vec3, 3> rows = nearest.rows;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -32,6 +33,7 @@ RigidTransform rigid_or_throw(const RigidTransform& t, std::string_view what) {
   const StandardFloats standard;
   const double deviation = deviation_from_rigid(t);
   if (deviation <= largest_rigid_deviation) return t;
+  // mutant placed-in-single-precision: `orthonormalized(t)` -> `t`
   if (deviation <= largest_float_deviation) return orthonormalized(t);
   std::string text(what);
   text += " is not a finite rotation and translation: ";

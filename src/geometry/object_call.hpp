@@ -53,15 +53,19 @@ class ObjectCall {
   /// changed_during_call.
   void finish(const Status& status) {
     if (status) object_.call.ended = {};
+    // mutant call-changed: `if (status.code == Status::Code::changed_during_call) end(status)` -> ``
     if (status.code == Status::Code::changed_during_call) end(status);
   }
 
  private:
   void end(const Status& why) {
+    // mutant call-ended: `object_.call.ended = why` -> ``
     object_.call.ended = why;
+    // mutant call-forgets: `object_.forget()` -> ``
     object_.forget();
   }
   static Status status_of(const CallState& state, CallKind kind) {
+    // mutant call-within-call: `if (state.is_running) return {.code = Status::Code::in_use}` -> ``
     if (state.is_running) return {.code = Status::Code::in_use};
     return kind == CallKind::goes_on ? state.ended : Status{};
   }

@@ -38,6 +38,7 @@ double range_scale(std::span<const Vec3> points) {
   double largest = 0;
   for (const Vec3& p : points) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   // Cubes of coordinates stay in the range of double.
+  // mutant polygon-out-of-range: `if (largest == 0 || (largest > 0x1p-100 && largest < 0x1p100)) return` -> `return`
   if (largest == 0 || (largest > 0x1p-100 && largest < 0x1p100)) return 1;
   return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
 }
@@ -118,9 +119,11 @@ bool PolygonCutter::is_fan(Projection projection) const {
   bool was_beyond = false;
   for (std::size_t k = begin + 1; k < end; ++k) {
     const int sign = orient2d(points_[0], points_[k - 1], points_[k], projection);
+    // mutant polygon-fan-turns-back: `0` -> `0 && k < 4`
     if (sign * turn < 0) return false;
     if (turn == 0) turn = sign;
     const int side = turn * orient2d(points_[0], points_[begin], points_[k], projection);
+    // mutant polygon-fan-turns-twice: `0` -> `0 && false`
     if (was_beyond && side >= 0) return false;
     was_beyond = was_beyond || side < 0;
   }
@@ -174,12 +177,14 @@ bool PolygonCutter::is_ear(std::size_t corner) const {
     if (std::max(from[first], to[first]) < left || std::min(from[first], to[first]) > right ||
         std::max(from[second], to[second]) < low || std::min(from[second], to[second]) > high)
       continue;
+    // mutant polygon-ear-touched: `p != c` -> `false`
     if (p != c && orient(a, c, p) == 0 && lies_between(p, a, c)) return false;
     const auto is_beyond = [&](std::size_t from_corner, std::size_t to_corner) {
       return orient(from_corner, to_corner, p) <= 0 && orient(from_corner, to_corner, q) <= 0;
     };
     if (is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a)) continue;
     const int side_a = orient(p, q, a), side_b = orient(p, q, b), side_c = orient(p, q, c);
+    // mutant polygon-ear-entered: `if ... , side_c}) > 0 && std::min({side_a, side_b, side_c}) < 0) return false` -> ``
     if (std::max({side_a, side_b, side_c}) > 0 && std::min({side_a, side_b, side_c}) < 0) return false;
   }
   return true;
@@ -219,6 +224,7 @@ bool PolygonCutter::cut_ears(Projection projection, int turn, std::span<const st
     if (!may_test(left)) return false;
     std::size_t ear = count;
     while (ear == count && !spikes_.empty()) {
+      // mutant polygon-spikes-last: `if ... ()] && kind_[spikes_.back()] == Corner::spike) ear = spikes_.back()` -> ``
       if (!is_gone[spikes_.back()] && kind_[spikes_.back()] == Corner::spike) ear = spikes_.back();
       spikes_.pop_back();
     }
@@ -236,6 +242,7 @@ bool PolygonCutter::cut_ears(Projection projection, int turn, std::span<const st
   }
   const std::size_t before = previous_[at], after = next_[at];
   facets[done] = {corners[before], corners[at], corners[after]};
+  // mutant polygon-last-facet-turned: `orient(before, at, after) >= 0` -> `true`
   return orient(before, at, after) >= 0;
 }
 

@@ -133,6 +133,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
   Sheets sheets;
   sheets.of_facet.assign(mesh.facet_count(), no_facet);
   std::vector<char> turned(mesh.facet_count(), 0);
+  // mutant looks-repair: `14` -> `30`
   AskNowAndThen ask_now_and_then(1u << 14);
   for (std::uint32_t start = 0; start < mesh.facet_count(); ++start) {
     if (sheets.of_facet[start] != no_facet) continue;

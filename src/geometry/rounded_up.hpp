@@ -19,7 +19,9 @@ namespace morula::detail {
 inline float rounded_up(double x) {
   const float nearest = static_cast<float>(x);
   const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  // mutant rounded-up-to-nearest: `static_cast<double>(nearest) < x` -> `false`
   const std::uint32_t below = static_cast<double>(nearest) < x ? 1u : 0u;
+  // mutant rounded-up-below-zero: `nearest < 0 ? bits - below : bits` -> `bits`
   return std::bit_cast<float>(nearest < 0 ? bits - below : bits + below);
 }
 

@@ -25,11 +25,13 @@ class Slab {
     double farthest = -std::numeric_limits<double>::infinity();
     for (const Vec3& p : t) {
       const Vec3 w = p - from_;
+      // mutant slab-ends: `) + 0x1p-49 * size_ * max_norm(w))` -> `)  )`
       farthest = std::max(farthest, side * dot(direction_, w) + 0x1p-49 * size_ * max_norm(w));
     }
     return farthest;
   }
   // Ends farther apart than this are farther apart than the distance.
+  // mutant slab-width: `size_ * (1 + 0x1p-48)` -> `size_`
   double width(double distance) const { return distance * size_ * (1 + 0x1p-48); }
 
   /// The direction with a largest |coordinate| of 1…2; zero and what is not finite stay as they are.

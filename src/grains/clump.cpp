@@ -44,6 +44,7 @@ void require_sense(const ClumpOptions& o) {
 double rounding_allowance(const Mesh& mesh) {
   double extent = 0;
   for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
+  // mutant clump-allowance: `16 * 0x1p-24` -> `0`
   return 16 * 0x1p-24 * extent;
 }
 

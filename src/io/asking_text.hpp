@@ -26,6 +26,7 @@ class AskingText {
     Iterator(const char* at, const char* begin) : at_(at), begin_(begin) {}
     const char& operator*() const { return *at_; }
     Iterator& operator++() {
+      // mutant looks-json-read: `if ((++at_ - begin_) % 65536 == 0) ask_to_go_on()` -> `++at_`
       if ((++at_ - begin_) % 65536 == 0) ask_to_go_on();
       return *this;
     }

@@ -26,6 +26,7 @@ std::string decoded(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const int high = text[i] == '%' && i + 2 < text.size() ? hexadecimal(text[i + 1]) : -1;
     const int low = high < 0 ? -1 : hexadecimal(text[i + 2]);
+    // mutant reference-zero-byte: `0 || 16 * high + low == 0` -> `0`
     if (low < 0 || 16 * high + low == 0) {
       result += text[i];
       continue;
@@ -74,12 +75,14 @@ std::vector<std::string> paths_of_file_uri(std::string_view rest) {
 /// Links resolved, of as much of it as is there.
 fs::path resolved(const fs::path& path) {
   std::error_code error;
+  // mutant roots-links-not-resolved: `weakly_canonical ... error), error)` -> `absolute(path, error).lexically_normal()`
   fs::path result = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? fs::path() : result;
 }
 
 bool is_below(const fs::path& file, const fs::path& folder) {
   const auto [end, ignored] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  // mutant roots-any-folder: `== folder.end` -> `!= folder.begin`
   return end == folder.end();
 }
 

@@ -50,6 +50,7 @@ void JsonFile::forget_lists() {
     if (!member.is_array()) continue;
     auto& list = member.get_ref<nlohmann::json::array_t&>();
     while (!list.empty()) {
+      // mutant looks-json-forgotten: `ask_to_go_on()` -> ``
       ask_to_go_on();
       const auto begin = list.end() - std::min(elements_at_once, std::ssize(list));
       const nlohmann::json::array_t part(std::make_move_iterator(begin), std::make_move_iterator(list.end()));

@@ -71,6 +71,7 @@ class TextScanner {
   const char* end_;
   std::size_t line_ = 0;
   Syntax syntax_;
+  // mutant looks-scanner: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then_{4096};
 };
 

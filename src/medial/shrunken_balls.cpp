@@ -79,6 +79,7 @@ double spread(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// the one that they were found at. balls: of the points before the last.
 const Sphere* known_at(std::span<const std::optional<Sphere>> balls, std::span<const Vec3> points,
                        std::span<const Vec3> normals) {
+  // mutant shared-balls-of-tubes: `0.1` -> `0`
   constexpr double enough = 0.1;
   const std::size_t last = balls.size();
   for (std::size_t a = 0; a < last; ++a) {

@@ -51,7 +51,9 @@ BoxMaker::BoxMaker(const Units& units, const Box& all) : units_(units) {
   }
   boxes_.far_share = 1;
   constexpr double everything = 0x1p60;
+  // mutant box-pad-of-reach: `0x1p-21` -> `0`
   pad_ = 0x1p-21 * length(max(center_ - lower, upper - center_)) +
+         // mutant box-pad-of-coordinates: `0x1p-44` -> `0`
          std::min(0x1p-44 * units.largest_coordinate * units.scale, everything);
 }
 
@@ -100,6 +102,7 @@ void BoxMaker::set(int k, const Axes& axes, const Box& box) {
     boxes_.lower[a][k] = static_cast<float>(box.lower[static_cast<int>(a)] - pad_);
     boxes_.upper[a][k] = static_cast<float>(box.upper[static_cast<int>(a)] + pad_);
   }
+  // mutant box-far-share-of-own-axes: `if (axes != coordinates) boxes_.far_share = 1 - 0x1p-20f` -> ``
   if (axes != coordinates) boxes_.far_share = 1 - 0x1p-20f;
 }
 
@@ -114,6 +117,7 @@ BoxMaker::Axes BoxMaker::axes_along(std::span<const Triangle> patch, const Vec3&
   const Vec3 way = patch.size() == 1 ? longest_side(patch[0]) : least_axis(normal);
   const Vec3 in_plane = way - normal * dot(way, normal);
   const double extent = length(in_plane);
+  // mutant box-direction-along-the-facet: `extent > 0x1p-20 * length(way)` -> `true`
   if (!(extent > least_size && extent > 0x1p-20 * length(way))) return coordinates;
   const Vec3 along = in_plane / extent, across = cross(normal, along);
   const Vec3 rows[3] = {along, across, normal};
@@ -127,6 +131,7 @@ BoxMaker::Axes BoxMaker::axes_along(std::span<const Triangle> patch, const Vec3&
 // those of the coordinates not at all.
 template <class Boxes>
 double FarDistances::squared(const OrientedBoxes& axes, int k, const Boxes& boxes, int which) const {
+  // mutant box-far-share: `(1 - 0x1p-44) * static_cast` -> `static_cast`
   const double sure = (1 - 0x1p-44) * static_cast<double>(axes.far_share);
   const Vec3 q = p_ - Vec3{static_cast<double>(axes.center[0]), static_cast<double>(axes.center[1]),
                            static_cast<double>(axes.center[2])};

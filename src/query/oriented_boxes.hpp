@@ -79,6 +79,7 @@ class NearDistances {
   static float limit(double squared) {
     constexpr float most = std::numeric_limits<float>::max(), least = std::numeric_limits<float>::min();
     // Of what is not small, rounding takes less than the product adds; of what is, less than the sum.
+    // mutant box-limit-rounded: `* (1 + 0x1p-22f) +` -> `+ 0 *`
     return squared < 0x1p120 ? static_cast<float>(squared) * (1 + 0x1p-22f) + least : most;
   }
 
@@ -118,6 +119,7 @@ class NearDistances {
   }
   template <class Height, class Boxes>
   static void squared(const Height& height_along, const Boxes& boxes, float* result) {
+    // mutant box-near-share: `1 - 0x1p-18f` -> `1`
     const Float4 sure(1 - 0x1p-18f), zero(0);
     Float4 sum(0);
     for (int a = 0; a < 3; ++a) {

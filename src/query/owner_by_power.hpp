@@ -16,6 +16,7 @@ inline std::uint32_t owner_by_power(const Vec3& x, std::span<const Sphere> spher
   double least = power(spheres[best], x);
   for (const std::uint32_t i : candidates.subspan(1)) {
     const double p = power(spheres[i], x);
+    // mutant power-cut-of-equals: `p <` -> `p <=`
     if (p < least) least = p, best = i;
   }
   return best;

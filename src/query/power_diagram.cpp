@@ -23,6 +23,7 @@ struct Corner {
 
 // Powers nearer to each other than this share of the squared distances involved count as equal: below it a sign is
 // rounding, and cutting there would only make slivers.
+// mutant power-ties: `0x1p-50` -> `0`
 constexpr double relative_tie = 0x1p-50;
 
 struct Power {
@@ -43,6 +44,7 @@ double power_difference(const Sphere& a, const Sphere& b, const Vec3& x) {
 
 // A power at this distance from the centre, lowered by more than rounding can have raised it.
 double least_power(double distance, double radius) {
+  // mutant power-least: `radius - 0x1p-40 * (distance * distance + radius * radius)` -> `radius`
   return distance * distance - radius * radius - 0x1p-40 * (distance * distance + radius * radius);
 }
 
@@ -123,10 +125,12 @@ class Cutter {
     std::pmr::vector<double> difference(&scratch_);
     difference.reserve(polygon.size());
     for (const Corner& c : polygon) difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
+    // mutant power-ties-on-both-sides: `make_two_sided(difference)` -> ``
     make_two_sided(difference);
     if (std::none_of(difference.begin(), difference.end(), [](double d) { return d < 0; })) return false;
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const std::size_t next = (k + 1) % polygon.size();
+      // mutant power-bisector-corners: `<= 0` -> `< 0`
       if (difference[k] <= 0) side_a.push_back(polygon[k]);
       if (difference[k] >= 0) side_b.push_back(polygon[k]);
       if ((difference[k] < 0 && difference[next] > 0) || (difference[k] > 0 && difference[next] < 0)) {
@@ -203,6 +207,7 @@ class Cutter {
     for (int opposite = 0; opposite < 3; ++opposite) {
       if (p.barycentric[opposite] != 0 || q.barycentric[opposite] != 0) continue;
       int from = (opposite + 1) % 3, to = (opposite + 2) % 3;
+      // mutant power-edge-without-direction: `if (facet_.vertices ... > facet_.vertices[to]) std::swap(from, to)` -> ``
       if (facet_.vertices[from] > facet_.vertices[to]) std::swap(from, to);
       const Sphere& lower = spheres_[std::min(a, b)];
       const Sphere& higher = spheres_[std::max(a, b)];
@@ -324,6 +329,7 @@ std::uint32_t PowerDiagram::owner(const Vec3& x) const {
       for (std::uint32_t k = node.begin; k < node.end; ++k) {
         const std::uint32_t i = order_[k];
         const double p = power(spheres_[i], x);
+        // mutant power-owner-of-equals: `< least || (p == least && i < best)` -> `<= least`
         if (p < least || (p == least && i < best)) least = p, best = i;
       }
     } else {
@@ -353,6 +359,7 @@ PowerDiagram::Growth PowerDiagram::least_growth(std::span<const Vec3> points) co
       for (std::uint32_t k = node.begin; k < node.end; ++k) {
         const std::uint32_t i = order_[k];
         const double amount = farthest_distance(spheres_[i].center, points) - spheres_[i].radius;
+        // mutant power-growth-of-equals: `< best.amount ... == best.amount && i < best.sphere)` -> `<= best.amount`
         if (amount < best.amount || (amount == best.amount && i < best.sphere)) best = {i, amount};
       }
     } else {

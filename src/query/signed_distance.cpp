@@ -24,6 +24,7 @@ constexpr std::uint32_t undecided = several_facets;
 // A facet whose height is below this share of its longest edge has a normal that rounding has turned. Across it the
 // surface goes on in a direction that its neighbours' normals do not show, so leaving it out of an average is no cure:
 // what touches it is decided by the winding number.
+// mutant signed-slivers: `1e-7` -> `0`
 constexpr double sliver_ratio = 1e-7;
 
 // Unit; zero where it would be meaningless.
@@ -134,6 +135,7 @@ SignedDistance::Result SignedDistance::at(const Vec3& p, double known) const {
   constexpr double rounding = 1 + 1e-9;
   // What is nearest within a reach is nearest of all, and the lowest of equally near facets is found either way.
   std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p, known * rounding);
+  // mutant known-reach-believed: `!closest` -> `false`
   if (!closest) closest = bvh_.closest_point(p);
   if (!closest) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -165,6 +167,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
     // From a corner rather than from the nearest point: the normal is at right angles to the facet or edge between
     // them, and the corner has not been rounded. Slivers leave no normal, razor edges a short one, and within rounding
     // of the surface there is no direction to speak of: then this says nothing.
+    // mutant signed-short-normals: `1e-6` -> `0`
     constexpr double least_cosine = 1e-6;
     const double along = orientation_ * dot(p - bvh_.triangle(closest.facet)[corner], normal);
     if (std::abs(along) > least_cosine * distance) return along < 0;

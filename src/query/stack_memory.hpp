@@ -41,6 +41,8 @@ class StackMemory : public std::pmr::memory_resource {
   void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
     if (!owns(memory)) return std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
     const auto begin = static_cast<std::size_t>(static_cast<std::byte*>(memory) - memory_.data());
+    // mutant stack-memory-any-order: `if (begin + rounded(bytes) == used_) used_` -> `used_`
+    // mutant stack-memory-never-free: `if (begin + rounded(bytes) == used_) used_ = begin` -> ``
     if (begin + rounded(bytes) == used_) used_ = begin;
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }

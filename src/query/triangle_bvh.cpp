@@ -96,6 +96,7 @@ Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Dista
       const std::uint32_t facet = tree.facets[next.first + k];
       const TrianglePoint found = morula::closest_point(tree.triangle(facet), p);
       const bool nearer = found.squared_distance < limit;
+      // mutant bvh-lowest-of-equals: `facet < best.facet` -> `false`
       const bool as_near = found.squared_distance == limit && facet < best.facet;
       if (!nearer && !as_near) continue;
       limit = found.squared_distance;

@@ -50,6 +50,7 @@ void find_meeting(std::size_t count, const Get& get, const Found& found) {
       get(i, [&](const Triangle& a, const Triangle& b) { pairs.put(i - first, a, b); });
     const unsigned used = (1u << (end - first)) - 1;
     const TriangleVerdicts verdicts = look(pairs);
+    // mutant triangle-pairs-used: `used` -> `0xff`
     for (unsigned left = used & ~verdicts.apart; left != 0; left &= left - 1) {
       const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(left));
       if ((verdicts.meeting & left & -left) != 0) {

@@ -51,6 +51,7 @@ struct Sides {
 inline void find_side(const Planes& planes, const Points& corner, Doubles& value, unsigned& above, unsigned& below) {
   const Points w = corner - planes.base, size{size_of(w.x), size_of(w.y), size_of(w.z)};
   value = dot(planes.normal, w);
+  // mutant triangle-pairs-error: `= TrianglePlane::relative_error * dot(planes.permanent, size) +` -> `=`
   const Doubles error = TrianglePlane::relative_error * dot(planes.permanent, size) +
                         TrianglePlane::underflow * (1 + size.x + size.y + size.z);
   above = greater(value, error);
@@ -94,13 +95,15 @@ inline Turns turns(const Flat& t, int i, int j, const Flat& s, int k) {
   const Doubles left = (t.first[j] - t.first[i]) * (s.second[k] - t.second[i]);
   const Doubles right = (t.second[j] - t.second[i]) * (s.first[k] - t.first[i]);
   const Doubles value = left - right,
-                error = orient2d_relative_error * (size_of(left) + size_of(right)) + orient2d_underflow;
+                // mutant triangle-pairs-flat-error: `orient2d_relative_error ... ) + size_of(right))` -> `Doubles{}`
+      error = orient2d_relative_error * (size_of(left) + size_of(right)) + orient2d_underflow;
   return {greater(value, error), greater(-error, value)};
 }
 inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {
   const Turns turn = turns(of, 0, 1, of, 2);
   unsigned beyond = 0;
   for (int k = 0; k < 3; ++k) {
+    // mutant triangle-pairs-edge: `turn.right` -> `every`
     unsigned left = turn.right, right = turn.left;
     for (int corner = 0; corner < 3; ++corner) {
       const Turns of_corner = turns(of, k, (k + 1) % 3, t, corner);
@@ -138,12 +141,14 @@ inline Overlaps overlaps_of_crossed(const Triangles& a, const Sides& of_a, const
   const Lone lone_a = lone_corners(a, of_a), lone_b = lone_corners(b, of_b);
   const Points a_first = choose(lone_b.is_below, lone_a.second, lone_a.first);
   const Points a_second = choose(lone_b.is_below, lone_a.first, lone_a.second);
+  // mutant triangle-pairs-order: `choose(lone_a.is_below, lone_b.second, lone_b.first)` -> `lone_b.first`
   const Points b_first = choose(lone_a.is_below, lone_b.second, lone_b.first);
   const Points b_second = choose(lone_a.is_below, lone_b.first, lone_b.second);
   Doubles value;
   unsigned begins_late, begins_early, ends_late, ends_early;
   find_side(planes_of({{lone_a.corner, a_first, lone_b.corner}}), b_first, value, begins_late, begins_early);
   find_side(planes_of({{lone_a.corner, a_second, lone_b.corner}}), b_second, value, ends_late, ends_early);
+  // mutant triangle-pairs-meeting: `begins_early & ends_late` -> `begins_early`
   return {begins_late | ends_early, begins_early & ends_late};
 }
 
@@ -158,6 +163,7 @@ TriangleVerdicts look(const TrianglePairs& pairs) {
       const Sides of_a = sides_of(planes_of(b), a);
       apart |= of_a.all_above() | of_a.all_below();
       // What decides most of them comes first. Nothing depends on the order: no two tests disagree.
+      // mutant triangle-pairs-crossed: `() & of_b.all_known()` -> `()`
       const unsigned known = of_a.all_known() & of_b.all_known();
       const bool edges_first = (known | apart) != every;
       if (edges_first) apart |= are_beyond_an_edge(planes, a, b);

@@ -123,6 +123,7 @@ std::uint32_t BroadPhase::add(const Box& box, bool is_static) {
   if (!is_usable(box)) throw std::invalid_argument("a box of the broad phase is empty or not finite");
   State& s = *state_;
   // Memory comes first: where there is none, nothing has changed.
+  // mutant broad-memory-later: `  s.reserve();` -> `;`
   s.reserve();
   std::uint32_t number;
   if (s.free.empty()) {

@@ -103,6 +103,7 @@ void Scene::replace(BodyId id, const Collider& collider) {
       pair.is_bound = false;
     }
   std::erase_if(s.parted_fronts, [&](PairFront* front) {
+    // mutant scene-parted-fronts-of-replaced: `if (front->id_a() != id && front->id_b() != id) return` -> `return`
     if (front->id_a() != id && front->id_b() != id) return false;
     front->unbind();
     s.spare_fronts.push_back(front);
@@ -112,6 +113,7 @@ void Scene::replace(BodyId id, const Collider& collider) {
 
 void Scene::sleep(BodyId id) {
   SceneBody& body = state_->idle("sleep").known(id);
+  // mutant scene-asleep-unread: `body.is_falling_asleep = true` -> `true`
   body.is_asleep = body.is_falling_asleep = true;
 }
 
@@ -168,6 +170,7 @@ const ScenePair* Scene::find(BodyId a, BodyId b) const {
 }
 
 SceneState& detail::SceneState::idle(std::string_view method) {
+  // mutant scene-called-from-inside: `is_updating` -> `false`
   if (is_updating)
     throw std::logic_error("Scene::" + std::string(method) +
                            "() was called from inside a callback of this scene: call it after update() has returned");

@@ -69,6 +69,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     const BodyRead& read = read_[place];
     body.has_moved = read.has_moved;
     if (body.collider != nullptr && (body.is_looked_at() || everything_anew))
+      // mutant scene-read-once-for-all: `body.is_falling_asleep = false` -> `false`
       body.is_to_be_read = body.is_falling_asleep = false;
     if (!read.has_moved) continue;
     body.stamp = read.stamp;
@@ -151,6 +152,8 @@ void SceneState::list_near() {
     const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
     if (pair.is_new || filter_anew) {
       const bool was_wanted = pair.is_wanted;
+      // mutant scene-mask-of-one-side: `(a.options.of & b.options.with) != 0` -> `true`
+      // mutant scene-mask-of-other-side: `(b.options.of & a.options.with) != 0` -> `true`
       pair.is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
                        (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
       if (was_wanted && !pair.is_wanted) end(std::exchange(pair, {.a = pair.a, .b = pair.b}));
@@ -201,6 +204,7 @@ void SceneState::look_at_roots(Workers& workers) {
     if (extras_anew && front.is_current()) front.extras_are_due = true;
     if (front.is_finished()) continue;
     front.importance = bodies[pair.a].options.weight * bodies[pair.b].options.weight *
+                       // mutant scene-least-share: `std::max(least ... overlap_share())` -> `front.overlap_share()`
                        std::max(least_share, front.overlap_share()) * (1.0 + front.updates_left_out);
     ++front.updates_left_out;
     work_.push_back(&front);
@@ -289,6 +293,7 @@ void SceneState::choose_by_importance(std::size_t count) {
 /// factor of four at most, and falls by an eighth where no pair was begun for it.
 void SceneState::note_first_round(std::int64_t spent, std::int64_t pairs) {
   if (pairs == 0) {
+    // mutant scene-long-wait: `0.875` -> `1`
     first_round_of_pair_ *= 0.875;
     return;
   }
@@ -324,6 +329,7 @@ void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& work
       const std::int64_t known = pairs, count = static_cast<std::int64_t>(last - first);
       const std::int64_t kept = count * (known > 0 ? 2 * spent / known : expected);
       const std::chrono::nanoseconds begin = now();
+      // mutant scene-late: `begin + std::chrono::nanoseconds(kept) >= deadline` -> `false`
       if (begin + std::chrono::nanoseconds(kept) >= deadline) {
         is_late = true;
         return;
@@ -430,6 +436,7 @@ void SceneState::publish(SceneStatus& status) {
 
 // Parted pairs may come back, so they keep what they have until they have been seen here twice.
 void SceneState::give_back_parted() {
+  // mutant scene-memory-kept: `if (++updates_to_give_back_ < updates_kept) return` -> `return`
   if (++updates_to_give_back_ < updates_kept) return;
   updates_to_give_back_ = 0;
   for (PairFront* const front : spare_fronts)
@@ -459,6 +466,7 @@ SceneStatus SceneState::update(Workers& workers) {
 // As if all bodies had just been added. Only the touches that were told of remain, whose end is still to be told.
 void SceneState::start_over() noexcept {
   published.clear(), ended.clear();
+  // mutant scene-interrupted-lists: `near.clear(), next_near.clear(), work_.clear` -> `work_.clear`
   near.clear(), next_near.clear(), work_.clear(), chosen_.clear();
   parted_fronts.clear(), spare_fronts.clear(), fronts.clear();
   extras_.forget();
@@ -466,6 +474,7 @@ void SceneState::start_over() noexcept {
   next_to_forget_ = updates_to_give_back_ = 0;
   first_round_of_pair_ = 0;
   to_publish_ = {};
+  // mutant scene-interrupted-untold: `is_interrupted = true` -> `true`
   everything_anew = is_interrupted = true;
 }
 
@@ -482,6 +491,7 @@ SceneStatus SceneState::update_once(Workers& workers) {
   refine(start, workers, status);
   // No body is read below.
   if (has_callbacks(workers))
+    // mutant scene-moved-in-update: `!moved` -> `false`
     if (const SceneStatus moved = unmoved(); !moved) {
       start_over();
       return moved;

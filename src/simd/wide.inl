@@ -234,6 +234,7 @@ inline float largest_lane(Wide wide) {
   wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1, 6, 7, 4, 5));
   wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2, 5, 4, 7, 6));
 #else
+  // mutant kernel-lane-lost: `wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1))` -> ``
   wide = max(wide, __builtin_shufflevector(wide, wide, 2, 3, 0, 1));
   wide = max(wide, __builtin_shufflevector(wide, wide, 1, 0, 3, 2));
 #endif

@@ -167,6 +167,7 @@ class ModalCertifier {
       const double along = dot(n, mean(b)[j] - mean(a)[j]);
       square += along * along;
     }
+    // mutant modal-spread: `(square) + nodes_[a].spread + nodes_[b].spread` -> `(square)`
     return ratio(apart, std::sqrt(square) + nodes_[a].spread + nodes_[b].spread);
   }
 

@@ -129,6 +129,7 @@ void ProximityQuery::safe_distances(std::span<double> distances) const {
   const PairSearch& search = state_->query.search();
   if (!search.is_started() || state_->call.is_running) return std::fill(distances.begin(), distances.end(), 0.0);
   // Distances that are computed may be longer than they are, and pairs that are as near as they may be missing.
+  // mutant safe-distances-rounding: `0x1p-46` -> `0`
   const double rounding = 0x1p-46 * state_->query.largest_coordinate();
   const auto half = [rounding](double distance) { return std::max(0.0, 0.5 * (distance - rounding) * (1 - 0x1p-50)); };
   std::fill(distances.begin(), distances.end(), half(state_->query.reach()));

@@ -102,6 +102,8 @@ class Pair {
   /// difference, product and sum: together less than 2^-48 |direction|_1 reach, and |direction|_1 is at most 3.
   double allowance(const Vec3& direction) const {
     const double size = length(direction) * (1 + 0x1p-50);
+    // mutant impact-rounding: `0x1p-46 * 3` -> `0`
+    // mutant impact-distance: `distance_` -> `0.7 * distance_`
     return (distance_ * size) * (1 + 0x1p-50) + 0x1p-46 * 3 * reach_ + 0x1p-1000;
   }
 
@@ -115,12 +117,15 @@ class Pair {
     if (!(end > begin)) return false;
     const Vec3 turned = nearest_direction(end);
     // Points at both ends are rounded by 2^-52 of their coordinates: less than is allowed for.
+    // mutant impact-first-direction: `std::max(allowance(direction), allowance(turned))` -> `allowance(turned)`
+    // mutant impact-turned-direction: `std::max(allowance(direction), allowance(turned))` -> `allowance(direction)`
     const double allowed = std::max(allowance(direction), allowance(turned));
     const Pose at_begin = pose(begin), at_end = pose(end);
     for (std::size_t i = 0; i < size_a_; ++i)
       for (std::size_t j = 0; j < size_b_; ++j) {
         const Vec3 w0 = at_begin.b[j] - at_begin.a[i], w1 = at_end.b[j] - at_end.a[i];
         if (!(dot(direction, w0) > allowed) || !(dot(turned, w1) > allowed) ||
+            // mutant impact-bernstein: `!(0.5 * (dot(direction, w1) + dot(turned, w0)) > allowed)` -> `false`
             !(0.5 * (dot(direction, w1) + dot(turned, w0)) > allowed))
           return false;
       }

@@ -45,6 +45,7 @@ Pieces share_out(const Mesh& mesh, const PowerDiagram& diagram, std::span<const 
       points.clear();
       for (const Barycentric& b : cut.polygon(k)) points.push_back(at_barycentric(facet.corners, b));
       Piece piece{static_cast<std::uint32_t>(f), cut.owner[k], false};
+      // mutant cover-leftovers: `farthest_distance(leaves ... ].center, points) > leaves[piece.leaf].radius` -> `false`
       if (farthest_distance(leaves[piece.leaf].center, points) > leaves[piece.leaf].radius) {
         piece.leaf = diagram.least_growth(points).sphere;
         piece.leftover = true;
@@ -93,6 +94,7 @@ SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions
 // The smaller of {same centre, larger radius} and {smallest sphere of the points}, padded against rounding.
 Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, double pad_coordinate) {
   const auto padded = [&](const Vec3& center, double farthest) {
+    // mutant cover-growth-not-padded: `rounded_up_radius ... std::max(pad_coordinate, max_norm(center)))` -> `farthest`
     return Sphere{center, rounded_up_radius(farthest, std::max(pad_coordinate, max_norm(center)))};
   };
   const Sphere same_center = padded(sphere.center, farthest_distance(sphere.center, points));
@@ -206,11 +208,13 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
     for (const std::uint32_t c : built.cover.region_corners(static_cast<std::uint32_t>(i)))
       points.push_back(corner_position(built.cover, c, mesh.positions));
     Sphere& sphere = built.tree.spheres[i];
+    // mutant cover-does-not-grow: `farthest_distance(sphere.center, points) > sphere.radius` -> `false`
     if (farthest_distance(sphere.center, points) > sphere.radius)
       sphere = grown_to_contain(sphere, points, pad_coordinate);
   });
 
   built.cover = with_fewer_cuts(mesh, built, workers);
+  // mutant cover-keeps-nested: `options.nested || tree.nested` -> `options.nested`
   if (options.nested || tree.nested) nest(built.tree);
 
   BuildReport& report = built.report;
@@ -253,9 +257,11 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
   std::vector<double> excess(spheres.size());
   parallel_for(workers, spheres.size(), 1, [&](std::size_t i, std::size_t) {
     double farthest = 0;
+    // mutant certify-radius-not-a-number: `!std::isnan(spheres[i].radius)` -> `true`
     bool comparable = !std::isnan(spheres[i].radius);
     for (const std::uint32_t c : cover.region_corners(static_cast<std::uint32_t>(i))) {
       const double squared = squared_distance(spheres[i].center, points[c]);
+      // mutant certify-corner-not-a-number: `comparable = comparable && !std::isnan(squared)` -> ``
       comparable = comparable && !std::isnan(squared);
       farthest = std::max(farthest, squared);
     }
@@ -276,6 +282,8 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
       certificate.worst_excess = excess[i];
       certificate.worst_node = static_cast<std::uint32_t>(i);
     }
+  // mutant certify-nearly: `0` -> `1e-12`
+  // mutant certify-strictly: `<= 0` -> `< 0`
   certificate.covered = certificate.worst_excess <= 0;
   return certificate;
 }

@@ -84,6 +84,7 @@ Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
     double farthest = 0;
     for (const std::uint32_t c : cover_.region_corners(static_cast<std::uint32_t>(node)))
       farthest = std::max(farthest, squared_distance(tree_.spheres[node].center, places_[c]));
+    // mutant fewer-cuts-vanished-squares: `> smallest_safe_square && farthest <` -> `<`
     const bool safe = farthest > smallest_safe_square && farthest < std::numeric_limits<double>::infinity();
     reach_[node] = safe ? farthest : -1;
   });
@@ -105,6 +106,7 @@ Cover Sharing::with_fewer_cuts() && {
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (std::uint32_t p = 0; p < patches.size(); ++p) patches[next[cover_.patch_facet[p]]++] = p;
+  // mutant looks-fewer-cuts: `14` -> `30`
   AskNowAndThen ask_now_and_then(1u << 14);
   for (std::uint32_t f = 0; f < mesh_.facet_count(); ++f) {
     ask_now_and_then();
@@ -133,6 +135,7 @@ void Sharing::look_at(std::uint32_t facet, std::span<const std::uint32_t> patche
 bool Sharing::takes_whole(std::uint32_t facet) {
   for (const Share& taker : shares_) {
     const auto can_give = [&](const Share& share) {
+      // mutant fewer-cuts-last-patch-whole: `share.patches.size()` -> `0`
       return share.leaf == taker.leaf || patch_counts_[share.leaf] > share.patches.size();
     };
     if (!std::all_of(shares_.begin(), shares_.end(), can_give) || !contains(taker.leaf, mesh_.facets[facet])) continue;
@@ -152,6 +155,7 @@ void Sharing::join_shares() {
   for (std::size_t k = shares_.size(); k-- > 1;) {
     Share& giver = shares_[k];
     const auto count = static_cast<std::uint32_t>(giver.patches.size());
+    // mutant fewer-cuts-last-patch: `if (patch_counts_[giver.leaf] <= count) continue` -> ``
     if (patch_counts_[giver.leaf] <= count) continue;
     const auto contains_giver = [&](const Share& taker) {
       return &taker != &giver && std::all_of(giver.patches.begin(), giver.patches.end(),
@@ -183,6 +187,7 @@ void Sharing::join_patches(std::uint32_t facet, Share& share) {
   }
   const auto polygons = joiner_.join();
   if (polygons.size() == share.patches.size()) return;
+  // mutant fewer-cuts-joined-counted: `patch_counts_ ... <std::uint32_t>(share.patches.size() - polygons.size())` -> ``
   patch_counts_[share.leaf] -= static_cast<std::uint32_t>(share.patches.size() - polygons.size());
   for (std::size_t k = 0; k < share.patches.size(); ++k) {
     const std::uint32_t p = share.patches[k];
@@ -204,8 +209,10 @@ std::span<const std::uint32_t> Sharing::corners_of(std::uint32_t patch) const {
 
 template <class Corners>
 bool Sharing::contains(std::uint32_t leaf, const Corners& corners) const {
+  // mutant fewer-cuts-leaf-alone: `tree_.parent[node]` -> `no_node`
   for (std::uint32_t node = leaf; node != no_node; node = tree_.parent[node])
     for (const std::uint32_t c : corners)
+      // mutant fewer-cuts-beyond-reach: `reach_` -> `1.1 * reach_`
       if (!(squared_distance(tree_.spheres[node].center, places_[c]) <= reach_[node])) return false;
   return true;
 }
@@ -225,6 +232,7 @@ Cover Sharing::assembled() const {
   const auto is_leafs_own = [&](std::uint32_t node, std::uint32_t p) {
     if (owner_[p] != none) return owner_[p] == node;
     const std::uint32_t f = cover_.patch_facet[p];
+    // mutant fewer-cuts-counted-in-a-byte: `std::exchange(placed[f], std::uint8_t{1})` -> `placed[f]++`
     return whole_owner_[f] == node && std::exchange(placed[f], std::uint8_t{1}) == 0;
   };
   for (std::uint32_t node = 0; node < tree_.node_count(); ++node) {
@@ -256,6 +264,7 @@ Cover Sharing::assembled() const {
     }
     result.corners.push_back(c);
   };
+  // mutant looks-fewer-cuts-patches: `16` -> `30`
   AskNowAndThen ask_now_and_then(1u << 16);
   const auto visit = [&](const auto& self, std::uint32_t node) -> void {
     result.region_begin[node] = static_cast<std::uint32_t>(result.patch_count());

@@ -27,6 +27,8 @@ bool is_ball(const Sphere& s) {
 Sphere around(const Vec3& center, std::span<const Sphere> children) {
   const double reach = farthest_reach(center, children);
   constexpr double least_doubles = 4 * std::numeric_limits<double>::denorm_min();
+  // mutant nest-as-measured: `rounded_up_radius(reach, max_norm(center) + reach)` -> `reach`
+  // mutant nest-least-doubles: `+ least_doubles` -> ``
   return {center, rounded_up_radius(reach, max_norm(center) + reach) + least_doubles};
 }
 
@@ -35,6 +37,7 @@ Sphere nested_sphere(const Sphere& sphere, std::span<const Sphere> children) {
   const Sphere smallest = around(enclosing_sphere_of_spheres(children).center, children);
   const bool holds =
       std::all_of(children.begin(), children.end(), [&](const Sphere& child) { return encloses(sphere, child); });
+  // mutant nest-keeps-what-does-not-hold: `holds ? sphere : around(sphere.center, children)` -> `sphere`
   const Sphere about_its_center = holds ? sphere : around(sphere.center, children);
   return smallest.radius < about_its_center.radius ? smallest : about_its_center;
 }
@@ -53,6 +56,7 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
   for (std::uint32_t node = 1; node < tree.node_count(); ++node) {
     if (!parents.empty() && parents[tree.parent[node]] == 0) continue;
     const Sphere &outer = spheres[tree.parent[node]], &inner = spheres[node];
+    // mutant certify-nesting-not-finite: `is_ball(outer) && is_ball(inner)` -> `true`
     const bool comparable = is_ball(outer) && is_ball(inner);
     const bool inside = comparable && encloses(outer, inner);
     double excess = comparable ? scaled_length(inner.center - outer.center) + (inner.radius - outer.radius)

@@ -18,6 +18,7 @@ void narrow_spheres(std::span<const Sphere> spheres, const Vec3& origin, std::ve
     const Vec3 center = s.center - origin;
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
+    // mutant narrowed-centre: `s.radius + scaled_length(Vec3(nearest) - center)` -> `s.radius`
     narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
     if (!(is_finite(nearest) && max_norm(nearest) <= largest_local_coordinate &&
           narrow.back().radius <= largest_local_coordinate))
@@ -72,6 +73,7 @@ PosedSpheres::PosedSpheres(const PosedTree& pose) : state_(State::make()) {
 
 // Who asks the pose may keep it for longer: it is not to look like one that stands still.
 void PosedSpheres::end() noexcept {
+  // mutant spheres-assigned-to: `if (state_) state_->pose.current = false, state_->pose.ended = true` -> ``
   if (state_) state_->pose.current = false, state_->pose.ended = true;
 }
 

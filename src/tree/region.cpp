@@ -132,6 +132,7 @@ Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Regio
   cover.corner_begin.reserve(patches + 1);
   cover.corners.reserve(corners);
 
+  // mutant looks-cover: `14` -> `30`
   AskNowAndThen ask_now_and_then(1u << 14);
   const auto add_region = [&](const Region& region) {
     for (std::size_t k = 0; k < region.size(); ++k) {

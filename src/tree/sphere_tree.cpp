@@ -106,6 +106,7 @@ std::vector<std::string> validate(const SphereTree& tree) {
       const Sphere& s = tree.spheres[i];
       if (!is_finite(s.center) || !std::isfinite(s.radius))
         faults.push_back(node(i) + " has a number that is not finite");
+      // mutant validate-tree-negative-radius: `s.radius < 0` -> `false`
       if (s.radius < 0) faults.push_back(node(i) + " has a negative radius");
       const std::uint32_t count = tree.child_count[i];
       if (count > tree.branching)
@@ -127,6 +128,7 @@ std::vector<std::string> validate(const SphereTree& tree) {
       next += count;
     }
   if (next != n) faults.emplace_back("some nodes have no parent");
+  // mutant validate-nested: `faults.empty()` -> `false`
   if (tree.nested && faults.empty()) {
     const Nesting nesting = certify_nesting(tree, tree.spheres);
     if (!nesting.nested)

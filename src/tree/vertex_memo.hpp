@@ -24,6 +24,7 @@ class VertexMemo {
   template <class Make>
   const Value& of(std::uint32_t vertex, const Make& make) {
     Entry& entry = entries_[vertex & (entries_.size() - 1)];
+    // mutant memo-other-vertex: `!= vertex` -> `== no_vertex`
     if (entry.vertex != vertex) entry = {vertex, make()};
     return entry.value;
   }

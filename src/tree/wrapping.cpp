@@ -38,7 +38,10 @@ double farthest_distance_to(const Vec3& center, std::span<const std::uint32_t> c
 }
 
 bool is_proven(const Sphere& sphere, double farthest, double largest_coordinate) {
+  // mutant wrapping-as-measured: `0x1p-50` -> `0`
+  // mutant wrapping-grows-what-is-fitted: `50` -> `48`
   constexpr double rounding = 0x1p-50;
+  // mutant wrapping-without-coordinates: `farthest * ... * rounding` -> `largest_coordinate > 0 && farthest * (1 + rounding)`
   return farthest * (1 + rounding) + largest_coordinate * rounding <= sphere.radius;
 }
 

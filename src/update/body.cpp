@@ -223,6 +223,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
 
 // Colliders keep the state for longer: it is not to look like a body that stands still.
 void Body::end() noexcept {
+  // mutant body-assigned-to: `if (state_) state_->posed.current = false, state_->posed.ended = true` -> ``
   if (state_) state_->posed.current = false, state_->posed.ended = true;
 }
 

@@ -59,6 +59,7 @@ void Body::State::reown(std::size_t most_tests) noexcept {
 void Body::State::give_back() noexcept {
   if (!reowning) return;
   if (reowning->dealing() != 0) {
+    // mutant reown-kept-at-rest: `exact_engine().take_ownership(*dealt_home)` -> ``
     exact_engine().take_ownership(*dealt_home);
     work.points_tested = exact_engine().tested_points();
     followed = false;  // spheres are those of what was owned
@@ -87,7 +88,9 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   for (std::size_t k = raised->nodes().size(); k-- > 0;) {
     const std::uint32_t node = raised->nodes()[k];
     Spheref& sphere = spheres[node];
+    // mutant raised-to-less: `rounding.covering_radius` -> `0.9f * rounding.covering_radius`
     float radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
+    // mutant raised-children-stick-out: `wraps[node] != 0` -> `false`
     if (wraps[node] != 0) {
       const auto children = std::span(spheres).subspan(tree.first_child[node], tree.child_count[node]);
       radius = std::max(radius, rounding.wrapping_radius(children, sphere.center));

@@ -170,6 +170,7 @@ void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::si
     if (node < tree.level_begin[level] && !tree.is_leaf(node)) continue;
     const Spheref& s = subject.spheres[node];
     spheres.add({s.center * narrow_scale + shift, s.radius * narrow_scale});
+    // mutant rays-spheres-of-full-lists-lost: `raise_over_spheres(side, blocks)` -> `spheres.clear()`
     if (spheres.count() == most_spheres) raise_over_spheres(side, blocks);
   }
   raise_over_spheres(side, blocks);

@@ -180,6 +180,8 @@ std::string key_of_readable_file(const fs::path& mesh, const std::vector<std::st
   for (const std::string& buffer : buffers_of(bytes_of_file(mesh).value_or(""), kind)) {
     const fs::path file = referenced_file(buffer, mesh.parent_path());
     // The build says what is wrong with a buffer that cannot be read, or may not be.
+    // mutant batch-key-buffers: `if (beside.hold(file) && !why_no_file(file)) take` -> `static_cast<void>`
+    // mutant batch-buffers-outside: `beside.hold(file) && !` -> `!`
     if (beside.hold(file) && !why_no_file(file)) take(file);
   }
   return key.text();

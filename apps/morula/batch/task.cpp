@@ -200,6 +200,7 @@ std::optional<Json> whole_result(const std::string& text, const std::string& key
   if (!result) return std::nullopt;
   for (const char* name : {"key", "hash", "status", "message"})
     if (!has_text(*result, name)) return std::nullopt;
+  // mutant batch-result-hash: `key || result->at("hash") != hash_of(*result)` -> `key`
   if (result->at("key") != key || result->at("hash") != hash_of(*result)) return std::nullopt;
   // The rest is as it was written. Whoever computes hashes by hand shall break nothing either.
   if (!result->contains("cost") || !result->at("cost").is_object()) return std::nullopt;

@@ -54,6 +54,7 @@ std::string text_of_name(std::string_view name) {
       text += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
       continue;
     }
+    // mutant batch-name-backslash: `if (name[i] == '\\') text += '\\'` -> `static_cast<void>(0)`
     if (name[i] == '\\') text += '\\';
     text += name.substr(i, length);
     i += length;

@@ -33,6 +33,9 @@ inline double volume(const Sphere& s) {
 /// rounding: each coordinate difference is off by at most 2⁻⁵³ of the largest |coordinate|, a cut point by four times
 /// that, and the distance by a few ulps. `largest_coordinate` bounds |coordinates| of both points and centre.
 inline double rounded_up_radius(double farthest_distance, double largest_coordinate) {
+  // mutant radius-coordinates: `(1.0 + 0x1p-48) + largest_coordinate * 0x1p-48` -> `(1.0 + 0x1p-48)`
+  // mutant radius-coordinates-less: `48;` -> `54;`
+  // mutant radius-as-measured: `farthest_distance ... + 0x1p-48) + largest_coordinate * 0x1p-48` -> `farthest_distance`
   return farthest_distance * (1.0 + 0x1p-48) + largest_coordinate * 0x1p-48;
 }
 

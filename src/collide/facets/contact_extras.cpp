@@ -16,6 +16,7 @@ void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOption
   if (!options.containment) result.containment.clear();
   if (options.surfaces) {
     add_surfaces(pairs, options, meter, result);
+    // mutant contact-surfaces-cut: `if (result.surfaces.size() < result.finished_count) result.finished = false` -> ``
     if (result.surfaces.size() < result.finished_count) result.finished = false;
   }
   if (options.exact) add_crossings(pairs, result);

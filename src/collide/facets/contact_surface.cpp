@@ -50,6 +50,7 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   const FacetColumns columns = surfaces.columns(leaf);
   if (gaps.size() < columns.count) gaps.resize(columns.count);
   const float least = kernels.squared_gaps(columns, local, gaps.data());
+  // mutant nearest-facet-pad: `0x1p` -> `0 * 0x1p`
   const double pad = 0x1p-18 * static_cast<double>(away) +
                      0x1p-48 * (max_norm(leaf.center) + static_cast<double>(leaf.extent) + max_norm(p));
   // Gaps, squared, up to which facets have to be looked at.

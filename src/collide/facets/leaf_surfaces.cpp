@@ -61,6 +61,7 @@ float largest(const FacetColumns& facets) {
 }  // namespace
 
 bool FacetShares::is_of(const Collider& collider) const {
+  // mutant reown-shares-of-before: `| dealing_ != collider.pose().dealing ||` -> `|`
   return !(ownership_ != collider.pose().ownership || dealing_ != collider.pose().dealing ||
            share_.size() != collider.facets(0).size());
 }

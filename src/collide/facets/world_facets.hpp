@@ -24,6 +24,7 @@ inline Sphere sphere_about(const Triangle& t) {
   const Vec3 center = (t[0] + t[1] + t[2]) * (1.0 / 3.0);
   const double farthest =
       std::max({squared_distance(t[0], center), squared_distance(t[1], center), squared_distance(t[2], center)});
+  // mutant facet-sphere: `* (1 + 0x1p-49) +` -> `+`
   return {center, std::sqrt(farthest) * (1 + 0x1p-49) + 0x1p-500};
 }
 

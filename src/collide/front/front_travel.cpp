@@ -51,6 +51,7 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
 double sum_rounded_up(double a, double b) {
   const double sum = a + b, b_of_sum = sum - a;
   const double error = (a - (sum - b_of_sum)) + (b - b_of_sum);
+  // mutant front-way-rounded-up: `error > 0` -> `false`
   return error > 0 ? std::nextafter(sum, std::numeric_limits<double>::infinity()) : sum;
 }
 
@@ -62,11 +63,13 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
   way.resize(spheres.size());
   for (std::uint32_t i = 0; i < spheres.size(); ++i)
     way[i] = (length(moved(i)) +
+              // mutant front-way-of-radii: `std::abs(static_cast ... .radius))` -> `0`
               std::abs(static_cast<double>(spheres[i].radius) - static_cast<double>(side.spheres[i].radius))) *
                  (1 + 0x1p-40) +
              least;
   for (std::uint32_t i = 0; i < spheres.size(); ++i) {
     double farthest = way[i];
+    // mutant front-way-of-children: `farthest = std::max(farthest, way[tree.first_child[i] + k])` -> ``
     for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
     side.travelled[i] = sum_rounded_up(side.travelled[i], farthest);
   }
@@ -101,6 +104,7 @@ void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, co
   const double least = same_place ? 0 : placed.rounding;
   if (moved_a) {
     const Vec3 shift = a.pose().origin - bodies.a.origin;
+    // mutant front-pad-of-another-place: `least + pad_change` -> `least`
     travel(bodies.a, a, least + pad_change, scratch,
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }

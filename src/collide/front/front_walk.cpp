@@ -98,6 +98,7 @@ bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting&
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
   const double since = travelled_since(before);
+  // mutant front-rounding: `+ front.pairs[pair.pair].rounding <` -> `<`
   return since == 0 || since + front.pairs[pair.pair].rounding < before.clearance;
 }
 
@@ -141,6 +142,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
   if (slot.knows_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
+    // mutant front-forgets-the-way: `before.travelled_a` -> `front.pairs[pair.pair].a.travelled[before.a]`
     entry.travelled_a = before.travelled_a, entry.travelled_b = before.travelled_b;
   } else if (keeps_) {
     const Front::Pair& bodies = front.pairs[pair.pair];

@@ -27,7 +27,9 @@ Descent each_overlapping(const TreePair& trees, const Final& f,
     if (trees.is_final(a, b, depth)) return f(a, b);
     const NodeRange below_a = trees.below_a(a, depth), below_b = trees.below_b(b, depth);
     const std::size_t tests = std::size_t{below_a.count} * below_b.count;
+    // mutant descent-stays-within-budget: `tests > most_tests - result.tests` -> `false`
     if (tests > most_tests - result.tests) {
+      // mutant descent-tells-what-is-open: `false` -> `true`
       result.finished = false;
       return;
     }

@@ -53,12 +53,14 @@ float test_pairs(const NarrowPair& f, const PairBlock& block, std::uint64_t* mas
     const std::uint64_t counted = left < lanes ? (std::uint64_t{1} << left) - 1 : (std::uint64_t{1} << lanes) - 1;
     Wide unmeasured{};  // infinity in lanes that do not count
     if constexpr (measured)
+      // mutant pair-kernel-unmeasured: `infinity` -> `0`
       for (std::size_t lane = left; lane < lanes; ++lane) unmeasured[lane] = infinity;
     for (std::size_t j = 0; j < block.count_b; ++j) {
       const Wide dx = a.x - moved_x[j], dy = a.y - moved_y[j], dz = a.z - moved_z[j];
       const Wide squared = (dx * dx + dy * dy) + dz * dz;
       const Wide sum = grown + radius[j];
       const Wide square = sum * sum;
+      // mutant pair-kernel-tail: `(lanes_at_most ... ) & counted)` -> `std::uint64_t{lanes_at_most(squared, square)}`
       const std::uint64_t mask = (lanes_at_most(squared, square) & counted) << i;
       masks[j] = i == 0 ? mask : masks[j] | mask;
       if constexpr (measured) {

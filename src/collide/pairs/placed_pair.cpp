@@ -15,6 +15,9 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
   pair.translation = relative.translation;
   pair.margin = margin;
   constexpr double far = 0x1p62, too_coarse = 0x1p58;
+  // mutant pair-rounding: `46 * coordinates + 0x1p-` -> ``
+  // mutant pair-rounding-less: `46` -> `53`
+  // mutant pair-underflow: `coordinates + 0x1p-60` -> `coordinates`
   const double rounding = pair.rounding = 0x1p-46 * coordinates + 0x1p-60;
   Vec3& u = pair.translation;
   // Comparisons the other way round: what is not a number is not small.
@@ -23,11 +26,14 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
     pair.pad = std::max(far, std::min(rounding, std::numeric_limits<double>::max()));
   } else {
     if (!(max_norm(u) < far)) u = {far, 0, 0};
+    // mutant pair-pad: `0x1p-20 * max_norm(u) + rounding` -> `rounding`
+    // mutant pair-pad-less: `20` -> `22`
     pair.pad = 0x1p-20 * max_norm(u) + rounding;
   }
   for (std::size_t row = 0; row < 3; ++row)
     for (int axis = 0; axis < 3; ++axis) pair.narrow.rows[row][axis] = static_cast<float>(pair.rows[row][axis]);
   for (int axis = 0; axis < 3; ++axis) pair.narrow.translation[axis] = static_cast<float>(u[axis]);
+  // mutant pair-margin: `pair.pad + margin` -> `pair.pad`
   pair.narrow.pad = rounded_up(std::min(pair.pad + margin, far) * (1 + 0x1p-20));
   return pair;
 }

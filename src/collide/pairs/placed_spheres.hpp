@@ -26,6 +26,8 @@ class PlacedSpheres {
       : placement_(collider.placement()),
         spheres_(collider.pose().spheres),
         origin_(collider.pose().origin),
+        // mutant placed-stretch: `2 * deviation_from_rigid(placement_) + 0x1p` -> `0x1p`
+        // mutant placed-stretch-less: `2` -> `0.25`
         stretch_(1 + 2 * deviation_from_rigid(placement_) + 0x1p-49),
         translation_(max_norm(placement_.translation)) {}
 
@@ -33,6 +35,7 @@ class PlacedSpheres {
     const Spheref& s = spheres_[node];
     const Vec3 center = origin_ + Vec3(s.center);
     const double radius = s.radius;
+    // mutant placed-rounding: `0x1p-46` -> `0`
     const double pad = 0x1p-46 * (max_norm(center) + radius + translation_);
     return {placement_(center), radius * stretch_ + pad};
   }
@@ -50,6 +53,8 @@ class PlacedSpheres {
 /// squares vanish only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
 /// finite below 2^500.
 inline double gap_below(const Sphere& a, const Sphere& b) {
+  // mutant gap-distance: `* (1 - 0x1p-49) -` -> `-`
+  // mutant gap-radii: `(a.radius + b.radius) * (1 + 0x1p-51)` -> `(a.radius + b.radius)`
   return distance(a.center, b.center) * (1 - 0x1p-49) - (a.radius + b.radius) * (1 + 0x1p-51);
 }
 

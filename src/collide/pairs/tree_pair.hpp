@@ -48,6 +48,7 @@ class TreePair {
   /// answer but for rounding; see PairKernels.
   double test_and_measure(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     const double least = pair_kernels().test_and_measure(placed_.narrow, block(a, b), masks);
+    // mutant front-clearance: `0.5 * least) * (1 - 0x1p-10` -> `least`
     return std::sqrt(0.5 * least) * (1 - 0x1p-10);
   }
   bool overlaps(std::uint32_t a, std::uint32_t b) const {

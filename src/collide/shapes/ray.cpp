@@ -45,6 +45,7 @@ class ShearedRay {
   double bound(const Sphere& s) const {
     const Vec3 offset = s.center - origin_;
     const double along = dot(offset, unit_);
+    // mutant ray-pad: `0x1p-45` -> `0`
     const double pad = 0x1p-45 * (max_norm(s.center) + s.radius + max_norm(origin_));
     const double reach = s.radius + pad;
     const double aside = squared_length(offset - unit_ * along), reach_squared = reach * reach;
@@ -77,6 +78,7 @@ class ShearedRay {
       return orient2d({}, {x[from], y[from], 0}, {x[to], y[to], 0}, projections[2]);
     };
     const int u = side(2, 1), v = side(0, 2), w = side(1, 0);
+    // mutant ray-edges: `< 0 || v < 0 || w <` -> `<= 0 || v <= 0 || w <=`
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
     // Signs are exact, sizes nearly: one of them may have lost all its digits.
     const double a = u == 0 ? 0.0 : std::abs(x[2] * y[1] - y[2] * x[1]);

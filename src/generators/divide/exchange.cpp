@@ -26,6 +26,7 @@ bool contains(const Sphere& sphere, std::span<const Vec3> corners, double pad) {
   constexpr double share = 1e-9;
   const double farthest = farthest_distance(sphere.center, corners);
   return farthest <= sphere.radius * (1 - share) &&
+         // mutant exchange-room-of-coordinates: `rounded_up_radius ... ))) <= sphere.radius` -> `(pad > 0 || true)`
          rounded_up_radius(farthest, std::max(pad, max_norm(sphere.center))) <= sphere.radius;
 }
 

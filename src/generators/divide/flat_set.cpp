@@ -30,6 +30,7 @@ struct Rung {
 
 // 12, 16, 24, 48, 96 …: at 32 and more, what else powers of two find is not worth its time.
 bool is_other_start(std::size_t size) {
+  // mutant flat-set-other-start: `2 * few_spheres ||` -> `0 &&`
   return size == 2 * few_spheres || (size >= least_other_start && size % 3 == 0 && std::has_single_bit(size / 3));
 }
 
@@ -106,6 +107,7 @@ class FlatSet {
     std::optional<Set> at_once;
     if (rung.at_once) at_once = sought_at_once(rung.size);
     // Growing is no rival to seeking a few spheres.
+    // mutant flat-set-grown: `by_.grows && best.leaves.size() > 1 && rung.size > few_spheres` -> `false`
     if (by_.grows && best.leaves.size() > 1 && rung.size > few_spheres) {
       grow(best, rung.size);
       improve(best);

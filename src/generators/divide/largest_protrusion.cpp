@@ -53,6 +53,7 @@ class Parts {
     look_at(own);
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       const Sphere& other = leaves_[i].sphere;
+      // mutant protrusion-only-where-the-centre-is: `(std::sqrt(least) + other.radius)` -> `std::sqrt(least)`
       if (i != own && distance(p, other.center) <= (std::sqrt(least) + other.radius) * (1 + rounding)) look_at(i);
     }
     return std::sqrt(least);
@@ -66,6 +67,7 @@ class Parts {
     std::vector<std::pair<std::uint32_t, int>> passed;
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       const Vec3 to = leaves_[i].sphere.center - p;
+      // mutant protrusion-half-of-the-spheres-passed: `leaves_` -> `0.5 * leaves_`
       const double reach = leaves_[i].sphere.radius + slack;
       if (to.x * to.x + to.y * to.y > reach * reach || to.z < -reach) continue;
       each_facet(
@@ -82,6 +84,7 @@ class Parts {
     }
     // Several spheres may have parts of one facet.
     std::sort(passed.begin(), passed.end());
+    // mutant protrusion-passed-twice: `passed.erase(std::unique(passed.begin(), passed.end()), passed.end())` -> ``
     passed.erase(std::unique(passed.begin(), passed.end()), passed.end());
     int sum = 0;
     for (const auto& [facet, side] : passed) sum += side;
@@ -117,6 +120,7 @@ double largest_protrusion(const Mesh& mesh, const ObjectShape& shape, std::span<
     if (away <= 2 * slack) {
       largest = std::max(largest, shape.distance().protrusion_bound(sphere));
     } else {
+      // mutant protrusion-inside-out: `shape.orientation()` -> `1`
       const bool inside = shape.orientation() * parts.winding_number(sphere.center, slack) > 0;
       largest = std::max(largest, sphere.radius + (inside ? -away : away));
     }

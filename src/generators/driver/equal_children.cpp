@@ -10,6 +10,7 @@ namespace {
 // Such a child takes in what the node takes in, to half a percent.
 bool is_equal(const Sphere& child, const Sphere& node) {
   constexpr double share = 0.001;
+  // mutant equal-children-wherever-they-are: `node.radius && ... * node.radius` -> `node.radius`
   return child.radius >= (1 - share) * node.radius && distance(child.center, node.center) <= share * node.radius;
 }
 
@@ -19,6 +20,7 @@ std::vector<std::uint8_t> nodes_with_equal_children(const SphereTree& tree, bool
   for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > (root_too ? 0u : 1u);) {
     if (tree.is_leaf(node)) continue;
     for (std::uint32_t c = tree.first_child[node]; c < tree.first_child[node] + tree.child_count[node]; ++c)
+      // mutant equal-children-kept: `1` -> `0`
       if ((tree.is_leaf(c) || ends[c] != 0) && is_equal(tree.spheres[c], tree.spheres[node])) ends[node] = 1;
   }
   return ends;

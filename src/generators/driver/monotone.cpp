@@ -150,6 +150,7 @@ class Levels {
     for (const BuildNode& child : next) radii.push_back(child.sphere.radius);
     const auto some = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
     std::nth_element(radii.begin(), some, radii.end());
+    // mutant slabs-judged: `6` -> `3`
     return *some / 6;
   }
   // The error of both unions is that of what only one of them has.

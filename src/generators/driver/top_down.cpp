@@ -107,6 +107,7 @@ CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell
       }
     }
     if (new_level && !next.empty()) new_level(next);
+    // mutant levels-monotone: `lines` -> `lines && next.empty()`
     if (lines) {
       const bool last = depth + 1 == run.depth;
       keep_monotone(mesh, *lines, run.largest_coordinate(), settled, level, next, last);

@@ -158,6 +158,7 @@ void UnionVolume::renew(int axis, std::span<const Sphere> changed) {
   std::vector<Sphere> near;
   for (const Sphere& s : last_) {
     const Numbers n = numbers_of(s);
+    // mutant union-volume-near: `n.u_first <= all.u_last && n.u_last >=` -> `n.u_first < all.u_last && n.u_last >`
     if (n.u_first <= all.u_last && n.u_last >= all.u_first && n.v_first <= all.v_last && n.v_last >= all.v_first)
       near.push_back(s);
   }

@@ -142,6 +142,7 @@ void Group::refit(std::size_t ball, float taken, float first_step) {
 std::uint64_t Group::hash_of(std::size_t ball, float taken) const {
   const GroupBall& b = balls_[ball];
   std::uint64_t hash = points_hash_[ball];
+  // mutant refused-split-whatever-it-costs: `b.cost, taken` -> `taken`
   for (const float number : {b.center.x, b.center.y, b.center.z, b.radius, b.cost, taken})
     hash = mixed(hash ^ std::bit_cast<std::uint32_t>(number));
   return hash;

@@ -143,7 +143,10 @@ void OutsideGrid::change(const Spheref& ball, int by) {
         const std::uint64_t changes = in_row & not_zero(room), after = by > 0 ? before + changes : before - changes;
         store(after, &balls_over_[row + x]);
         const std::uint64_t turned = not_zero(before) ^ not_zero(after), full = load(&full_along_[row + x]);
+        // mutant steps-kept-along-y: `(full >> 1)` -> `full`
+        // mutant steps-kept-along-z: `2` -> `1`
         const std::uint64_t along_y = turned & ~(full >> 1), along_z = turned & ~(full >> 2);
+        // mutant steps-kept-along-x: `full` -> `(full >> 1)`
         along_x |= turned & ~full;
         along_others |= along_y | along_z;
         store(load(&turned_in_plane_[x]) | along_y, &turned_in_plane_[x]);

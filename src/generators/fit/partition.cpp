@@ -46,8 +46,10 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
       // Differences of powers are affine: whose all three corners are, theirs is the facet.
       const auto& [a, b, c] = mesh.facets[region.facet[k]];
       const VertexOwner at_a = owner_of(a), at_b = owner_of(b), at_c = owner_of(c);
+      // mutant partition-two-corners: `at_b.sphere && at_b.sphere == at_c.sphere` -> `at_b.sphere`
       if (at_a.sphere == at_b.sphere && at_b.sphere == at_c.sphere) {
         const bool is_inside = at_a.is_inside && at_b.is_inside && at_c.is_inside;
+        // mutant partition-whole-unchecked: `(is_inside ... at_a.sphere] : leftovers)` -> `result.regions[at_a.sphere]`
         (is_inside ? result.regions[at_a.sphere] : leftovers).add_whole(region.facet[k]);
         continue;
       }

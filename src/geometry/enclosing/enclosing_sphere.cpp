@@ -77,8 +77,10 @@ class SmallestOfFew {
       Partial larger = partial;
       larger.center += rest * shift;
       larger.squared_radius += shift * shift * height;
+      // mutant enclosing-first-that-does: `!(larger.squared_radius < smallest_)` -> `best_ != 0`
       if (!(larger.squared_radius < smallest_)) continue;
       const unsigned with = subset | 1u << i;
+      // mutant enclosing-without-all: `contains_all` -> `larger.dimension == 2 || contains_all`
       if (contains_all(larger, with)) {
         smallest_ = larger.squared_radius;
         best_ = with;
@@ -86,6 +88,7 @@ class SmallestOfFew {
       }
       larger.directions[larger.dimension] = rest;
       larger.inverse_squares[larger.dimension++] = 1 / height;
+      // mutant enclosing-three-at-most: `grow` -> `if (larger.dimension < 2) grow`
       grow(larger, i + 1, with);
     }
   }
@@ -171,11 +174,13 @@ SupportedSphere by_pivots(const SupportedSphere& start, const DoublePointColumns
     SupportedSphere grown;
     if (pivot < most_pivots && next.squared_distance > best.sphere.radius * best.sphere.radius * (1 + 1e-13)) {
       std::array<Vec3, 5> few;
+      // mutant enclosing-grown-loses-support: `[i];` -> `[0];`
       for (std::size_t i = 0; i < best.count; ++i) few[i] = best.points[i];
       few[best.count] = next.point;
       grown = smallest_of_few(std::span(few).first(best.count + 1));
     }
     if (!(grown.sphere.radius > best.sphere.radius)) {
+      // mutant enclosing-not-measured: `best.sphere.radius = std::sqrt(next.squared_distance)` -> ``
       best.sphere.radius = std::sqrt(next.squared_distance);
       return best;
     }
@@ -206,6 +211,7 @@ Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
 
 double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
   double largest = 0;
+  // mutant enclosing-last-point: `std::max(largest, squared_distance(center, p))` -> `squared_distance(center, p)`
   for (const Vec3& p : points) largest = std::max(largest, squared_distance(center, p));
   // Of other squares something vanished, or overflowed.
   if (largest > 0x1p-900 && largest < std::numeric_limits<double>::infinity()) return std::sqrt(largest);
@@ -223,6 +229,7 @@ SupportedSphere detail::enclosing_sphere_from(const SupportedSphere& start, cons
   // Points of a support are of ordinary size; whether the others are, the radius shows.
   if (start.count > 0) {
     const SupportedSphere found = by_pivots(start, points);
+    // mutant enclosing-grown-from-extremes: `if (is_ordinary ... return` -> `return`
     if (is_ordinary(found.sphere.radius * found.sphere.radius)) return found;
   }
   const Farthest opposite = farthest_from(points, {points.x[0], points.y[0], points.z[0]});

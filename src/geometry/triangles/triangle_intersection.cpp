@@ -140,6 +140,7 @@ bool segment_and_triangle(const Vec3& p, const Vec3& q, const Side& p_side, cons
     return meet;
   }
   if (p_side.sign == 0 && q_side.sign == 0) return coplanar_segment_and_triangle(p, q, target, common);
+  // mutant end-in-the-plane-misses: `== q_side.sign` -> `* q_side.sign >= 0`
   if (p_side.sign == q_side.sign) return false;
   bool left = false, right = false;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -168,6 +169,7 @@ bool meet_by_edges(const Triangle& a, const Triangle& b, const Sides& a_sides, c
 }
 
 bool on_one_side(const Sides& s) {
+  // mutant corners-in-the-plane-are-apart: `!= 0 && s[0].sign =` -> `=`
   return s[0].sign != 0 && s[0].sign == s[1].sign && s[1].sign == s[2].sign;
 }
 bool all_off_plane(const Sides& s) {
@@ -214,6 +216,7 @@ struct CrossedPair {
     if (lone_sign(b_sides) < 0) swap_edges(a);
   }
   bool overlap() const {
+    // mutant crossing-ends-that-touch: `<= 0` -> `< 0`
     return orient3d(*a.lone, *a.first, *b.lone, *b.first) <= 0 && orient3d(*a.lone, *a.second, *b.lone, *b.second) >= 0;
   }
   Segment common() const {

@@ -293,6 +293,7 @@ fs::path beside(const Container& file, const std::string& uri) {
                     "; only files in its folder are read, by relative names without '..'");
   const fs::path path = file.path.parent_path() / relative;
   std::error_code error;
+  // mutant gltf-buffer-through-link: `fs::exists(path, error)` -> `false`
   if (fs::exists(path, error) && !FileRoots({file.path.parent_path()}).hold(path))
     throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
                     ", a link out of its folder; only files in its folder are read: copy it there");
@@ -370,6 +371,7 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   } catch (const std::exception& problem) {
     error = problem.what();
   }
+  // mutant gltf-ended-is-a-fault: `ask_to_go_on()` -> ``
   ask_to_go_on();  // what ended the call while a buffer was read is no fault of the file
   // It goes on after some errors, and leaves out what it did not understand.
   if (!good || !error.empty()) {

@@ -115,6 +115,7 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshRead
 std::string obj_text(const MeshView& mesh) {
   std::string text;
   text.reserve(mesh.vertex_count() * 64 + mesh.facet_count() * 24);
+  // mutant looks-obj-written: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then(4096);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
     ask_now_and_then();

@@ -75,6 +75,7 @@ class OffReader {
   }
   void end_row() {
     // Else a number that is missing would be taken from the next row, and all that follows would be something else.
+    // mutant off-row-takes-from-the-next: `if ... ) in_.require_line_end("a row that began on another line")` -> ``
     if (in_.line() != began_on_) in_.require_line_end("a row that began on another line");
   }
   /// Steps to the next line where a row may go on there.
@@ -109,6 +110,7 @@ class OffReader {
 
   TextScanner in_;
   Layout layout_;
+  // mutant looks-off-read: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then_{4096};
   std::size_t began_on_ = 0;
 };
@@ -149,6 +151,7 @@ std::string off_text(const MeshView& mesh) {
   text += ' ';
   append_number(text, mesh.facet_count());
   text += " 0\n";
+  // mutant looks-off-written: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then(4096);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
     ask_now_and_then();

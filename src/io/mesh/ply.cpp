@@ -100,6 +100,7 @@ class BinaryRows {
   }
 
   ByteReader in_;
+  // mutant looks-ply-read: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then_{4096};
   std::uint64_t row_ = 0;
   const PlyElement* element_ = nullptr;

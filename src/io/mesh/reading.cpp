@@ -32,6 +32,7 @@ void PolygonReader::cut(std::span<const Vec3> points, std::span<const std::uint3
   const std::span<Facet> own = facets.subspan(first, corners.size() - 2);
   MeshInfo& info = reading_.info;
   ++info.polygons;
+  // mutant frame-polygons-by-themselves: `if (cut_as_given(corners, own, first)) return` -> ``
   if (cut_as_given(corners, own, first)) return;
   const PolygonShape shape = cutter_.cut(points, corners, own);
   if (shape.cut == PolygonCut::ears) ++info.concave_polygons;
@@ -56,6 +57,7 @@ bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::sp
   for (std::size_t k = 0; k < corners.size(); ++k) add(corners[(k + 1) % corners.size()], corners[k]);
   std::sort(to.begin(), to.end());
   std::sort(back.begin(), back.end());
+  // mutant frame-polygons-unchecked: `if (to != back) return false` -> ``
   if (to != back) return false;
   std::copy(given.begin(), given.end(), own.begin());
   return true;

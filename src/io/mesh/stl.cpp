@@ -38,6 +38,7 @@ class Welder {
 
 // Less than a facet, or nothing but padding: no facet is lost when it is left.
 bool is_padding(std::string_view bytes) {
+  // mutant stl-padding-of-facets: `bytes.size() < binary_facet` -> `true`
   return bytes.size() < binary_facet || bytes.find_first_not_of(std::string_view("\0 \t\r\n", 5)) == bytes.npos;
 }
 
@@ -56,6 +57,7 @@ Mesh read_binary(const std::filesystem::path& path, std::string_view bytes, Mesh
   Mesh mesh;
   mesh.facets.reserve(count);
   Welder welder(mesh);
+  // mutant looks-stl-read: `12` -> `30`
   AskNowAndThen ask_now_and_then(1u << 12);
   for (std::uint32_t f = 0; f < count; ++f) {
     ask_now_and_then();
@@ -158,6 +160,7 @@ std::string stl_bytes(const MeshView& mesh) {
   std::string bytes = "binary STL of triangles";
   bytes.resize(80, ' ');
   store(bytes, static_cast<std::uint32_t>(mesh.facet_count()));
+  // mutant looks-stl-written: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then(4096);
   for (const Facet& facet : mesh.facets) {
     ask_now_and_then();

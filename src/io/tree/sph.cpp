@@ -89,6 +89,7 @@ std::string sph_text(const std::filesystem::path& path, const SphereTree& tree) 
   text += ' ';
   append_number(text, tree.branching);
   text += '\n';
+  // mutant looks-sph-written: `4096` -> `1u << 30`
   AskNowAndThen ask_now_and_then(4096);
   std::vector<std::uint32_t> slots{0};  // the node of each slot of this level, or no_node
   for (std::size_t level = 0; level < tree.level_count(); ++level) {

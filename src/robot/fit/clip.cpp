@@ -89,6 +89,7 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays,
   for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
     if (built.tree.child_count[node] != 0) continue;
     const Sphere& s = built.tree.spheres[node];
+    // mutant robot-clip-stays: `stays(s)` -> `true`
     if (stays(s) || depth == deepest_division || spheres.size() > most_spheres) {
       spheres.push_back(s);
       continue;

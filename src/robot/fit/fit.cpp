@@ -385,6 +385,7 @@ class Fitter {
     // Those that are kept may be anybody's. What a float may take is in the radius of ours, and more.
     std::vector<Sphere> certified = link.spheres;
     const double allowance = float_allowance(extent_of(link.spheres));
+    // mutant robot-kept-as-floats: `allowance` -> `0 * allowance`
     for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
     for (const Sphere& own : surface.spheres) {
       const auto contains = [&](const Sphere& s) { return distance(s.center, own.center) + own.radius <= s.radius; };

@@ -104,6 +104,7 @@ std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::
   }
   balls.insert(balls.end(), own.begin(), own.end());
   for (Sphere& ball : balls) {
+    // mutant robot-clip-inner: `reach_beyond` -> `0 * reach_beyond`
     for (const ClipPlane& plane : planes) ball.radius = std::min(ball.radius, ball.radius - reach_beyond(ball, plane));
   }
   std::erase_if(balls, [](const Sphere& ball) { return !(ball.radius > 0); });

@@ -56,6 +56,7 @@ bool is_usable(const Joint& joint, const Dependence& of, const CoordinateRange& 
   if (!joint.moves()) return false;
   const double a = of.factor * range.lower + of.offset, b = of.factor * range.upper + of.offset;
   const double farthest = std::max(std::abs(a), std::abs(b));
+  // mutant robot-pairs-absurd: `long_travel * robot_size` -> `1e30`
   return farthest <= (joint.kind == Joint::Kind::prismatic ? long_travel * robot_size : far_turn);
 }
 
@@ -106,6 +107,7 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
       const std::size_t index = robot.links[links[i]].joint;
       const Joint& joint = robot.joints[index];
       at = composed(at, joint.origin);
+      // mutant robot-pairs-range: `chain.usable && ranges.usable[index]` -> `true`
       chain.usable = chain.usable && ranges.usable[index];
       if (!joint.moves()) continue;
       const Dependence of = dependence_of(robot, index);

@@ -23,10 +23,13 @@ struct Sweep {
 
 /// The ball around all places of a ball.
 Sphere swept(const Sphere& ball, const Sweep& by) {
+  // mutant robot-pairs-slide: `by.travel` -> `0.97 * by.travel`
   if (by.slides) return {ball.center, ball.radius + by.travel};
   const double squared = squared_length(by.axis);
   const Vec3 foot = by.point + (dot(ball.center - by.point, by.axis) / squared) * by.axis, arm = ball.center - foot;
+  // mutant robot-pairs-circle: `length` -> `0.97 * length`
   if (by.half_turn) return {foot, ball.radius + length(arm)};
+  // mutant robot-pairs-arc: `by.angle.sin` -> `0.97 * by.angle.sin`
   return {foot + by.angle.cos * arm, ball.radius + by.angle.sin * length(arm)};
 }
 
@@ -74,6 +77,7 @@ class Prover {
  public:
   explicit Prover(const LinkPair& pair)
       : pair_(pair), swept_a_(pair.a), swept_b_(pair.b), values_(pair.chain.coordinates.size()) {
+    // mutant robot-pairs-rounding: `0x1p-33` -> `0`
     constexpr double rounding = 0x1p-33;
     allowance_ = rounding * (reach_of(pair.chain, pair.ranges) + pair.a.extent + pair.b.extent);
   }
@@ -122,6 +126,7 @@ class Prover {
     if (joint.slides) {
       sweep.travel = by * length(joint.axis);
     } else {
+      // mutant robot-pairs-half-turn: `pi / 2` -> `pi`
       sweep.half_turn = by >= std::numbers::pi / 2;
       if (!sweep.half_turn) sweep.angle = sin_cos(by);
     }

@@ -69,6 +69,7 @@ double mesh_distance(const Mesh& mesh_a, const SurfaceTree& tree_a, const Triang
   // Edges may be nearer.
   ProximityQuery near({.distance = least, .nearest_features_once = true});
   near.run(tree_a, tree_b);
+  // mutant robot-pairs-edges: `min(least, pair.distance)` -> `max(least, 0 * pair.distance)`
   for (const ProximityPair& pair : near.pairs()) least = std::min(least, pair.distance);
   return least;
 }
@@ -114,6 +115,7 @@ double RestSurfaces::distance(std::size_t a, std::size_t b) const {
     return least <= touching * std::max(p.size, q.size) ? 0 : least;
   };
   const double around = between(*around_[a], *around_[b]);
+  // mutant robot-pairs-round: `> 0 || (!inside_[a] && !inside_[b])` -> `>= 0`
   if (around > 0 || (!inside_[a] && !inside_[b])) return around;
   return between(inside_[a] ? *inside_[a] : *around_[a], inside_[b] ? *inside_[b] : *around_[b]);
 }

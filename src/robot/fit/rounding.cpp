@@ -37,6 +37,7 @@ void round_spheres(std::vector<Sphere>& spheres, double direction) {
 
 double float_allowance(double extent) {
   // A float is off by 2⁻²⁴ of a number: of three coordinates and of the radius.
+  // mutant robot-rounding: `3 * 0x1p-24` -> `-1`
   return 3 * 0x1p-24 * extent;
 }
 
@@ -51,6 +52,7 @@ void round_outward(std::vector<Sphere>& spheres) {
 }
 
 void round_inward(std::vector<Sphere>& spheres) {
+  // mutant robot-inner-inward: `-1` -> `1`
   round_spheres(spheres, -1);
   spheres.erase(std::remove_if(spheres.begin(), spheres.end(), [](const Sphere& s) { return !(s.radius > 0); }),
                 spheres.end());

@@ -139,6 +139,7 @@ class Finder {
     });
     stop_on_request();
     for (std::size_t i = 0; i < near.size(); ++i) {
+      // mutant robot-pairs-surfaces: `0` -> `1`
       if (distances[i] <= 0) {
         pairs_[near[i]].reason = IgnoreReason::rest;
       } else {
@@ -216,6 +217,7 @@ class Finder {
       if (o_.stop.stop_requested()) return;
       Pair& pair = pairs_[open[i]];
       const LinkPair asked = search_pair(pair);
+      // mutant robot-pairs-descent: `o_.samples > 0` -> `false`
       if (o_.samples > 0 && descend_to_contact(asked, o_.seed + open[i], o_.stop)) {
         pair.meets = true;
       } else {

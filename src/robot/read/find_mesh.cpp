@@ -47,6 +47,7 @@ class Search {
       if (std::find(searched_.begin(), searched_.end(), plain) == searched_.end()) searched_.push_back(plain);
       return false;
     }
+    // mutant robot-file-outside: `(plain, root_option)` -> `(plain, root_option); false`
     if (const std::optional<std::string> outside = roots.refusal(plain, root_option)) {
       if (outside_.empty()) outside_ = fmt::format("is {}, which {}", plain.string(), *outside);
       return false;
@@ -76,6 +77,7 @@ class Search {
 };
 
 bool find_in_package(Search& search, const PackageFile& file, const RobotFolders& folders) {
+  // mutant robot-package-climbs: `file.package == ".." || climbs(file.path)` -> `false`
   if (file.package == ".." || climbs(file.path)) {
     search.refuse("leaves its package by \"..\", which is not followed");
   }

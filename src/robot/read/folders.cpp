@@ -32,6 +32,7 @@ bool holds_home(const fs::path& folder) {
 
 /// A file that happens to lie here says nothing of what lies beside it.
 bool is_too_wide(const fs::path& folder) {
+  // mutant robot-around-home: `holds_home(folder)` -> `false`
   return !folder.has_relative_path() || !folder.parent_path().has_relative_path() || holds_home(folder);
 }
 

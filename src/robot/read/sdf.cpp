@@ -440,6 +440,7 @@ class SdfReader {
     if (parent == child) xml_.fail(at, fmt::format("joint {} joins link {} to itself", name, child));
     const std::size_t parent_link = link_at(parent), child_link = link_at(child);
     Link& carried = robot().links[child_link];
+    // mutant robot-loop-closed: `none || carrier_of_all(parent_link) == carrier_of_all(child_link)` -> `none`
     if (carried.joint != none || carrier_of_all(parent_link) == carrier_of_all(child_link)) {
       loops_.push_back({&at, parent_link, child_link});
       return;

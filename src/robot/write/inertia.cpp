@@ -47,12 +47,14 @@ bool is_near_solid(const Vec3& moments) {
 /// that is nearest is flat: the second moment along the axis of C is 0 instead of below, which raises A and B alike.
 Vec3 raised(Vec3 moments) {
   const double most = std::max({moments.x, moments.y, moments.z});
+  // mutant mjcf-moment-least: `least_moment` -> `0.0`
   for (int i = 0; i < 3; ++i) moments[i] = std::max(moments[i], least_moment);
   for (int i = 0; i < 3; ++i) {
     double &a = moments[(i + 1) % 3], &b = moments[(i + 2) % 3];
     const double lack = moments[i] - (a + b);
     // Rounding must not take away what is added.
     const double share = 0.5 * lack + 0x1p-40 * most;
+    // mutant mjcf-moments-triangle: `-0x1p-40 * most` -> `most`
     if (lack > -0x1p-40 * most) a += share, b += share;
   }
   return moments;
@@ -73,6 +75,7 @@ Tensor ball_inertia(double mass) {
 }
 
 BodyInertia checked(double mass, const Vec3& center, const Tensor& tensor) {
+  // mutant mjcf-mass-least: `std::max(mass, least_mass)` -> `mass`
   BodyInertia result{.mass = std::max(mass, least_mass), .center = center, .matrix = tensor};
   const detail::PrincipalAxes principal = detail::principal_axes(tensor, 0);
   result.moments = principal.moments;

@@ -18,6 +18,7 @@ struct FollowedBody {
   /// Where it was, and with all of its spheres there.
   bool is_current() const {
     const PosedTree& pose = spheres.pose();
+    // mutant follow-moved: `pose.frame` -> `frame`
     return pose.frame == frame && pose.current && pose.complete;
   }
   bool covers() const { return spheres.pose().covers; }

@@ -47,6 +47,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
   };
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
     if (wants_block_[block] == 0) continue;
+    // mutant follow-corners: `take` -> `if (s.corners[i] >= s.own_vertices[block]) take`
     for (std::uint32_t i = s.corners_begin[block]; i < s.corners_begin[block + 1]; ++i) take(s.corners[i]);
     const std::uint32_t group = block / 8;
     if (groups_[0].empty() || groups_[0].back() != group) groups_[0].push_back(group);
@@ -62,6 +63,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
         const std::size_t count = std::min(vertices_together, end - begin);
         for (std::size_t i = 0; i < count; ++i) {
           const Vec3 p = read(s.vertex_of_slot[slots_[begin + i]]);
+          // mutant follow-placed: `s.followed->is_placed` -> `false`
           points[i] = (s.followed->is_placed ? s.followed->spheres.placement()(p) : p) - s.origin;
         }
         make_boxes(points.data(), points.data(), count, made.data());
@@ -92,14 +94,17 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
   for (const auto& [boxes, surface] : {std::pair(&lazy_a_, &a), std::pair(&lazy_b_, b)})
     if (surface != nullptr && surface->followed) boxes->start(*surface);
   const bool asks_spheres =
+      // mutant follow-covers: `a.followed->covers() && b->followed->covers()` -> `true`
       by_spheres && b != nullptr && a.followed && b->followed && a.followed->covers() && b->followed->covers();
   if (asks_spheres) {
     const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b->farthest_of_spheres(*b->followed);
     // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);
+    // mutant follow-reach: `reach` -> `0 * reach`
     const TreePair trees(a.followed->spheres, b->followed->spheres, reach + rounding, leaf_level);
     each_overlapping(trees, [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
       lazy_a_.want(leaf_a);
+      // mutant follow-both: `lazy_b_.want` -> `if (leaf_b % 2 == 0) lazy_b_.want`
       lazy_b_.want(leaf_b);
     });
     a_ = &lazy_a_.make(workers, farthest_a);

@@ -60,6 +60,7 @@ class Sorter {
 
   std::vector<std::uint32_t>& order_;
   std::vector<Vec3> middle_;
+  // mutant looks-surface-tree: `16` -> `1u << 30`
   AskNowAndThen ask_now_and_then_{16};
 };
 
@@ -117,6 +118,7 @@ void give_edges(SurfaceTreeState& s) {
         const std::array<std::uint32_t, 2> ends{std::min(v, w), std::max(v, w)};
         const auto edge =
             static_cast<std::uint32_t>(std::lower_bound(s.edges.begin(), s.edges.end(), ends) - s.edges.begin());
+        // mutant surface-edges-of-blocks: `[edge]` -> `[edge] && k < 2`
         if (!is_given[edge]) s.own_edges.push_back(edge);
         is_given[edge] = 1;
       }

@@ -89,6 +89,7 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
         }
         of_level.slots_begin.push_back(static_cast<std::uint32_t>(of_level.slots.size()));
       }
+      // mutant region-borders-long: `most_border_edges((end - begin) / 3)` -> `(std::size_t{1} << 60)`
       if (of_level.slots.size() - first_slot > most_border_edges((end - begin) / 3)) {
         of_level.slots.resize(first_slot);
         of_level.slots_begin.resize(first_loop);

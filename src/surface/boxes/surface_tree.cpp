@@ -121,6 +121,7 @@ SurfaceTree::SurfaceTree(const MeshView& rest) {
 }
 // Queries that stand at it see another frame.
 SurfaceTree::~SurfaceTree() {
+  // mutant surface-gone-unseen: `if (state_) state_->forget()` -> ``
   if (state_) state_->forget();
 }
 SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;

@@ -12,6 +12,7 @@ inline Four rounded_down(const FourDoubles& x) {
   FourWhole number = reinterpret_cast<FourWhole>(nearest);
   number ^= (number >> 31) & 0x7fffffff;
   // A true comparison is −1.
+  // mutant surface-box-rounding: `= __builtin_convertvector` -> `= 0 * __builtin_convertvector`
   number += __builtin_convertvector(__builtin_convertvector(nearest, FourDoubles) > x, FourWhole);
   number ^= (number >> 31) & 0x7fffffff;
   return reinterpret_cast<Four>(number);

@@ -98,6 +98,7 @@ class ObstacleSearch {
     }
     std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) { return p.feature < q.feature; });
     list_open();
+    // mutant surface-before-obstacle-moved: `if ... ()) return {{.code = Status::Code::changed_during_call}}` -> ``
     if (!is_current()) return {{.code = Status::Code::changed_during_call}};
     SurfaceQueryStatus status;
     status.finished = open_.empty();

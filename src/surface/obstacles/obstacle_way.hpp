@@ -48,6 +48,7 @@ class ObstacleWay {
 
   ObstacleWay(const Shape& shape, const Points& from, const Points& to, std::size_t size, double margin, double reach)
       : shape_(shape), from_(from), to_(to), size_(size), margin_(margin), reach_(reach) {
+    // mutant obstacle-speed: `std::max(speed_, scaled_length(to_[i] - from_[i]))` -> `scaled_length(to_[i] - from_[i])`
     for (std::size_t i = 0; i < size_; ++i) speed_ = std::max(speed_, scaled_length(to_[i] - from_[i]));
   }
 
@@ -97,6 +98,7 @@ class ObstacleWay {
   double safe_time(double lower, double time) const {
     double constant = 1;
     if constexpr (is_field<Shape>) constant = shape_.lipschitz();
+    // mutant obstacle-gap: `(lower - margin_)` -> `2 * (lower - margin_)`
     const double gap = (lower - margin_) - constant * 0x1p-46 * reach_;
     if (!(gap > 0)) return time;
     return time + gap / (constant * speed_) * (1 - 0x1p-40);
@@ -143,6 +145,7 @@ class ObstacleWay {
     const double top_m = shape_.support(m), top_n = shape_.support(n);
     for (std::size_t i = 0; i < size_; ++i)
       if (!(dot(m, here[i]) - top_m > allowed) || !(dot(n, there[i]) - top_n > allowed) ||
+          // mutant obstacle-bernstein: `!(0.5 ... allowed)` -> `false`
           !(0.5 * ((dot(m, there[i]) - top_m) + (dot(n, here[i]) - top_n)) > allowed))
         return false;
     return true;

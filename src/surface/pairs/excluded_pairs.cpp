@@ -174,6 +174,7 @@ class BlocksOfVertices {
 }  // namespace
 
 ExclusionTest::ExclusionTest(const SurfaceTreeState& surface, const ExclusionRule& rule)
+    // mutant exclusion-rounding: `0x1p-40` -> `0`
     : surface_(surface), rule_(rule), rounding_(0x1p-40 * (surface.rest_reach + rule.rest_distance)) {}
 
 bool ExclusionTest::are_neighbors(const FeaturePair& pair) const {
@@ -201,6 +202,7 @@ bool ExclusionTest::are_surely_apart(const Box& a, const Box& b) const {
 bool ExclusionTest::are_surely_near(const Box& a, const Box& b) const {
   if (!(rule_.rest_distance > 0)) return false;
   const Vec3 across = max(a.upper - b.lower, b.upper - a.lower);
+  // mutant exclusion-sure: `length` -> `0.5 * length`
   return length(across) <= rule_.rest_distance - rounding_;
 }
 
@@ -357,6 +359,7 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
     for (std::size_t block = begin; block < end && !is_too_large; ++block) {
       ask_to_go_on();
       const std::size_t before = rows.bytes();
+      // mutant exclusion-memory: `most_bytes` -> `100 * most_bytes`
       if (!rows.add(static_cast<std::uint32_t>(block)) || (bytes += rows.bytes() - before) > most_bytes)
         is_too_large = true;
     }
@@ -384,6 +387,7 @@ const std::uint64_t* ExcludedPairs::of(std::uint32_t a, std::uint32_t b) const {
   const auto begin = entries_.begin() + begin_[a], end = entries_.begin() + begin_[a + 1];
   const auto at =
       std::lower_bound(begin, end, b, [](const Entry& entry, std::uint32_t block) { return entry.last < block; });
+  // mutant exclusion-run: `end || b < at->first` -> `end`
   if (at == end || b < at->first) return none_;
   return at->masks == no_masks ? all_ : &masks_[at->masks];
 }
@@ -393,6 +397,7 @@ namespace {
 std::shared_ptr<const ExcludedPairs> find_table(ExclusionTables& tables, const ExclusionRule& rule) {
   const std::lock_guard lock(tables.mutex);
   const auto at = std::find_if(tables.latest_first.begin(), tables.latest_first.end(),
+                               // mutant exclusion-rule: `() == rule` -> `().features == rule.features`
                                [&](const auto& table) { return table->rule() == rule; });
   if (at == tables.latest_first.end()) return nullptr;
   std::rotate(tables.latest_first.begin(), at, at + 1);

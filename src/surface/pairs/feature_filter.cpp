@@ -88,7 +88,9 @@ bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
     if (tests_each_ && ExclusionTest(*a_, excluded_->rule()).excludes(pair)) return false;
   }
   if ((masks_a_.are_given() || masks_b_.are_given()) &&
+      // mutant feature-mask-there: `(masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0` -> `false`
       ((masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0 ||
+       // mutant feature-mask-back: `(masks_b_.of(of_b, pair.b) & masks_a_.with(of_a, pair.a)) == 0` -> `false`
        (masks_b_.of(of_b, pair.b) & masks_a_.with(of_a, pair.a)) == 0))
     return false;
   return !filter_->keeps || filter_->keeps(pair);

@@ -98,6 +98,7 @@ class FeatureQuery {
     if (!search_.is_started()) return {{.code = Status::Code::no_front}};
     if (!search_.is_current()) return {{.code = Status::Code::other_frame}};
     // Pairs that were farther apart are gone.
+    // mutant resume-other-distance: `reach != ask_.reach` -> `false`
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = filter_.start(
@@ -149,6 +150,7 @@ class FeatureQuery {
     if (ask_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
     search_.open(open_);
     SurfaceQueryStatus status;
+    // mutant surface-moved-in-call: `static_cast ... (status) = search_.moved(Status::Code::changed_during_call)` -> ``
     static_cast<Status&>(status) = search_.moved(Status::Code::changed_during_call);
     if (!status) return status;
     status.finished = is_finished_;

@@ -34,12 +34,14 @@ bool is_lower(const Vec3& p, const Vec3& q, Projection projection) {
 /// Do segments pq and rs touch, or is that in doubt?
 bool may_touch(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Projection projection) {
   if (orient2d(p, q, r, projection) * orient2d(p, q, s, projection) > 0) return false;
+  // mutant height-field-touches: `<= 0` -> `< 0`
   return orient2d(r, s, p, projection) * orient2d(r, s, q, projection) <= 0;
 }
 
 /// Do segments pq and qr have more in common than q? None is a point. Where p is on qr, or r on pq, the edges beyond
 /// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbour's edge.
 bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projection) {
+  // mutant height-field-folds-back: `orient2d(p, q, r, projection) == 0` -> `false`
   return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;
 }
 
@@ -50,6 +52,7 @@ struct Sector {
   bool has(const Vec3& p, Projection projection) const {
     if (orient2d(v, from, to, projection) > 0)
       return orient2d(v, from, p, projection) >= 0 && orient2d(v, p, to, projection) >= 0;
+    // mutant height-field-sector-wide: `orient2d(v, to ... ) <= 0 || orient2d(v, p, from, projection) <= 0` -> `false`
     return orient2d(v, to, p, projection) <= 0 || orient2d(v, p, from, projection) <= 0;
   }
 };
@@ -88,7 +91,9 @@ class HeightFields::Border {
   /// counter-clockwise loop within another? Mirrored: clockwise. False where that is in doubt.
   bool is_simple(Projection projection, bool is_mirrored) {
     group_edges(projection);
+    // mutant height-field-border: `return no_edges_touch(projection, is_mirrored) &&` -> `return`
     return no_edges_touch(projection, is_mirrored) &&
+           // mutant height-field-nested: `(loops_.size ... || no_loops_are_nested(projection, is_mirrored))` -> `true`
            (loops_.size() == 2 || no_loops_are_nested(projection, is_mirrored));
   }
 
@@ -167,6 +172,7 @@ bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projectio
   const Vec3 &p = points_[e], &q = points_[e_end], &r = points_[f], &s = points_[f_end];
   if (e_end == f) return !folds_back(p, q, s, projection);
   if (f_end == e) return !folds_back(r, p, q, projection);
+  // mutant height-field-pinched: `have_disjoint_fans(e, f, projection, is_mirrored)` -> `true`
   if (slots_[e] == slots_[f]) return have_disjoint_fans(e, f, projection, is_mirrored);
   // Sides of two fans are in disjoint sectors when those that leave the vertex are.
   if (slots_[e_end] == slots_[f] || slots_[f_end] == slots_[e] || slots_[e_end] == slots_[f_end]) return true;
@@ -178,6 +184,7 @@ bool HeightFields::Border::have_disjoint_fans(std::uint32_t e, std::uint32_t f, 
                                               bool is_mirrored) const {
   const auto fan = [&](std::uint32_t edge) {
     const Vec3 &before = points_[before_[edge]], &after = points_[next_[edge]];
+    // mutant height-field-pinched-mirrored: `is_mirrored ? Sector{points_[edge], before, after} : Sector` -> `Sector`
     return is_mirrored ? Sector{points_[edge], before, after} : Sector{points_[edge], after, before};
   };
   return are_disjoint(fan(e), fan(f), projection);
@@ -196,6 +203,7 @@ int HeightFields::Border::turn(std::size_t loop, Projection projection) const {
 
 bool HeightFields::Border::no_loops_are_nested(Projection projection, bool is_mirrored) {
   ccw_loops_.clear();
+  // mutant height-field-nested-mirrored: `is_mirrored ? -1 : 1` -> `1`
   const int counter_clockwise = is_mirrored ? -1 : 1;
   for (std::size_t loop = 0; loop + 1 < loops_.size(); ++loop) {
     if (turn(loop, projection) != counter_clockwise) continue;
@@ -226,6 +234,7 @@ bool HeightFields::Border::may_be_within(std::size_t inner, std::size_t outer, P
     for (std::uint32_t e = loops_[outer]; e < loops_[outer + 1]; ++e) {
       const Vec3 &from = points_[e], &to = points_[next_[e]];
       if ((from[k] > p[k]) == (to[k] > p[k])) continue;
+      // mutant height-field-within: `> p` -> `< p`
       if ((orient2d(from, to, p, projection) > 0) == (to[k] > p[k])) is_within = !is_within;
     }
     return is_within;
@@ -253,6 +262,7 @@ void HeightFields::find_directions(std::uint32_t first_block, std::uint32_t last
   const SurfaceTreeState& s = *state_;
   const bool is_placed = s.followed && s.followed->is_placed;
   with_reader(s.from, s.rest, [&](const auto& read) {
+    // mutant height-field-placed: `s.followed->spheres.placement()(read(v))` -> `read(v)`
     const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.placement()(read(v)) : read(v); };
     for (std::uint32_t block = first_block; block < last_block; ++block) {
       const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
@@ -270,6 +280,7 @@ HeightFields::Directions HeightFields::common_directions(std::size_t level, std:
   const std::vector<Region>& below = levels_[level - 1];
   const std::size_t begin = 8 * std::size_t{region}, end = std::min(below.size(), begin + 8);
   Directions directions = 63;
+  // mutant height-field-one-block: `&= below` -> `|= below`
   for (std::size_t i = begin; i < end; ++i) directions &= below[i].directions;
   return directions;
 }

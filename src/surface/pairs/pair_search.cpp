@@ -99,8 +99,10 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
     // No two boxes are as far apart as that, and it stays finite in float: an empty box, which is infinite, meets
     // nothing only as long as what is added is finite.
     constexpr double farthest_apart = 0x1p110;
+    // mutant surface-beyond-float: `min(reach, farthest_apart)` -> `max(reach, 0 * farthest_apart)`
     const double near = std::min(reach, farthest_apart);
     const double largest = boxes_.a().extent + boxes_.b().extent + max_norm(shift) + near;
+    // mutant surface-pad: `0x1p-22` -> `0`
     const double pad = near + 0x1p-22 * largest;
     for (int k = 0; k < 3; ++k) {
       reach_.up[k] = static_cast<float>(shift[k] + pad);
@@ -130,6 +132,7 @@ void PairSearch::expand(const Entry& e, std::vector<Entry>& below) const {
       constexpr std::uint64_t above_diagonal = 0x0080c0e0f0f8fcfe;
       bits &= above_diagonal;
       const std::uint32_t count = boxes_in(this->a(), e.level_a, e.a);
+      // mutant surface-last-box: `i <` -> `i + 1 <`
       for (std::uint32_t i = 0; i < count; ++i) push(8 * e.a + i, e.level_a - 1, 8 * e.a + i, e.level_a - 1);
     }
     for (; bits != 0; bits &= bits - 1) {
@@ -208,6 +211,8 @@ void PairSearch::open(std::vector<OpenFacets>& facets) const {
     return std::span<const std::uint32_t>(s.order).subspan(begin, end - begin);
   };
   for (const Entry& entry : open_)
+    // mutant surface-open-level: `entry.level_b` -> `entry.level_a`
+    // mutant surface-open-level-a: `entry.level_a` -> `entry.level_b`
     facets.push_back({range(a(), entry.a, entry.level_a), range(b(), entry.b, entry.level_b)});
 }
 

@@ -48,6 +48,7 @@ double allowance(const Rounding& rounding, const Vec3& direction) {
   const double coordinates = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
   const double mesh_coordinate = rounding.largest_origin_coordinate + rounding.largest_coordinate;
   return coordinates *
+         // mutant kdop-pad: `(0x1p-20 ... rounding.weight_slack) * mesh_coordinate + 0x1p-62)` -> `0 * mesh_coordinate`
          (0x1p-20 * rounding.largest_coordinate + (0x1p-48 + 4 * rounding.weight_slack) * mesh_coordinate + 0x1p-62);
 }
 

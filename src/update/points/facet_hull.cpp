@@ -36,7 +36,9 @@ bool turns_left(const FacetPoint& a, const FacetPoint& b, const FacetPoint& c) {
 bool is_near_segment(const FacetPoint& p, const FacetPoint& a, const FacetPoint& b, double tolerance) {
   const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
   const double share = squared > 0 ? ((p.x - a.x) * dx + (p.y - a.y) * dy) / squared : 0;
+  // mutant hull-beyond-the-segment: `share > 0 ? std::min(share, 1.0) : 0` -> `share`
   const double t = share > 0 ? std::min(share, 1.0) : 0;
+  // mutant hull-twice-the-tolerance: `tolerance` -> `2 * tolerance`
   return std::abs(p.x - (a.x + t * dx)) + std::abs(p.y - (a.y + t * dy)) <= tolerance;
 }
 
@@ -68,6 +70,7 @@ void FacetHull::find_hull(const std::vector<FacetPoint>& sorted) {
     hull_.pop_back();  // the other chain begins with it
   };
   add_chain(sorted.begin(), sorted.end());
+  // mutant hull-without-one-chain: `add_chain(sorted.rbegin(), sorted.rend())` -> ``
   add_chain(sorted.rbegin(), sorted.rend());
 }
 
@@ -76,6 +79,7 @@ void FacetHull::thin_out(double tolerance) {
   const std::size_t count = hull_.size();
   const auto at = [&](std::size_t i) -> const FacetPoint& { return hull_[i % count]; };
   const auto can_skip_between = [&](std::size_t i, std::size_t j) {
+    // mutant hull-steps-add-up: `i +` -> `j -`
     for (std::size_t k = i + 1; k < j; ++k)
       if (!is_near_segment(at(k), at(i), at(j), tolerance)) return false;
     return true;

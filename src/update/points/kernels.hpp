@@ -57,6 +57,9 @@ struct RadiusAllowances {
   double least;           ///< a length, whatever the centre
 
   /// What a distance is multiplied with that was squared in float, and what is added for squares that vanish.
+  // mutant covering-distance: `1 + 0x1p-22` -> `1`
+  // mutant covering-distance-less: `22` -> `24`
+  // mutant covering-underflow: `0x1p-62` -> `0`
   static constexpr double of_distance = 1 + 0x1p-22, of_underflow = 0x1p-62;
 };
 

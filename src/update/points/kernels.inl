@@ -194,10 +194,12 @@ void pull_lanes(const LocalPoint* points, const std::uint32_t* cores, std::size_
     if (step == pull_steps || all_have_enough) break;
     for (int r = 0; r < n; ++r) {
       const Wide most = far[r].most;
+      // mutant pull-of-other-lanes-core: `cores + r * lanes` -> `cores`
       const WidePoints farthest = far[r].point(points, cores + r * lanes);
       const Wide distance = root(most);
       const Wide along = all(0.15f) * distance / all(static_cast<float>(step + 1));
       const Wide excess = all(0.8f) * (root(least[r]) - rest[r]);
+      // mutant pull-of-lanes-that-have-enough: `most <= enough[r] ? Wide{} : min` -> `min`
       const Wide share = most <= enough[r] ? Wide{} : min(along, excess) / distance;
       x[r] += share * (farthest.x - x[r]), y[r] += share * (farthest.y - y[r]), z[r] += share * (farthest.z - z[r]);
     }
@@ -240,13 +242,16 @@ void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) 
       least = at_start = cost, limit = all(most_squared_growth) * far.most;
       if (lanes_at_most(cost, enough) == (1u << lanes) - 1) break;
     } else {
+      // mutant fit-grows: `limit` -> `4 * limit`
       const Wide here = far.most <= limit ? cost : all(__builtin_inff());
       best_x = here < least ? x : best_x, best_y = here < least ? y : best_y, best_z = here < least ? z : best_z;
+      // mutant fit-costs-more: `here < least ? here : least` -> `here`
       least = here < least ? here : least;
     }
     if (step == fit_steps) break;
     const WidePoints to = far.point(points, fits.cores), from = nearest.point(points, fits.near);
     const Wide reach = root(far.most), protrusion = max(reach - root(-nearest.most), Wide{});
+    // mutant fit-of-one-point: `Wide{} ?` -> `all(-1.0f) ?`
     const Wide some = reach > Wide{} ? all(fit_lengths[step]) * protrusion / reach : Wide{};
     const Wide share = at_start > enough ? some : Wide{};
     x += share * (to.x - from.x), y += share * (to.y - from.y), z += share * (to.z - from.z);
@@ -337,6 +342,7 @@ template <int count, int first>
                                                     std::uint32_t i, const std::uint32_t* ends, const Centers<count>& c,
                                                     Wide (&farthest)[4]) {
   if constexpr (first < count) {
+    // mutant leaves-without-their-lists: `i !=` -> `i + lanes <`
     for (; i != ends[first]; i += lanes) {
       const WidePoints p = columns(gather(points, index + i));
       for (int k = first; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
@@ -355,6 +361,7 @@ template <int count>
     c.x[k] = all(s.center.x), c.y[k] = all(s.center.y), c.z[k] = all(s.center.z);
   }
   for (std::uint32_t r = lists.run_begin[leaf]; r != lists.run_begin[leaf + 1]; ++r)
+    // mutant leaves-without-their-runs: `i !` -> `i + lanes !`
     for (std::uint32_t i = lists.runs[r].begin; i != lists.runs[r].end; i += lanes) {
       const WidePoints p = columns(load_run(points + i));
       for (int k = 0; k < count; ++k) farthest[k] = max(squared_distance(p, c.x[k], c.y[k], c.z[k]), farthest[k]);
@@ -393,10 +400,12 @@ void covering_radii(const float* squared, const float* norms, std::size_t count,
   for (std::size_t i = 0; i < count; ++i) {
     const double farthest = __builtin_sqrt(static_cast<double>(squared[i]));
     const double mesh_coordinate = allowances.coordinate + static_cast<double>(norms[i]);
+    // mutant radii-of-many-without-underflow: `mesh_coordinate + RadiusAllowances::of_underflow` -> `mesh_coordinate`
     const double pad = allowances.least + allowances.per_coordinate * mesh_coordinate + RadiusAllowances::of_underflow;
     // rounded_up, of positive numbers
     const double exact = farthest * RadiusAllowances::of_distance + pad;
     const float nearest = static_cast<float>(exact);
+    // mutant radii-of-many-to-nearest: `static_cast<double>(nearest) < exact` -> `false`
     const std::uint32_t below = static_cast<double>(nearest) < exact ? 1u : 0u;
     radii[i] = __builtin_bit_cast(float, __builtin_bit_cast(std::uint32_t, nearest) + below);
   }
@@ -487,6 +496,7 @@ std::uint32_t narrow_packed(const float* packed, std::size_t count, const Vec3f&
 #undef MORULA_SPREAD
   std::int32_t largest = 0;
   for (int k = 0; k < lanes; ++k) largest = most[k] > largest ? most[k] : largest;
+  // mutant kernel-tail-of-packed-floats: `i <` -> `i + 1 <`
   for (; i < count; ++i) {
     const Four p = Four{packed[3 * i], packed[3 * i + 1], packed[3 * i + 2], 0} - one;
     write_one(i, p);

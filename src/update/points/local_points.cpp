@@ -31,6 +31,7 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   }
   for (std::uint32_t v = 0; v < rest.vertex_count(); ++v) {
     if (!is_used(v)) continue;
+    // mutant local-gap: `stretches_.back().end ... || v - stretches_.back().begin =` -> `v - stretches_.back().begin >`
     if (stretches_.empty() || stretches_.back().end != v || v - stretches_.back().begin == vertices_per_stretch)
       stretches_.push_back({v, v});
     stretches_.back().end = v + 1;
@@ -50,6 +51,7 @@ LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& 
   }
   // Over all cut points: a certificate looks at those that no leaf has to test as well.
   for (const CutPoint& c : cover.cut_points)
+    // mutant local-weight-slack-one-way: `std::abs( ... - 1)` -> `c.weight[0] + c.weight[1] + c.weight[2] - 1`
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   points_.resize(vertex_count_ + cut_point_count());
   stretch_largest_.resize(stretches_.size());
@@ -113,6 +115,7 @@ void LocalPoints::mark(const VertexRange& range) noexcept {
   constexpr auto per_block = static_cast<std::uint32_t>(vertices_per_block);
   const auto first = std::partition_point(stretches_.begin(), stretches_.end(),
                                           [&](const VertexRange& s) { return s.end <= range.begin; });
+  // mutant local-stretch: `begin <` -> `begin + 1 <`
   for (auto s = first; s != stretches_.end() && s->begin < range.end; ++s) {
     changed_stretches_.add(static_cast<std::uint32_t>(s - stretches_.begin()));
     const std::uint32_t begin = std::max(s->begin, range.begin), end = std::min(s->end, range.end);
@@ -134,11 +137,14 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
   Frame frame;
   frame.origin = origin_;
   const float largest = *std::max_element(stretch_largest_.begin(), stretch_largest_.end());
+  // mutant local-range: `largest_local_coordinate` -> `1e30f`
   if (!(largest <= largest_local_coordinate && max_norm(origin_) <= largest_origin_coordinate)) {
     frame.finite = false;
     frame.first_bad_vertex = first_bad_vertex(positions, origin_);
     return frame;
   }
+  // mutant local-weight-slack: `weight_slack_` -> `0`
+  // mutant local-origin: `max_norm(origin_)` -> `0`
   frame.rounding = {static_cast<double>(largest), max_norm(origin_), weight_slack_};
   return frame;
 }

@@ -69,10 +69,13 @@ class NeededCuts {
           else
             needed_.push_back(c);
         }
+      // mutant owned-facet-taken-for-whole: `(std::all_of ... && lie_in_facet())` -> `lie_in_facet()`
       if (points_.empty() || (std::all_of(facet.begin(), facet.end(), owns) && lie_in_facet())) continue;
       for (const std::uint32_t v : facet)
+        // mutant owned-by-any-leaf: `if (owns(v)) points_.push_back` -> `points_.push_back`
         if (owns(v)) points_.push_back(*in_facet(cover_, facet, v));
       for (const FacetPoint& p : hull_.surround(points_, tolerance_))
+        // mutant owned-cut-point-lost: `=` -> ``
         if (p.corner >= cover_.vertex_count) needed_.push_back(p.corner);
     }
     std::sort(needed_.begin(), needed_.end());
@@ -234,11 +237,13 @@ void share_levels(const Mesh& mesh, const SphereTree& tree, const Cover& cover, 
     }
     for (std::uint32_t i = begin; i < end; ++i) seen_by[ownership.points[i]] = node;
     const auto is_seen = [&](std::uint32_t corner) {
+      // mutant owned-by-another-node-above: `none && seen_by[point_of[corner]] == node` -> `none`
       return point_of[corner] != none && seen_by[point_of[corner]] == node;
     };
     for (const std::uint32_t c : needed_cuts.of(node, is_seen, is_seen)) needed_by[point_of[c]] = node;
     for (std::uint32_t i = begin; i < end; ++i) {
       const std::uint32_t p = ownership.points[i];
+      // mutant owned-cuts-forgotten-above: `(p >= vertex_count && needed_by[p] != node)` -> `p >= vertex_count`
       if (seen_by[p] != node || (p >= vertex_count && needed_by[p] != node)) continue;
       from[i] = level;
       seen_by[p] = none;  // in the first leaf alone

@@ -120,6 +120,7 @@ std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tr
         if (is_tested(c)) continue;
         const Weights at = weights_of(cover, facet, c);
         // Extended precision rounds far less than a double's last place.
+        // mutant owned-check-sees-nothing: `allowed` -> `2 + allowed`
         if (!at.on_facet || surrounding.empty() || separation(at, surrounding) > allowed + 0x1p-58L)
           faults.push_back("node " + std::to_string(node) + " owns corner " + std::to_string(c) + " of facet " +
                            std::to_string(f) + ", which lies outside the hull of what it tests");

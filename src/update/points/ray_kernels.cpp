@@ -17,6 +17,7 @@ namespace {
 // by the share a below, for rounding: outside that one exact values are less than 1 / t by the share 2 a t² / |y − x|²,
 // which is 2 a / 5 or more up to |y − x| = 2.2 t; farther away they are below 2 / |y − x|, a tenth less. Rounding
 // changes them by some 1e-6.
+// mutant rays-kept-around: `1.001f` -> `1`
 constexpr float kept_around = 1.001f;
 constexpr std::size_t spheres_step = RaySpheres::step;
 constexpr std::size_t whole_steps(std::size_t count) {

@@ -48,6 +48,9 @@ struct Rounding {
   float wrapping_radius(double reach, const Vec3f& center) const {
     const double mesh_coordinate =
         largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
+    // mutant wrapping-sum: `* (1 + 0x1p-48) +` -> `+`
+    // mutant wrapping-reading: `48 * mesh_coordinate + 0x1p-` -> ``
+    // mutant wrapping-reading-less: `48 *` -> `53 *`
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
@@ -72,6 +75,12 @@ struct Rounding {
 
   /// What covering_radius allows for, and Kernels::covering_radii, which is the same for many at once.
   RadiusAllowances allowances() const {
+    // mutant covering-narrowing: `0x1p-20 * largest_coordinate` -> `0`
+    // mutant covering-narrowing-less: `20` -> `23`
+    // mutant covering-reading: `0x1p-48 + 6` -> `6`
+    // mutant covering-reading-less: `48` -> `52`
+    // mutant covering-slack: `48 + 6 * weight_slack` -> `48`
+    // mutant covering-slack-less: `6 * weight_slack` -> `weight_slack`
     return {largest_origin_coordinate + largest_coordinate, 0x1p-48 + 6 * weight_slack, 0x1p-20 * largest_coordinate};
   }
 };

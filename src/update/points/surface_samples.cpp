@@ -55,6 +55,7 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vec3> positions) {
   const auto key = [&](std::uint32_t v) { return std::tuple(positions[v].x, positions[v].y, positions[v].z, v); };
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   for (std::size_t i = 0; i < order.size(); ++i)
+    // mutant sample-seams-apart: `first[order[i - 1]]` -> `order[i]`
     first[order[i]] = i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
   return first;
 }
@@ -68,6 +69,7 @@ struct SurfaceSamples::Pieces {
 
   // A piece with too few samples for a ring has neighbours wherever they are, as have loose facets.
   bool may_be_neighbours(std::uint32_t a, std::uint32_t b) const {
+    // mutant sample-pieces-mixed: `of_sample.empty` -> `true || of_sample.empty`
     return of_sample.empty() || of_sample[a] == of_sample[b] || sample_count[of_sample[a]] <= ring_size;
   }
 };
@@ -302,6 +304,7 @@ void SurfaceSamples::measure_volume(const Reader& positions, std::size_t part, s
   double even = 0, odd = 0;
   std::size_t i = begin;
   for (; i + 1 < end; i += 2) even += six_volumes(facets_[i]), odd += six_volumes(facets_[i + 1]);
+  // mutant estimate-volume-odd-facet: `i < end` -> `end < i`
   if (i < end) even += six_volumes(facets_[i]);
   six_volumes_ = (part == 0 ? 0 : six_volumes_) + even + odd;
   if (part + 1 == parts) volume_ = std::abs(six_volumes_) / 6;

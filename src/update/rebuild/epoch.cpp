@@ -38,6 +38,7 @@ Epoch::Epoch(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, st
   estimator.reserve(body.rest_tree().node_count());
   estimator.pose(posed.positions);
   estimator.estimate(body, looseness_at_build);
+  // mutant known-object-inside: `(estimator.has_volume() ? 1 : 0)` -> `0`
   taken_up_at_build_ = looseness_at_build.back() + (estimator.has_volume() ? 1 : 0);
   for_level_sets(body, levels, [&](std::size_t level, double cubes) { cubes_at_build_[level] = cubes; });
 }

@@ -26,6 +26,7 @@ struct Epoch {
   /// and is taken to grow as the spheres do: Σ r³ alone would count many times what they share. Not in mesh units:
   /// where an object swells from pose to pose, an ownership made for the larger one would seem to take up more at all
   /// others.
+  // mutant known-union-at-build: `taken_up_at_build_ * growth` -> `growth`
   double taken_up() const noexcept { return taken_up_at_build_ * growth(); }
 
   Body body;

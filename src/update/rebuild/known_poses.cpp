@@ -26,6 +26,7 @@ void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<cons
   if (built.cover.vertex_count != mesh.vertex_count())
     throw std::invalid_argument("known poses: the tree is for another number of vertices");
   for (const NamedPose& pose : poses)
+    // mutant known-size-when-added: `pose.positions.size() != mesh.vertex_count()` -> `false`
     if (pose.positions.size() != mesh.vertex_count())
       throw std::invalid_argument("known poses: \"" + pose.name + "\" has " + std::to_string(pose.positions.size()) +
                                   " positions for " + std::to_string(mesh.vertex_count()) + " vertices");
@@ -105,6 +106,7 @@ class Service {
 
   // A pose for which no tree was built may be as easy to cover as the easiest one.
   double growth(std::size_t pose) const {
+    // mutant known-beside-own-tree: `tightest_` -> `serving_[pose].looseness`
     return largest_growth(serving_[pose].looseness, has_tree(pose) ? own_[pose].looseness : tightest_);
   }
 
@@ -175,6 +177,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
     const std::vector<std::size_t> next = service.worst_without_tree(options.looser_by, count);
     std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());
     workers.run(next.size(), [&](std::size_t i) {
+      // mutant known-side-by-side-mixed: `next[i]` -> `next[0]`
       trees[i] = std::make_shared<const CoveredTree>(build(posed(next[i]), build_options, workers));
     });
     for (std::size_t i = 0; i < next.size(); ++i) {

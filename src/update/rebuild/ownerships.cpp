@@ -17,10 +17,13 @@ constexpr double least_gain = 0.02, least_less = 0.008;
 // frame, whatever is expected of them.
 constexpr double grown = 1.15;
 // Others looked at in one frame: one, or as many as test so many points together, some 8 us, but no more than eight.
+// mutant known-seen-one-of-small-bodies: `8` -> `1`
+// mutant known-seen-two-of-large-bodies: `1` -> `2`
 constexpr std::size_t least_seen = 1, most_seen = 8, tests_to_see = 20'000;
 // An ownership that was seen to be no better is looked at again after all others were and so many frames, or where
 // strain has come to be so many times what it was then.
 constexpr std::size_t seen_lately = 4;
+// mutant known-came-closer: `0.8` -> `0`
 constexpr double closer = 0.8;
 
 std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
@@ -62,6 +65,7 @@ void Ownerships::for_others(const Visit& visit) noexcept {
 
 void Ownerships::measure(const PositionView& positions) noexcept {
   present_->strain_now = present_->gauge.strain(positions);
+  // mutant known-own-lengths: `other.gauge.strain` -> `home_.gauge.strain`
   for_others([&](Epoch& other) { other.strain_now = other.gauge.strain(positions); });
 }
 
@@ -104,6 +108,7 @@ Epoch& Ownerships::made_for_this() noexcept {
 Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept {
   const bool has_grown = present_->growth() > grown;
   Epoch* best = present_;
+  // mutant known-seen-decides: `(1 - least_less)` -> `0.9`
   double least = (1 - least_less) * present_->taken_up();
   const std::size_t count = seen_in_a_frame();
   for (std::size_t seen = 0; seen < count; ++seen) {
@@ -123,6 +128,7 @@ std::size_t Ownerships::seen_in_a_frame() const noexcept {
 // The one that is expected to be the tightest of those not seen lately, so that none is left aside for ever. As long as
 // the present one takes up what it did where it was made, only what promises to be better.
 Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
+  // mutant known-in-turn: `std::max(seen_lately, known_.size() / seen_in_a_frame() + 1)` -> `seen_lately`
   const std::uint64_t round = std::max(seen_lately, known_.size() / seen_in_a_frame() + 1);
   Epoch* next = nullptr;
   double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();

@@ -125,6 +125,7 @@ ReownedBody::Ways ways_of(const RebuildOptions& options) {
 
 void require_poses(const Mesh& mesh, const CoveredTree& built) {
   for (const KnownPose& pose : built.poses)
+    // mutant known-size-at-use: `pose.built || pose.positions.size() != mesh.vertex_count()` -> `pose.built`
     if (!pose.built || pose.positions.size() != mesh.vertex_count())
       throw std::invalid_argument("rebuild: the known pose \"" + pose.name + "\" is not one of this mesh");
 }
@@ -224,6 +225,7 @@ void RebuiltBody::State::change_to(Epoch& next) noexcept {
 }
 
 void RebuiltBody::State::stay_at_rest() noexcept {
+  // mutant rebuild-poses-kept-at-rest: `next_pose = std::nullopt` -> ``
   next_pose = std::nullopt;  // of a motion that is over
   job->request_stop();
   estimator.give_up();

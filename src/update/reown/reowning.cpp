@@ -146,6 +146,7 @@ bool Reowning::stays_inside(std::uint32_t patch, std::uint32_t from, std::uint32
   const SphereTree& tree = fixed_->built->tree;
   for (std::uint32_t node = tree.parent[fixed_->leaves[to]]; node != no_node; node = tree.parent[node]) {
     if (fixed_->leaf_begin[node] <= from && from < fixed_->leaf_end[node]) return true;
+    // mutant reown-ancestors-not-asked: `frame.squared_reaches` -> `4 * frame.squared_reaches`
     if (farthest(patch, frame.spheres[node].center) > frame.squared_reaches[node]) return false;
   }
   return true;
@@ -172,6 +173,7 @@ std::span<const std::uint32_t> Reowning::exchange(const Frame& frame, std::size_
     attempt(leaf, frame);
   }
   std::sort(changed_.begin(), changed_.end());
+  // mutant reown-cover-kept: `if (!changed_.empty()) write_cover()` -> ``
   if (!changed_.empty()) write_cover();
   points_ = {};
   return changed_;
@@ -310,6 +312,7 @@ void Reowning::write_cover() noexcept {
 
 std::span<const std::uint32_t> Reowning::points_of(std::size_t leaf) noexcept {
   distinct_.clear();
+  // mutant reown-corner-of-another-leaf: `++listing_` -> `listing_`
   if (++listing_ == 0) std::fill(listed_.begin(), listed_.end(), 0u), listing_ = 1;
   for (std::uint32_t p = leaves_[leaf].first; p != none; p = next_[p]) {
     const auto points = points_of_patch(p);

@@ -90,6 +90,7 @@ void CornerWalk::list_points(std::span<const std::uint32_t> owned, std::span<con
   for (std::size_t r = first_run; r < runs_.size(); ++r) in_runs += runs_[r].end - runs_[r].begin;
   while (points_.size() % points_per_group != 0) points_.push_back(points_.back());
   for (const std::size_t count : counts) {
+    // mutant walk-groups-cut-short: `(count + points_per_group - 1)` -> `count`
     const std::size_t in_groups = (count + points_per_group - 1) / points_per_group * points_per_group;
     point_end_.push_back(static_cast<std::uint32_t>(first_point + in_groups));
     looked_at_.push_back(static_cast<std::uint32_t>(in_runs + std::min(in_groups, counts.back())));
@@ -103,6 +104,7 @@ void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> po
   if (!paths_are_zero_) {
     std::fill(path_.begin(), path_.end(), 0.0);
     std::fill(path_then_.begin(), path_then_.end(), 0.0);  // those that are not measured now are not asked for
+    // mutant walk-groups-through-whole-updates: `groups_known_.clear()` -> ``
     groups_known_.clear();
     paths_are_zero_ = true;
   }
@@ -132,6 +134,7 @@ void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> po
     const std::uint32_t* const chain = &chain_[begin];
     const Float4 squared = Float4::load(&squared_[begin]);
     if (above != nullptr && above[2] == chain[2]) {
+      // mutant walk-reach-of-one-leaf: `max(most, squared)` -> `squared`
       most = max(most, squared);
     } else {
       finish();
@@ -236,6 +239,7 @@ std::size_t CornerWalk::walk(std::size_t leaf, std::size_t entry, std::span<cons
 // For all nodes above at once: that costs less than to find out for which of them it has to be.
 void CornerWalk::measure_leaf(std::size_t leaf, std::span<const LocalPoint> points,
                               std::span<const Spheref> spheres) noexcept {
+  // mutant walk-changed-leaf-not-for-all: `nodes_.size()` -> `leaf == 0 ? nodes_.size() : 1`
   kernels().farthest_of_leaves(points.data(), lists(), leaf, leaf + 1, nodes_.size(), spheres.data(), squared_.data());
   for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry)
     path_then_[entry] = path_[chain_[entry]];

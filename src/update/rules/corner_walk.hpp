@@ -138,12 +138,14 @@ void CornerWalk::deal(std::span<const std::uint32_t> leaves, const PointsOf& poi
   begin_lists();
   auto next = leaves.begin();
   for (std::uint32_t leaf = 0; leaf < leaf_count(); ++leaf) {
+    // mutant reown-leaf-lists-kept: `next == leaves.end() || *next != leaf` -> `true`
     if (next == leaves.end() || *next != leaf)
       append_list(leaf);
     else
       append_list(leaf, points_of(*next++));
   }
   take_spare_lists();
+  // mutant reown-radii-kept: `measure_leaves` -> `if (points.empty()) measure_leaves`
   measure_leaves(leaves, points, spheres);
 }
 

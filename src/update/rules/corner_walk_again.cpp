@@ -17,6 +17,9 @@ constexpr float unknown_no_more = -1;  // in place of a bound
 // distance in float 3.5 e, a way since less: each step is taken in double and narrowed, e, steps are added up upwards,
 // and their sum is narrowed, e. Two sums e each, the product e. Together below 10 e. Allowed: 2^-20 = 16 e. Squares
 // below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed: 2^-60.
+// mutant walk-rounding: `1 + 0x1p-20f` -> `1`
+// mutant walk-rounding-less: `20f` -> `23f`
+// mutant walk-underflow: `0x1p-60f` -> `0`
 constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
 
 // Of x >= 0: what nextafter gives, upwards.
@@ -31,7 +34,11 @@ double next_above(double x) {
 // where d <= sqrt(group) (1 + 2.6 e) + u and D >= sqrt(most) (1 - 2.6 e) - u: if sqrt(group) is at most sqrt(most) (1
 // - 10.5 e) - 2 w (1 + 5.3 e) - 4.1 u. Squaring that and narrowing it takes e and 2^-75 more.
 float least_that_may_be_farthest(float most, double way) {
+  // mutant walk-groups-rounding: `1 - 0x1p-20` -> `1`
+  // mutant walk-groups-rounding-less: `- 0x1p-20` -> `- 0x1p-23`
+  // mutant walk-groups-underflow: `0x1p-59` -> `0`
   constexpr double shorter = 1 - 0x1p-20, longer = 1 + 0x1p-20, vanishing = 0x1p-59;
+  // mutant walk-groups-one-way: `2 * way` -> `way`
   const double least = std::sqrt(static_cast<double>(most)) * shorter - 2 * way * longer - vanishing;
   return least > 0 ? static_cast<float>(least * least) : 0.0f;
 }
@@ -45,6 +52,7 @@ std::size_t CornerWalk::measure_again(std::span<const LocalPoint> points, std::s
   paths_are_zero_ = false;
   searched_.clear();
   for (const auto& [k, way] : moved) {
+    // mutant walk-path-swallows-steps: `next_above ... (way))` -> `path_[k] + static_cast<double>(way)`
     path_[k] = next_above(path_[k] + static_cast<double>(way));  // rounded up, so that every move makes it longer
     touched.add(k);
     if (!is_leaf(k)) searched_.add(k);
@@ -71,12 +79,14 @@ std::size_t CornerWalk::measure_changed(std::uint32_t leaf, std::span<const Loca
   const std::uint32_t begin = chain_begin_[leaf], end = chain_begin_[leaf + 1];
   std::copy(squared_.begin() + begin, squared_.begin() + end, squared_before_.begin());
   measure_leaf(leaf, points, spheres);
+  // mutant walk-groups-of-changed-leaves: `groups_known_.remove(leaf)` -> ``
   groups_known_.remove(leaf);
   for (std::uint32_t entry = begin; entry < end; ++entry) {
     const std::uint32_t k = chain_[entry];
+    // mutant walk-changed-leaf-untold: `, touched.add(k)` -> ``
     tested += looked_at_[entry], touched.add(k);
-    if (squared_[entry] >= squared_reach_[k] || is_leaf(k))
-      squared_reach_[k] = squared_[entry];
+    if (squared_[entry] >= squared_reach_[k] || is_leaf(k)) squared_reach_[k] = squared_[entry];
+    // mutant walk-farthest-not-missed: `squared_before_[entry - begin] >= squared_reach_[k]` -> `false`
     else if (squared_before_[entry - begin] >= squared_reach_[k])
       searched_.add(k);
   }

@@ -191,6 +191,7 @@ void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
 void ExactRule::take_ownership(const ExactRule& other) noexcept {
   walk_.take_lists(other.walk_);
   dealt_ = other.dealt_;
+  // mutant fit-cores-of-before: `if (fits_) fits_->take(*other.fits_)` -> ``
   if (fits_) fits_->take(*other.fits_);
 }
 

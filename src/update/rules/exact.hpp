@@ -27,11 +27,14 @@ class ExactRule final : public RuleEngine {
   std::size_t tested_points() const override { return walk_.tested_points(); }
 
   /// Not where leaves are fitted, which is done for many of them at once.
+  // mutant fit-not-when-lazy: `!fits_` -> `true`
   bool is_lazy() const override { return !fits_; }
   void update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept override;
   std::size_t tested_points(std::size_t node_end) const override;
 
   /// Where every leaf follows the rule.
+  // mutant reown-parts-by-lists-of-before: `dealt_ && !` -> ``
+  // mutant fit-not-of-parts: `dealt_ && !fits_` -> `dealt_`
   bool follows_changes() const override { return !dealt_ && !fits_; }
   std::size_t update_changed(const RuleFrame& frame, const Marks& changed_blocks,
                              std::span<Spheref> spheres) noexcept override;

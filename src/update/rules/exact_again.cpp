@@ -23,6 +23,7 @@ void ExactRule::find_dependents(const Binding& binding) {
     };
     anchors_.each_point(k, depends_on);
     const auto [first, count] = core_of(k);
+    // mutant changed-cores-untold: `for (std::size_t i = 0; i < count; ++i) depends_on(first[nodes_at_once * i])` -> ``
     for (std::size_t i = 0; i < count; ++i) depends_on(first[nodes_at_once * i]);
   }
   leaves_of_block_ = BlockLists(std::move(leaves), binding.local.block_count());
@@ -50,6 +51,7 @@ std::size_t ExactRule::update_changed(const RuleFrame& frame, const Marks& chang
   const std::size_t tested = walk_.measure_again(frame.points, spheres, changed_leaves_, moved_, touched_);
   const bool rounding_changed = frame.rounding != rounding_;
   rounding_ = frame.rounding;
+  // mutant changed-rounding-ignored: `rounding_changed` -> `false`
   if (rounding_changed)
     set_radii_of_all(spheres);
   else
@@ -72,6 +74,7 @@ void ExactRule::move_some(std::span<const std::uint32_t> nodes, std::span<const 
     if (j >= nodes.size()) centers[j] = centers[nodes.size() - 1];
     radii[j] = core_radius_[lane_[k]];
     const auto [first, count] = core_of(k);
+    // mutant changed-cores-of-other-lanes: `[nodes_at_once * i]` -> `[nodes_at_once * i / 2]`
     for (std::size_t i = 0; i < count; ++i) cores[nodes_at_once * i + j] = first[nodes_at_once * i];
     for (std::size_t i = count; i < most; ++i) cores[nodes_at_once * i + j] = *first;
   }
@@ -80,6 +83,7 @@ void ExactRule::move_some(std::span<const std::uint32_t> nodes, std::span<const 
     Vec3f& kept = spheres[walk_.nodes()[nodes[j]]].center;
     const Vec3f now{centers[j].x, centers[j].y, centers[j].z};
     // In double, where no square vanishes; the walk's bounds pay for narrowing it (corner_walk_again.cpp).
+    // mutant moved-a-little-less: `distance` -> `0.98 * distance`
     if (now != kept) moved_.push_back({nodes[j], static_cast<float>(distance(Vec3(now), Vec3(kept)))});
     kept = now;
   }

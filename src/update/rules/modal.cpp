@@ -104,6 +104,7 @@ bool ModalPoser::accepts(std::span<const double> coordinates, std::size_t& first
     sum += displacement;
     if (displacement > most) most = displacement, first_bad = j;
   }
+  // mutant modal-range: `sum <= largest_displacement` -> `true`
   return sum <= largest_displacement;
 }
 
@@ -117,7 +118,11 @@ ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
     largest += std::abs(coordinates[j]) * largest_row_[j];
   }
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
+  // mutant modal-pad-of-few-modes: `(static_cast<double>(coordinates.size()) + 16)` -> `16`
+  // mutant modal-pad-less: `49` -> `54`
+  // mutant modal-weight-slack: `4 *` -> `0.5 *`
   const double share = 0x1p-49 * (static_cast<double>(coordinates.size()) + 16) + 4 * weight_slack_;
+  // mutant modal-pad: `share * (largest + max_norm(origin))` -> `0 * share`
   return {coordinates, origin, share * (largest + max_norm(origin))};
 }
 
@@ -139,6 +144,7 @@ ModalRule::ModalRule(const Binding& binding)
   // Its own list of points: those of the other rules leave out cut corners that only this one has to contain.
   const LeafOrder order = depth_first_leaves(tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
+  // mutant hull-tolerance-for-modes: `0` -> `0x1p-30`
   const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
   assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
   parallel_for(binding.workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
@@ -198,6 +204,7 @@ Spheref ModalRule::sphere_of(std::size_t slot, const ModalPose& pose) const noex
   const Vec3 center = s.center - pose.origin;
   // Adding zero makes a negative zero positive, as the other rules do.
   const Vec3f nearest = Vec3f(center) + Vec3f{};
+  // mutant modal-narrowed-centre: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
   return {nearest, rounded_up((s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + pose.pad)};
 }
 

@@ -144,6 +144,7 @@ double largest_stretch(const std::array<Vec3, 3>& columns) {
     for (int step = 0; step < 3; ++step) f -= (4 * f * f * f - 3 * f - right) / (12 * f * f - 3);
   }
   // The factor is far above what rounding takes: about fifty units in the last place.
+  // mutant modal-stretch: `(mean + 2 * p * f) * (1 + 0x1p-40)` -> `(mean + 2 * p * f)`
   return std::sqrt(mean + 2 * p * f) * (1 + 0x1p-40);
 }
 

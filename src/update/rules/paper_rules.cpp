@@ -283,6 +283,7 @@ Spheref PaperRules::wrapped(const Node& n, const Rounding& rounding, std::span<c
   const std::span<const Spheref> children = spheres.subspan(n.first_child, n.child_count);
   Vec3f center = moved_by_children(n, spheres);
   if (wraps_smallest_) center = pulled_to_farthest(center, children);
+  // mutant wrapped-stops-with-its-children: `rounding ... center)` -> `bounded(rounding.wrapping_radius(children, center))`
   return {center, rounding.wrapping_radius(children, center)};
 }
 

@@ -65,6 +65,7 @@ fs::path MjcfFiles::find_included(const XMLElement& at, const std::string& name)
         continue;
       }
       const std::optional<std::string> outside = folders_.roots().refusal(path, root_option);
+      // mutant robot-include-outside: `if (!outside) return` -> `return`
       if (!outside) return path;
       fail(at, fmt::format("file \"{}\" is {}, which {}", name, path.string(), *outside));
     }
