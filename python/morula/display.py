@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-import pathlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -24,8 +23,8 @@ class Page:
         self.html = text
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page, which any browser opens, offline."""
-        pathlib.Path(path).write_text(self.html, encoding="utf-8")
+        """Writes the page, which any browser opens, offline: whole, or what was there stays."""
+        _morula._write_whole(path, self.html)  # type: ignore[attr-defined]  # stubs leave out private names
 
     def _repr_html_(self) -> str:
         import html

@@ -6,6 +6,7 @@
 #include <morula/io/gltf_spheres.hpp>
 #include <morula/io/paraview_file.hpp>
 #include <morula/io/sofa_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <morula/morula.hpp>
 #include <set>
 
@@ -166,6 +167,10 @@ void bind_files(nb::module_& m) {
       with_arguments("What read_bone_frames() reads back to the bit.",
                      {{"transforms", "(frames, bones, 3, 4) or (frames, bones, 4, 4): matrices that act on columns"}})
           .c_str());
+  m.def(
+      "_write_whole",
+      [](const FilePath& path, const std::string& text) { without_gil([&] { write_whole(path, text); }); },
+      nb::arg("path"), nb::arg("text"), "Writes a file of UTF-8 that is whole or not there.");
   bind_pictures(m);
 }
 

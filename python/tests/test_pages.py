@@ -6,6 +6,8 @@ import base64
 import json
 import pathlib
 import re
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -103,6 +105,28 @@ def test_what_a_page_cannot_show_is_refused(limb, built, motion, motions):
     far[1, 0, 0] = 1e40
     with pytest.raises(ValueError, match="frame 1"):
         morula.follow_motion(morula.PageMotion(limb.facets, far), limb, built)
+
+
+def test_a_page_is_saved_whole_or_what_was_there_stays(tmp_path):
+    page = morula.display.Page("<p>ä</p>" * 20_000)
+    target = tmp_path / "page.html"
+    target.write_text("older")
+    script = (
+        "import resource, signal, morula.display\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))\n"
+        "try:\n"
+        f"    morula.display.Page('x' * 100_000).save({str(target)!r})\n"
+        "except OSError as error:\n"
+        "    print(type(error).__name__)\n"
+    )
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "OSError", said
+    assert target.read_text() == "older" and list(tmp_path.iterdir()) == [target]
+    page.save(target)
+    assert target.read_text(encoding="utf-8") == page.html and list(tmp_path.iterdir()) == [target]
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        page.save(tmp_path / "nowhere" / "page.html")
 
 
 def test_joints_of_ones_own():

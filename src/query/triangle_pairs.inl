@@ -94,9 +94,9 @@ struct Turns {
 inline Turns turns(const Flat& t, int i, int j, const Flat& s, int k) {
   const Doubles left = (t.first[j] - t.first[i]) * (s.second[k] - t.second[i]);
   const Doubles right = (t.second[j] - t.second[i]) * (s.first[k] - t.first[i]);
+  // mutant triangle-pairs-flat-error: `orient2d_relative_error ... ) + size_of(right))` -> `Doubles{}`
   const Doubles value = left - right,
-                // mutant triangle-pairs-flat-error: `orient2d_relative_error ... ) + size_of(right))` -> `Doubles{}`
-      error = orient2d_relative_error * (size_of(left) + size_of(right)) + orient2d_underflow;
+                error = orient2d_relative_error * (size_of(left) + size_of(right)) + orient2d_underflow;
   return {greater(value, error), greater(-error, value)};
 }
 inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {

@@ -30,15 +30,17 @@ int questions_of(const std::function<void()>& call) {
   return asked;
 }
 
-/// Expects `least` questions, some 95 % of what there are: what remains is for the ways that sorts differ.
-void expect_questions(const std::string& name, int least, const std::function<void()>& call) {
-  EXPECT_GE(questions_of(call), least) << name;
-}
-
 // 200,002 vertices.
 const Mesh& large() {
   static const Mesh mesh = sample_body("limb", 400);
   return mesh;
+}
+
+/// Expects `least` questions, some 95 % of what there are: what remains is for the ways that sorts differ. Those of
+/// making the mesh are not among them, whichever test is the first.
+void expect_questions(const std::string& name, int least, const std::function<void()>& call) {
+  large();
+  EXPECT_GE(questions_of(call), least) << name;
 }
 
 TEST(Looks, files_of_meshes_are_read_and_written_with_many) {

@@ -8,8 +8,8 @@
 namespace morula {
 
 /// Does a leaf sphere of a overlap a leaf sphere of b, and all spheres above them? False is a proof, whatever the
-/// rounding: the surfaces have no point in common, where the spheres cover (rules exact, wrapped, modal, or
-/// conservative). True says that they are near each other: nearer than the leaves are wide.
+/// rounding: the surfaces have no point in common, where the spheres cover (rules exact and modal, wrapped over those,
+/// or conservative). True says that they are near each other: nearer than the leaves are wide.
 ///
 /// Surfaces: a body wholly inside another one is not an overlap by itself. Allocates nothing.
 /// Throws std::invalid_argument when the last update of a body was refused.

@@ -142,7 +142,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
   if (slot.knows_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
-    // mutant front-forgets-the-way: `before.travelled_a` -> `front.pairs[pair.pair].a.travelled[before.a]`
+    // mutant front-forgets-the-way: `before.travelled_a, entry.travelled_b = before.travelled_b` -> `front.pairs[pair.pair].a.travelled[before.a], entry.travelled_b = front.pairs[pair.pair].b.travelled[before.b]`
     entry.travelled_a = before.travelled_a, entry.travelled_b = before.travelled_b;
   } else if (keeps_) {
     const Front::Pair& bodies = front.pairs[pair.pair];
