@@ -16,7 +16,7 @@ import pytest
 import morula
 
 MODULES = [morula._morula, *(value for value in vars(morula._morula).values() if isinstance(value, ModuleType))]
-#: What a message may not have: words of the binding and of C++.
+#: Words of the binding and of C++ that no message contains.
 FOREIGN = re.compile(
     r"nb::|nb_|nanobind|incompatible function|no constructor|std::|morula::|_morula|bad_cast|ndarray\[|0x[0-9a-f]{6}|\\\d")
 CLASSES = [

@@ -17,7 +17,7 @@ namespace morula::detail {
 
 struct CallState {
   bool is_running = false;
-  Status ended{};  // why nothing is left of the last call, where none has begun anew since; else ok
+  Status ended{};  // reason for which the last call left no results; ok where it left some
 };
 
 /// Throws std::invalid_argument within a call of the object: for functions that return no status.

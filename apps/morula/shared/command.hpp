@@ -20,7 +20,7 @@ inline constexpr int exit_done = 0;
 inline constexpr int exit_check_failed = 1;    ///< a check failed, the result is incomplete, or cannot be reported
 inline constexpr int exit_bad_use = 2;         ///< bad options or bad input; nothing was written
 inline constexpr int exit_internal_error = 3;  ///< or not enough memory
-inline constexpr int exit_nobody_reads = 141;  ///< 128 + SIGPIPE: whoever reads standard output has gone
+inline constexpr int exit_nobody_reads = 141;  ///< 128 + SIGPIPE: the reader of standard output has closed it
 // 130, 143, 129: ended by Ctrl-C, SIGTERM or SIGHUP, with nothing unfinished left (interrupt.hpp); a study keeps its
 // finished cells.
 

@@ -49,9 +49,9 @@ struct Status {
     other_options,    ///< what was started is of another margin, level or distance
     bad_front,        ///< one from set_front() has indices out of range
     // Objects that are asked again
-    body_replaced,        ///< the body is gone, or another was assigned to it: make what asks it anew
+    body_replaced,        ///< the body was destroyed or assigned to: create the query or collider again
     in_use,               ///< a callback asks the object whose call it is part of
-    ended_by_exception,   ///< the last call was, and nothing is left of it: start anew
+    ended_by_exception,   ///< an exception ended the last call and its results are gone: start again
     changed_during_call,  ///< a callback moved a body or surface that the call read; nothing is left of the call
   };
   Code code = Code::ok;

@@ -38,7 +38,7 @@ class FileRoots {
 
   bool hold(const std::filesystem::path& file) const;
   /// Nothing where the file may be opened, or is not there at all. Else the reason and the remedy, to stand behind the
-  /// file's name: "lies outside A and B; allow its folder with --root DIR". Of a folder of frames, DIR is that folder.
+  /// file's name: "lies outside A and B; allow its folder with --root DIR". For a folder of frames, DIR is that folder.
   std::optional<std::string> refusal(const std::filesystem::path& file, std::string_view option) const;
 
  private:
