@@ -45,11 +45,11 @@ class Service {
     Body body(mesh, CoveredTree{built.tree, built.cover, built.report}, {}, workers);
     home_ = looseness_of(body, mesh.positions);
     tightest_ = home_;
-    serve(body);
+    activate(body);
     for (const KnownPose& pose : built.poses) {
       Body known({pose.positions, mesh.facets}, pose.built, {}, workers);
       learn(looseness_of(known, pose.positions));
-      serve(known);
+      activate(known);
     }
   }
 
@@ -90,7 +90,7 @@ class Service {
   void let_serve(std::size_t pose, const Mesh& posed) {
     own_[pose].serves = true;
     Body body(posed, own_[pose].tree, {}, workers_);
-    serve(body);
+    activate(body);
   }
 
  private:
@@ -122,7 +122,7 @@ class Service {
       tightest_[level] = std::min(tightest_[level], looseness[level]);
   }
 
-  void serve(Body& body) {
+  void activate(Body& body) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (const UpdateStatus status = body.update(poses_[i].positions, workers_); !status)
         throw std::invalid_argument("known poses: \"" + poses_[i].name + "\": " + message(status));

@@ -110,7 +110,7 @@ TEST(KnownPoses, at_a_known_pose_the_spheres_are_those_of_its_own_tree) {
     EXPECT_EQ(body.body().hash(), own.hash()) << pose.name;
     EXPECT_FALSE(body.is_home());
   }
-  EXPECT_EQ(body.report().recalled, home_with_poses().poses.size());
+  EXPECT_EQ(body.report().pose_switches, home_with_poses().poses.size());
 }
 
 TEST(KnownPoses, rest_is_rest_bit_for_bit_after_any_of_them) {
@@ -264,9 +264,9 @@ Waits expect_none_is_left_aside(Heap& heap, std::size_t starts) {
           EXPECT_TRUE(heap.body->update(positions));
           if (frame == 4) soon = heap.at(positions).is_served_well();
         }
-        const std::uint64_t settled = heap.body->epoch();
+        const std::uint64_t settled = heap.body->tree_version();
         for (int frame = 0; frame < 12; ++frame) EXPECT_TRUE(heap.body->update(positions));
-        EXPECT_EQ(heap.body->epoch(), settled);
+        EXPECT_EQ(heap.body->tree_version(), settled);
         const Heap::Figures figures = heap.at(positions);
         if (figures.growth < 1.16) continue;
         ++waits.about_anything;
@@ -303,17 +303,17 @@ TEST(KnownPoses, are_looked_at_again_when_the_body_comes_closer) {
   }
 }
 
-// docs/known_poses.md#how-an-ownership-is-chosen
+// docs/rebuild.md#how-a-tree-is-chosen
 TEST(KnownPoses, of_large_bodies_one_is_looked_at_in_a_frame) {
   Heap heap(4, 40);
   const std::vector<Vec3> loose_in_all = between(heap.poses[0], heap.poses[1], 1.5);
   for (int frame = 1; frame <= 40; ++frame) {
-    const std::size_t compared = heap.body->report().compared;
+    const std::size_t compared = heap.body->report().candidates_evaluated;
     const RebuildStatus status = heap.body->update(loose_in_all);
     ASSERT_GT(status.update.points_tested, 20'000u) << "a large body";
-    EXPECT_LE(heap.body->report().compared, compared + 1) << frame;
+    EXPECT_LE(heap.body->report().candidates_evaluated, compared + 1) << frame;
   }
-  EXPECT_GT(heap.body->report().compared, 20u);
+  EXPECT_GT(heap.body->report().candidates_evaluated, 20u);
 }
 
 // Bodies in a row that change places without a turn: leaves hold parts of one alone, so lengths feel nothing, and
@@ -337,7 +337,7 @@ TEST(KnownPoses, are_found_where_no_length_changes) {
     ASSERT_TRUE(body.update(between(row, mixed, 0.96 + 0.0004 * frame)));
     EXPECT_FALSE(body.is_home()) << frame;
   }
-  EXPECT_EQ(body.epoch(), 1u) << "one change, and that is all: rounding does not choose";
+  EXPECT_EQ(body.tree_version(), 1u) << "one change, and that is all: rounding does not choose";
 }
 
 // Trees for strong stretch tell little of what a little strain costs, by which what was rebuilt is judged.
@@ -371,7 +371,7 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
       ASSERT_TRUE(body.update(stretched_limb(std::min(1.0, frame / 20.0)), workers));
       run.push_back(body.body().hash());
     }
-    EXPECT_GT(body.epoch(), 1u);
+    EXPECT_GT(body.tree_version(), 1u);
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
@@ -379,7 +379,7 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
 TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
   RebuiltBody body(limb(), home_with_poses(), known_only);
   ASSERT_TRUE(body.update(stretched_limb(1)));
-  const std::uint64_t hash = body.body().hash(), epoch = body.epoch();
+  const std::uint64_t hash = body.body().hash(), version = body.tree_version();
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e30}) {
     // Near rest, where another tree would serve.
     for (std::size_t v = 0; v < limb().vertex_count(); v += 7) {
@@ -387,7 +387,7 @@ TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
       positions[v].x = bad;
       EXPECT_FALSE(body.update(positions));
       EXPECT_EQ(body.body().hash(), hash);
-      EXPECT_EQ(body.epoch(), epoch);
+      EXPECT_EQ(body.tree_version(), version);
       EXPECT_FALSE(body.body().is_current());
     }
   }
