@@ -36,7 +36,7 @@ std::vector<NamedPose> frames_of_stretch(int count = 8) {
     poses.push_back({"frame " + std::to_string(i), stretched_limb(static_cast<double>(i) / count)});
   return poses;
 }
-const KnownPoseOptions quick_poses{.quality = Quality::draft, .looser_by = 1.5, .most = 3};
+const KnownPoseOptions quick_poses{.quality = Quality::draft, .pose_threshold = 1.5, .max_trees = 3};
 
 const CoveredTree& home_with_poses() {
   static const CoveredTree built = [] {
@@ -402,7 +402,7 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   std::vector<double> worst;
   std::size_t last = 0;
   KnownPoseOptions options = quick_poses;
-  options.most = 8;
+  options.max_trees = 8;
   options.progress = [&](std::size_t count, double growth) {
     EXPECT_TRUE(count == last || count == last + 1) << count;
     last = count;
@@ -417,16 +417,16 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   EXPECT_TRUE(report.worst <= 1.5 || report.added == 8u) << report.worst;
   EXPECT_TRUE(validate(limb(), built).empty());
   const std::size_t before = built.poses.size();
-  EXPECT_EQ(add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .looser_by = 100}).added,
-            0u);
+  EXPECT_EQ(
+      add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .pose_threshold = 100}).added, 0u);
   EXPECT_EQ(built.poses.size(), before);
 }
 
 // However many are built side by side: the same poses get the same trees, each that of a build alone.
 TEST(KnownPoses, are_built_side_by_side_as_one_by_one) {
   KnownPoseOptions options = quick_poses;
-  options.looser_by = 1.02;
-  options.most = 8;
+  options.pose_threshold = 1.02;
+  options.max_trees = 8;
   const BuildOptions alone{.depth = static_cast<int>(home_with_poses().tree.level_count()) - 1,
                            .seed = options.seed,
                            .quality = options.quality};
@@ -456,7 +456,8 @@ TEST(KnownPoses, are_added_beside_a_tree_that_is_loose_at_its_own_pose) {
   const auto loose = std::make_shared<const CoveredTree>(build(stretched, {.method = Method::octree, .depth = 2}));
   built.poses.push_back({"loose", stretched.positions, loose});
   const std::vector<NamedPose> poses{{"close", stretched_limb(0.99)}, {"closer", stretched_limb(0.995)}};
-  const KnownPosesReport report = add_known_poses(limb(), built, poses, {.quality = Quality::draft, .looser_by = 1.5});
+  const KnownPosesReport report =
+      add_known_poses(limb(), built, poses, {.quality = Quality::draft, .pose_threshold = 1.5});
   ASSERT_EQ(report.added, 1u);  // which serves the other, too
   EXPECT_GE(report.built, 1u);
   EXPECT_LE(report.worst, 1.5);
@@ -481,8 +482,8 @@ TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
   EXPECT_EQ(trees, 2u);
   EXPECT_TRUE(built.poses.empty());
   options.stop = {};
-  options.looser_by = 1.0001;
-  options.most = 64;
+  options.pose_threshold = 1.0001;
+  options.max_trees = 64;
   options.progress = {};
   const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
   EXPECT_LE(report.built, frames_of_stretch().size());
@@ -556,7 +557,7 @@ TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
                                                                             std::to_string(given) + " positions for " +
                                                                             std::to_string(count) + " vertices");
   }
-  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.looser_by = 1}), std::invalid_argument);
+  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.pose_threshold = 1}), std::invalid_argument);
   EXPECT_THROW(principal_strains(limb(), 1), std::invalid_argument);
 }
 
