@@ -40,7 +40,7 @@ void RebuildCycle::step(Event event, const Moment& now) {
       if (phase_ == Phase::gathering) take_pose(now);
       break;
     case Event::rest:
-      // mutant rebuild-poses-kept-at-rest: `phase_ = Phase::idle` -> ``
+      // mutant rebuild-poses-kept-at-rest: `phase_ == Phase::gathering` -> `false`
       if (phase_ == Phase::gathering) phase_ = Phase::idle;
       [[fallthrough]];
     case Event::stopped:
