@@ -145,7 +145,7 @@ def test_methods_with_arguments_are_tried_with_an_instance(kind, of_class):
 
 def functions_in_python():
     """What the package's own modules define, public ones alone."""
-    for name in ("display", "studies", *morula._MODULES):
+    for name in ("display", "pages", "studies", *morula._MODULES):
         try:
             module = importlib.import_module(f"morula.{name}")
         except ImportError:  # another package is missing

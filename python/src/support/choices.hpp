@@ -5,7 +5,6 @@
 #pragma once
 
 #include <initializer_list>
-#include <morula/grains/clump.hpp>
 #include <morula/morula.hpp>
 #include <utility>
 
@@ -26,7 +25,6 @@ inline constexpr Choices<RebuildThread> rebuild_thread_choices{
     {"background", RebuildThread::background}, {"caller", RebuildThread::caller}, {"none", RebuildThread::none}};
 inline constexpr Choices<RebuildEffort> rebuild_effort_choices{{"standard", RebuildEffort::standard},
                                                                {"high", RebuildEffort::high}};
-inline constexpr Choices<ClumpKind> clump_kind_choices{{"cover", ClumpKind::cover}, {"inner", ClumpKind::inner}};
 inline constexpr Choices<RuleOptions::Weights> weight_choices{
     {"uniform", RuleOptions::Weights::uniform},
     {"inverse_distance", RuleOptions::Weights::inverse_distance},
