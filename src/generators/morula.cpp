@@ -106,11 +106,11 @@ const Effort& effort_of(Quality quality) {
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
-class OwnDivider {
+class OptimizedDivider {
  public:
   // balls: of the whole object. demand: none in the first tree.
-  OwnDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
-             Demand demand, Workers& workers)
+  OptimizedDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
+                   Demand demand, Workers& workers)
       : input_(input), run_(run), effort_(effort), balls_(balls), demand_(std::move(demand)), workers_(workers) {}
 
   Division operator()(const BuildNode& node) const {
@@ -201,11 +201,11 @@ class OwnDivider {
     const std::vector<GroupBall> seeds =
         effort_.begins_with_seeds ? seeds_for(node, fit, Dilation::length) : std::vector<GroupBall>{};
     if (seeds.empty())
-      fit.group().split_from_one();
+      fit.children().split_from_one();
     else
-      fit.group().take_in_grid(seeds);
-    for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
-    return fit.group().spheres();
+      fit.children().take_in_grid(seeds);
+    for (int i = 0; i < 2; ++i) fit.children().sweep(while_splitting, true);
+    return fit.children().spheres();
   }
 
   NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level, std::size_t start,
@@ -222,12 +222,12 @@ class OwnDivider {
     // mutant slabs-narrow-cells: `narrow` -> `upper`
     if (slabs) settings.slab_cell = fine_slabs ? narrow : level < 2 ? upper : lower;
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
-    Group& group = fit.group();
-    group.take(spheres);
-    for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
+    ChildFit& children = fit.children();
+    children.take(spheres);
+    for (int i = 0; i < effort_.sweeps; ++i) children.sweep(afterwards, true);
     constexpr int settling_sweeps = 2;
     for (std::size_t k = 0; k < shared_among_children(effort_.proposals[level]); ++k)
-      group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
+      children.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
       // Centres on a tube's axis are where they are to be already: what counts is how far they are apart.
@@ -235,13 +235,13 @@ class OwnDivider {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
         for (const Dilation d : {Dilation::length, Dilation::square})
-          group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, settling_sweeps);
+          children.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, settling_sweeps);
       }
-      group.try_inscribed(2 * inscribed_sweeps, settling_sweeps);
+      children.try_inscribed(2 * inscribed_sweeps, settling_sweeps);
     }
     run_.throw_if_stopped();
     constexpr int move_every = 5;
-    group.try_changes(static_cast<int>(changes_on(level)), move_every);
+    children.try_changes(static_cast<int>(changes_on(level)), move_every);
     NodeFit::Exact exact = fit.exact(wants_cost);
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
@@ -279,7 +279,7 @@ class OwnDivider {
       if (distance(ball.center, node.sphere.center) > node.sphere.radius) continue;
       const Vec3f c = grid.to_grid(ball.center);
       const float r = static_cast<float>(ball.radius / grid.cell());
-      const float reach = r + near * fit.part_width();
+      const float reach = r + near * fit.child_width();
       bool touches = false;
       for (std::size_t i = 0; i < points.size() && !touches; ++i) {
         const float dx = points.x[i] - c.x, dy = points.y[i] - c.y, dz = points.z[i] - c.z;
@@ -332,7 +332,7 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, nullptr,
+  return top_down(input.mesh, deep, {}, OptimizedDivider(input, deep, fast, none, {}, workers), workers, nullptr,
                   &input.lines);
 }
 
@@ -367,7 +367,7 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
         has_other_start ? chord_balls(mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
     const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
       const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OwnDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
+      return [level, divide = OptimizedDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
                  const BuildNode& node) { return divide(node); };
     };
     FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
@@ -384,7 +384,7 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
     return flat_set(input, fine, run, by, workers);
   }
   if (effort.balance[0] == 0 || run.depth < 2 || flat) {
-    const OwnDivider divide(input, run, effort, balls, {}, workers);
+    const OptimizedDivider divide(input, run, effort, balls, {}, workers);
     return top_down(mesh, run, {}, divide, workers, flat ? &shape.distance() : nullptr, &lines,
                     exchange_parts(effort.exchanges));
   }
@@ -392,7 +392,7 @@ CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
   if (run.out_of_time()) return first;
   const BuildRun second_run = run.pass(first_share, 1);
-  const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
+  const OptimizedDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
   first = {};
   return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges),
                   [&] { object.reset(); });
