@@ -25,6 +25,7 @@
 #include "generators/fit/chord_balls.hpp"
 #include "generators/fit/lattice.hpp"
 #include "generators/fit/medial_seeds.hpp"
+#include "generators/methods.hpp"
 #include "generators/reduce/reducers.hpp"
 #include "medial/shrunken_balls.hpp"
 
@@ -101,6 +102,13 @@ const Effort& effort_of(Quality quality) {
   if (quality == Quality::draft) return draft;
   if (quality == Quality::fast) return fast;
   return quality == Quality::best ? best : standard;
+}
+
+Effort effort_for(const BuildRun& run) {
+  Effort effort = effort_of(run.quality);
+  // Narrow cells would take sets of 64 beyond a second.
+  if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
+  return effort;
 }
 
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
@@ -318,11 +326,83 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::
 std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
   constexpr std::size_t least = 8 * enough_seeds;
   if (is_flat_set(run)) return std::min(effort.medial_samples, least);
-  if (run.spheres > 0 || run.max_protrusion > 0) return effort.medial_samples;  // it grows as deep as it must
+  if (is_worst_first(run)) return effort.medial_samples;  // it grows as deep as it must
   std::size_t nodes = 1;
   for (int level = 1; level < run.depth && nodes < effort.medial_samples; ++level)
     nodes *= static_cast<std::size_t>(run.branching);
   return std::min(effort.medial_samples, std::max(least, nodes * enough_seeds));
+}
+
+// What one mesh's tree is made from. Borrowed.
+struct OptimizedInput {
+  const FitInput& fit;
+  const Effort& effort;
+  const std::vector<Sphere>& balls;  // inscribed, of the whole object
+  Workers& workers;
+};
+
+// A set sought at once, by splitting and, for efforts that only split, from seeds.
+CoveredTree flat_tree(const OptimizedInput& input, const BuildRun& run) {
+  const FitInput& fit = input.fit;
+  const Effort& effort = input.effort;
+  const ObjectLines fine(fit.mesh, fit.shape, flat_set_cells, input.workers);
+  const FitInput fine_fit = fit_input(fit.mesh, fit.shape, fine);
+  const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
+  const Effort seeded = from_seeds(effort);
+  const std::vector<Sphere> seeds =
+      has_other_start ? chord_balls(fit.mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
+  const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
+    const auto level = std::make_shared<const BuildRun>(level_run);
+    const std::vector<Sphere>& starts = how.begins_with_seeds ? seeds : input.balls;
+    return [level, divide = OptimizedDivider(by, *level, how, starts, {}, input.workers)](const BuildNode& node) {
+      return divide(node);
+    };
+  };
+  FlatSetBy by{.one_level = [&](std::size_t most) { return divider(fit, run.one_level(most), effort); },
+               .parts = [&](std::size_t most) { return divider(fine_fit, run.one_level(most), fast); },
+               .levels = {},
+               .improve = {},
+               .grows = true};
+  if (has_other_start)
+    by.other_start = [&](std::size_t most) { return divider(fine_fit, run.one_level(most), seeded); };
+  if (effort.exchanges > 0) {
+    by.levels = [&](int depth) { return divider(fine_fit, of_levels(run, depth), effort); };
+    by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_fit, nodes, effort.exchanges, input.workers); };
+  }
+  return flat_set(fit, fine, run, by, input.workers);
+}
+
+// Worst leaf first, as deep as it must.
+CoveredTree grown_tree(const OptimizedInput& input, const BuildRun& run) {
+  return top_down(input.fit.mesh, run,
+                  {.divide = OptimizedDivider(input.fit, run, input.effort, input.balls, {}, input.workers),
+                   .distance = &input.fit.shape.distance()},
+                  input.workers);
+}
+
+// Level by level; demand is estimated from a fast tree where the effort balances it. divided: see DriverInput.
+CoveredTree level_tree(const OptimizedInput& input, const BuildRun& run, const std::function<void()>& divided) {
+  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
+    // Siblings have distributed demand evenly: level 1 keeps what it owns.
+    const auto change = nodes[0].level >= 2 ? exchange : settle;
+    change(input.fit, nodes, input.effort.exchanges, input.workers);
+  };
+  const auto tree_by = [&](const BuildRun& by, Demand demand) {
+    return top_down(
+        input.fit.mesh, by,
+        {.divide = OptimizedDivider(input.fit, by, input.effort, input.balls, std::move(demand), input.workers),
+         .new_level = exchange_parts,
+         .lines = &input.fit.lines,
+         .divided = divided},
+        input.workers);
+  };
+  if (input.effort.balance[0] == 0 || run.depth < 2) return tree_by(run, {});
+  constexpr double first_share = 0.15;
+  CoveredTree first = fast_tree(input.fit, run.pass(0, first_share), input.workers);
+  if (run.out_of_time()) return first;
+  Demand demand = demand_from(input.fit, first, input.workers);
+  first = {};
+  return tree_by(run.pass(first_share, 1), std::move(demand));
 }
 
 }  // namespace
@@ -332,70 +412,22 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OptimizedDivider(input, deep, fast, none, {}, workers), workers, nullptr,
-                  &input.lines);
+  return top_down(input.mesh, deep,
+                  {.divide = OptimizedDivider(input, deep, fast, none, {}, workers), .lines = &input.lines}, workers);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  Effort effort = effort_of(run.quality);
-  // Narrow cells would take sets of 64 beyond a second.
-  if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
-  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
-  const bool grows = flat && !is_flat_set(run);
-  const bool asks_for_distances = effort.medial_samples > 0 || grows;
+  const Effort effort = effort_for(run);
+  const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;
-  asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
-  const ObjectShape& shape = *object;
-  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
-  const FitInput input = fit_input(mesh, shape, lines);
-  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
-  const auto exchange_parts = [&](int rounds) {
-    return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
-      // Siblings have shared demand out evenly: level 1 keeps what it owns.
-      if (nodes[0].level >= 2)
-        exchange(input, nodes, rounds, workers);
-      else
-        settle(input, nodes, rounds, workers);
-    });
-  };
-  if (is_flat_set(run)) {
-    const ObjectLines fine(mesh, shape, flat_set_cells, workers);
-    const FitInput fine_input = fit_input(mesh, shape, fine);
-    const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
-    const Effort seeded = from_seeds(effort);
-    const std::vector<Sphere> seeds =
-        has_other_start ? chord_balls(mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
-    const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
-      const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OptimizedDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
-                 const BuildNode& node) { return divide(node); };
-    };
-    FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
-                 .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), fast); },
-                 .levels = {},
-                 .improve = {},
-                 .grows = true};
-    if (has_other_start)
-      by.other_start = [&](std::size_t most) { return divider(fine_input, run.one_level(most), seeded); };
-    if (effort.exchanges > 0) {
-      by.levels = [&](int depth) { return divider(fine_input, of_levels(run, depth), effort); };
-      by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); };
-    }
-    return flat_set(input, fine, run, by, workers);
-  }
-  if (effort.balance[0] == 0 || run.depth < 2 || flat) {
-    const OptimizedDivider divide(input, run, effort, balls, {}, workers);
-    return top_down(mesh, run, {}, divide, workers, flat ? &shape.distance() : nullptr, &lines,
-                    exchange_parts(effort.exchanges));
-  }
-  constexpr double first_share = 0.15;
-  CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
-  if (run.out_of_time()) return first;
-  const BuildRun second_run = run.pass(first_share, 1);
-  const OptimizedDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  first = {};
-  return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges),
-                  [&] { object.reset(); });
+  effort.medial_samples > 0 || grows ? object.emplace(mesh, workers) : object.emplace(mesh);
+  const ObjectLines lines(mesh, *object, cells_for(run, mesh, *object), workers);
+  const FitInput fit = fit_input(mesh, *object, lines);
+  const std::vector<Sphere> balls = medial_set(mesh, *object, medial_samples(effort, run), run.seed, workers);
+  const OptimizedInput input{fit, effort, balls, workers};
+  if (is_flat_set(run)) return flat_tree(input, run);
+  if (grows) return grown_tree(input, run);
+  return level_tree(input, run, [&] { object.reset(); });
 }
 
 }  // namespace morula::detail
