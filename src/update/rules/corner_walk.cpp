@@ -152,65 +152,6 @@ void CornerWalk::measure_one(std::size_t k, std::span<const LocalPoint> points,
   squared_reach_[k] = farthest(k);
 }
 
-void CornerWalk::reserve(std::size_t most_points) {
-  const std::size_t padded = most_points + points_per_group * leaf_count();
-  points_.reserve(padded), spare_points_.reserve(padded);
-  spare_runs_.reserve(runs_.size());
-  spare_run_begin_.reserve(run_begin_.size()), spare_point_begin_.reserve(point_begin_.size());
-}
-
-void CornerWalk::begin_lists() noexcept {
-  spare_runs_.clear(), spare_points_.clear();
-  spare_run_begin_.assign(1, 0), spare_point_begin_.assign(1, 0);
-}
-
-void CornerWalk::append_list(std::size_t leaf) noexcept {
-  spare_runs_.insert(spare_runs_.end(), runs_.begin() + run_begin_[leaf], runs_.begin() + run_begin_[leaf + 1]);
-  spare_points_.insert(spare_points_.end(), points_.begin() + point_begin_[leaf],
-                       points_.begin() + point_begin_[leaf + 1]);
-  end_list(leaf);
-}
-
-void CornerWalk::append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept {
-  spare_points_.insert(spare_points_.end(), owned.begin(), owned.end());
-  while (spare_points_.size() % points_per_group != 0) spare_points_.push_back(owned.back());
-  end_list(leaf);
-  const auto count = static_cast<std::uint32_t>(owned.size());
-  for (std::uint32_t entry = chain_begin_[leaf]; entry < chain_begin_[leaf + 1]; ++entry) {
-    const std::uint32_t before = std::exchange(looked_at_[entry], count);
-    tested_points_ += count - std::size_t{before};  // modulo 2^64, where it becomes less
-    if (entry == chain_begin_[leaf]) owned_points_ += count - std::size_t{before};
-  }
-}
-
-// All of the chain look at all of the leaf.
-void CornerWalk::end_list(std::size_t leaf) noexcept {
-  const auto end = static_cast<std::uint32_t>(spare_points_.size());
-  std::fill(point_end_.begin() + chain_begin_[leaf], point_end_.begin() + chain_begin_[leaf + 1], end);
-  spare_run_begin_.push_back(static_cast<std::uint32_t>(spare_runs_.size()));
-  spare_point_begin_.push_back(end);
-}
-
-void CornerWalk::take_spare_lists() noexcept {
-  runs_.swap(spare_runs_), run_begin_.swap(spare_run_begin_);
-  points_.swap(spare_points_), point_begin_.swap(spare_point_begin_);
-}
-
-void CornerWalk::measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
-                                std::span<const Spheref> spheres) noexcept {
-  for (const std::uint32_t leaf : leaves) measure_leaf(leaf, points, spheres);
-  std::fill(squared_reach_.begin(), squared_reach_.end(), 0.0f);
-  for (std::size_t entry = 0; entry < chain_.size(); ++entry)
-    squared_reach_[chain_[entry]] = std::max(squared_reach_[chain_[entry]], squared_[entry]);
-}
-
-void CornerWalk::take_lists(const CornerWalk& other) noexcept {
-  runs_ = other.runs_, run_begin_ = other.run_begin_;
-  points_ = other.points_, point_begin_ = other.point_begin_;
-  point_end_ = other.point_end_, looked_at_ = other.looked_at_;
-  owned_points_ = other.owned_points_, tested_points_ = other.tested_points_;
-}
-
 std::size_t CornerWalk::points_of(std::size_t k) const noexcept {
   std::size_t count = 0;
   for (std::uint32_t leaf = below_[k].leaf_begin; leaf < below_[k].leaf_end; ++leaf)

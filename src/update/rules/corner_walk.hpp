@@ -44,17 +44,6 @@ class CornerWalk {
   std::size_t measure_again(std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                             const Marks& changed_leaves, std::span<const MovedNode> moved, Marks& touched) noexcept;
 
-  /// Makes room for deal(): so many points in all. Of an ownership in which all nodes look at all that their leaves
-  /// own.
-  void reserve(std::size_t most_points);
-  /// The leaves, by their order and ascending, own something else now: points_of(leaf), each once, in any order. All
-  /// that hangs on them is measured. No allocation after reserve().
-  template <class PointsOf>
-  void deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of, std::span<const LocalPoint> points,
-            std::span<const Spheref> spheres) noexcept;
-  /// What leaves own in another walk, of the same tree. Nothing is measured.
-  void take_lists(const CornerWalk& other) noexcept;
-
   /// The nodes that are measured, ascending.
   std::span<const std::uint32_t> nodes() const { return nodes_; }
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
@@ -91,13 +80,6 @@ class CornerWalk {
                             std::span<const Spheref> spheres) noexcept;
   std::size_t measure_changed(std::uint32_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                               Marks& touched) noexcept;
-  void begin_lists() noexcept;
-  void append_list(std::size_t leaf) noexcept;
-  void append_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept;
-  void end_list(std::size_t leaf) noexcept;
-  void take_spare_lists() noexcept;
-  void measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
-                      std::span<const Spheref> spheres) noexcept;
   void measure_leaf(std::size_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
   std::size_t search(std::size_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
@@ -107,9 +89,6 @@ class CornerWalk {
   // first those that the uppermost looks at, and padded to whole groups.
   std::vector<std::uint32_t> run_begin_, point_begin_, points_;
   std::vector<PointRun> runs_;
-  // Of lists that are written anew.
-  std::vector<std::uint32_t> spare_run_begin_, spare_point_begin_, spare_points_;
-  std::vector<PointRun> spare_runs_;
   std::vector<std::uint32_t> chain_begin_, chain_;
   // Parallel to chain_: where that ends in points_ which the node looks at, and how many points it looks at.
   std::vector<std::uint32_t> point_end_, looked_at_;
@@ -131,22 +110,5 @@ class CornerWalk {
   bool paths_are_zero_ = false;  // path_ and path_then_
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
-
-template <class PointsOf>
-void CornerWalk::deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of,
-                      std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept {
-  begin_lists();
-  auto next = leaves.begin();
-  for (std::uint32_t leaf = 0; leaf < leaf_count(); ++leaf) {
-    // mutant reown-leaf-lists-kept: `next == leaves.end() || *next != leaf` -> `true`
-    if (next == leaves.end() || *next != leaf)
-      append_list(leaf);
-    else
-      append_list(leaf, points_of(*next++));
-  }
-  take_spare_lists();
-  // mutant reown-radii-kept: `measure_leaves` -> `if (points.empty()) measure_leaves`
-  measure_leaves(leaves, points, spheres);
-}
 
 }  // namespace morula::detail
