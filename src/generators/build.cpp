@@ -10,7 +10,7 @@
 
 #include "generators/driver/equal_children.hpp"
 #include "generators/driver/join.hpp"
-#include "generators/driver/top_down.hpp"
+#include "generators/methods.hpp"
 #include "parallel/float_environment.hpp"
 #include "tree/wrapping.hpp"
 

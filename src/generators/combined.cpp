@@ -8,6 +8,7 @@
 #include "generators/divide/demand.hpp"
 #include "generators/divide/exchange.hpp"
 #include "generators/divide/flat_set.hpp"
+#include "generators/methods.hpp"
 #include "generators/reduce/adaptive_medial.hpp"
 #include "generators/reduce/ball_set.hpp"
 #include "generators/reduce/optimise.hpp"
@@ -66,16 +67,19 @@ CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& worker
                        .quick = true};
     return flat_set(input, fine, run, by, workers);
   }
-  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
-  const auto forget = [&] { object.reset(); };
-  if (settings.balance[0] == 0 || run.depth < 2 || flat)
-    return top_down(mesh, run, {}, divide_by(input, run, std::move(reducer), settings), workers, &shape.distance(),
-                    &lines, exchange_parts, forget);
+  const auto driven = [&](const BuildRun& by, const Demand& demand) {
+    return top_down(mesh, by,
+                    {.divide = divide_by(input, by, std::move(reducer), settings, demand),
+                     .new_level = exchange_parts,
+                     .distance = &shape.distance(),
+                     .lines = &lines,
+                     .divided = [&] { object.reset(); }},
+                    workers);
+  };
+  if (settings.balance[0] == 0 || run.depth < 2 || is_worst_first(run)) return driven(run, {});
   constexpr double first_share = 0.2;
   const Demand demand = demand_from(input, fast_tree(input, run.pass(0, first_share), workers), workers);
-  const BuildRun second = run.pass(first_share, 1);
-  return top_down(mesh, second, {}, divide_by(input, second, std::move(reducer), settings, demand), workers,
-                  &shape.distance(), &lines, exchange_parts, forget);
+  return driven(run.pass(first_share, 1), demand);
 }
 
 std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<Reduction>& usual) {

@@ -25,6 +25,7 @@
 #include "generators/fit/chord_balls.hpp"
 #include "generators/fit/lattice.hpp"
 #include "generators/fit/medial_seeds.hpp"
+#include "generators/methods.hpp"
 #include "generators/reduce/reducers.hpp"
 #include "medial/shrunken_balls.hpp"
 
@@ -103,14 +104,21 @@ const Effort& effort_of(Quality quality) {
   return quality == Quality::best ? best : standard;
 }
 
+Effort effort_for(const BuildRun& run) {
+  Effort effort = effort_of(run.quality);
+  // Narrow cells would take sets of 64 beyond a second.
+  if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
+  return effort;
+}
+
 constexpr float while_splitting = 0.6F, afterwards = 0.15F;
 constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reduction::grid, Reduction::hubbard};
 
-class OwnDivider {
+class OptimizedDivider {
  public:
   // balls: of the whole object. demand: none in the first tree.
-  OwnDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
-             Demand demand, Workers& workers)
+  OptimizedDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
+                   Demand demand, Workers& workers)
       : input_(input), run_(run), effort_(effort), balls_(balls), demand_(std::move(demand)), workers_(workers) {}
 
   Division operator()(const BuildNode& node) const {
@@ -201,11 +209,11 @@ class OwnDivider {
     const std::vector<GroupBall> seeds =
         effort_.begins_with_seeds ? seeds_for(node, fit, Dilation::length) : std::vector<GroupBall>{};
     if (seeds.empty())
-      fit.group().split_from_one();
+      fit.children().split_from_one();
     else
-      fit.group().take_in_grid(seeds);
-    for (int i = 0; i < 2; ++i) fit.group().sweep(while_splitting, true);
-    return fit.group().spheres();
+      fit.children().take_in_grid(seeds);
+    for (int i = 0; i < 2; ++i) fit.children().sweep(while_splitting, true);
+    return fit.children().spheres();
   }
 
   NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level, std::size_t start,
@@ -222,12 +230,12 @@ class OwnDivider {
     // mutant slabs-narrow-cells: `narrow` -> `upper`
     if (slabs) settings.slab_cell = fine_slabs ? narrow : level < 2 ? upper : lower;
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
-    Group& group = fit.group();
-    group.take(spheres);
-    for (int i = 0; i < effort_.sweeps; ++i) group.sweep(afterwards, true);
+    ChildFit& children = fit.children();
+    children.take(spheres);
+    for (int i = 0; i < effort_.sweeps; ++i) children.sweep(afterwards, true);
     constexpr int settling_sweeps = 2;
     for (std::size_t k = 0; k < shared_among_children(effort_.proposals[level]); ++k)
-      group.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
+      children.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
       // Centres on a tube's axis are where they are to be already: what counts is how far they are apart.
@@ -235,13 +243,13 @@ class OwnDivider {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
         for (const Dilation d : {Dilation::length, Dilation::square})
-          group.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, settling_sweeps);
+          children.try_seeds(medial_seeds(candidates, few, most, d), inscribed_sweeps, settling_sweeps);
       }
-      group.try_inscribed(2 * inscribed_sweeps, settling_sweeps);
+      children.try_inscribed(2 * inscribed_sweeps, settling_sweeps);
     }
     run_.throw_if_stopped();
     constexpr int move_every = 5;
-    group.try_changes(static_cast<int>(changes_on(level)), move_every);
+    children.try_changes(static_cast<int>(changes_on(level)), move_every);
     NodeFit::Exact exact = fit.exact(wants_cost);
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
@@ -279,7 +287,7 @@ class OwnDivider {
       if (distance(ball.center, node.sphere.center) > node.sphere.radius) continue;
       const Vec3f c = grid.to_grid(ball.center);
       const float r = static_cast<float>(ball.radius / grid.cell());
-      const float reach = r + near * fit.part_width();
+      const float reach = r + near * fit.child_width();
       bool touches = false;
       for (std::size_t i = 0; i < points.size() && !touches; ++i) {
         const float dx = points.x[i] - c.x, dy = points.y[i] - c.y, dz = points.z[i] - c.z;
@@ -318,11 +326,83 @@ std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::
 std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
   constexpr std::size_t least = 8 * enough_seeds;
   if (is_flat_set(run)) return std::min(effort.medial_samples, least);
-  if (run.spheres > 0 || run.max_protrusion > 0) return effort.medial_samples;  // it grows as deep as it must
+  if (is_worst_first(run)) return effort.medial_samples;  // it grows as deep as it must
   std::size_t nodes = 1;
   for (int level = 1; level < run.depth && nodes < effort.medial_samples; ++level)
     nodes *= static_cast<std::size_t>(run.branching);
   return std::min(effort.medial_samples, std::max(least, nodes * enough_seeds));
+}
+
+// What one mesh's tree is made from. Borrowed.
+struct OptimizedInput {
+  const FitInput& fit;
+  const Effort& effort;
+  const std::vector<Sphere>& balls;  // inscribed, of the whole object
+  Workers& workers;
+};
+
+// A set sought at once, by splitting and, for efforts that only split, from seeds.
+CoveredTree flat_tree(const OptimizedInput& input, const BuildRun& run) {
+  const FitInput& fit = input.fit;
+  const Effort& effort = input.effort;
+  const ObjectLines fine(fit.mesh, fit.shape, flat_set_cells, input.workers);
+  const FitInput fine_fit = fit_input(fit.mesh, fit.shape, fine);
+  const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
+  const Effort seeded = from_seeds(effort);
+  const std::vector<Sphere> seeds =
+      has_other_start ? chord_balls(fit.mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
+  const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
+    const auto level = std::make_shared<const BuildRun>(level_run);
+    const std::vector<Sphere>& starts = how.begins_with_seeds ? seeds : input.balls;
+    return [level, divide = OptimizedDivider(by, *level, how, starts, {}, input.workers)](const BuildNode& node) {
+      return divide(node);
+    };
+  };
+  FlatSetBy by{.one_level = [&](std::size_t most) { return divider(fit, run.one_level(most), effort); },
+               .parts = [&](std::size_t most) { return divider(fine_fit, run.one_level(most), fast); },
+               .levels = {},
+               .improve = {},
+               .grows = true};
+  if (has_other_start)
+    by.other_start = [&](std::size_t most) { return divider(fine_fit, run.one_level(most), seeded); };
+  if (effort.exchanges > 0) {
+    by.levels = [&](int depth) { return divider(fine_fit, of_levels(run, depth), effort); };
+    by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_fit, nodes, effort.exchanges, input.workers); };
+  }
+  return flat_set(fit, fine, run, by, input.workers);
+}
+
+// Worst leaf first, as deep as it must.
+CoveredTree grown_tree(const OptimizedInput& input, const BuildRun& run) {
+  return top_down(input.fit.mesh, run,
+                  {.divide = OptimizedDivider(input.fit, run, input.effort, input.balls, {}, input.workers),
+                   .distance = &input.fit.shape.distance()},
+                  input.workers);
+}
+
+// Level by level; demand is estimated from a fast tree where the effort balances it. divided: see DriverInput.
+CoveredTree level_tree(const OptimizedInput& input, const BuildRun& run, const std::function<void()>& divided) {
+  const LevelHook exchange_parts = [&](std::vector<BuildNode>& nodes) {
+    // Siblings have distributed demand evenly: level 1 keeps what it owns.
+    const auto change = nodes[0].level >= 2 ? exchange : settle;
+    change(input.fit, nodes, input.effort.exchanges, input.workers);
+  };
+  const auto tree_by = [&](const BuildRun& by, Demand demand) {
+    return top_down(
+        input.fit.mesh, by,
+        {.divide = OptimizedDivider(input.fit, by, input.effort, input.balls, std::move(demand), input.workers),
+         .new_level = exchange_parts,
+         .lines = &input.fit.lines,
+         .divided = divided},
+        input.workers);
+  };
+  if (input.effort.balance[0] == 0 || run.depth < 2) return tree_by(run, {});
+  constexpr double first_share = 0.15;
+  CoveredTree first = fast_tree(input.fit, run.pass(0, first_share), input.workers);
+  if (run.out_of_time()) return first;
+  Demand demand = demand_from(input.fit, first, input.workers);
+  first = {};
+  return tree_by(run.pass(first_share, 1), std::move(demand));
 }
 
 }  // namespace
@@ -332,70 +412,22 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
   BuildRun deep = run;
   deep.spheres = 0;
   deep.max_protrusion = 0;
-  return top_down(input.mesh, deep, {}, OwnDivider(input, deep, fast, none, {}, workers), workers, nullptr,
-                  &input.lines);
+  return top_down(input.mesh, deep,
+                  {.divide = OptimizedDivider(input, deep, fast, none, {}, workers), .lines = &input.lines}, workers);
 }
 
 CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
-  Effort effort = effort_of(run.quality);
-  // Narrow cells would take sets of 64 beyond a second.
-  if (is_flat_set(run) && effort.slabs == Effort::Slabs::seen_finely) effort.slabs = Effort::Slabs::seen;
-  const bool flat = run.spheres > 0 || run.max_protrusion > 0;
-  const bool grows = flat && !is_flat_set(run);
-  const bool asks_for_distances = effort.medial_samples > 0 || grows;
+  const Effort effort = effort_for(run);
+  const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;
-  asks_for_distances ? object.emplace(mesh, workers) : object.emplace(mesh);
-  const ObjectShape& shape = *object;
-  const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);
-  const FitInput input = fit_input(mesh, shape, lines);
-  const std::vector<Sphere> balls = medial_set(mesh, shape, medial_samples(effort, run), run.seed, workers);
-  const auto exchange_parts = [&](int rounds) {
-    return LevelHook([&, rounds](std::vector<BuildNode>& nodes) {
-      // Siblings have shared demand out evenly: level 1 keeps what it owns.
-      if (nodes[0].level >= 2)
-        exchange(input, nodes, rounds, workers);
-      else
-        settle(input, nodes, rounds, workers);
-    });
-  };
-  if (is_flat_set(run)) {
-    const ObjectLines fine(mesh, shape, flat_set_cells, workers);
-    const FitInput fine_input = fit_input(mesh, shape, fine);
-    const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
-    const Effort seeded = from_seeds(effort);
-    const std::vector<Sphere> seeds =
-        has_other_start ? chord_balls(mesh, fine, enough_seeds, run.seed) : std::vector<Sphere>{};
-    const auto divider = [&](const FitInput& by, const BuildRun& level_run, const Effort& how) -> Divider {
-      const auto level = std::make_shared<const BuildRun>(level_run);
-      return [level, divide = OwnDivider(by, *level, how, how.begins_with_seeds ? seeds : balls, {}, workers)](
-                 const BuildNode& node) { return divide(node); };
-    };
-    FlatSetBy by{.one_level = [&](std::size_t most) { return divider(input, run.one_level(most), effort); },
-                 .parts = [&](std::size_t most) { return divider(fine_input, run.one_level(most), fast); },
-                 .levels = {},
-                 .improve = {},
-                 .grows = true};
-    if (has_other_start)
-      by.other_start = [&](std::size_t most) { return divider(fine_input, run.one_level(most), seeded); };
-    if (effort.exchanges > 0) {
-      by.levels = [&](int depth) { return divider(fine_input, of_levels(run, depth), effort); };
-      by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_input, nodes, effort.exchanges, workers); };
-    }
-    return flat_set(input, fine, run, by, workers);
-  }
-  if (effort.balance[0] == 0 || run.depth < 2 || flat) {
-    const OwnDivider divide(input, run, effort, balls, {}, workers);
-    return top_down(mesh, run, {}, divide, workers, flat ? &shape.distance() : nullptr, &lines,
-                    exchange_parts(effort.exchanges));
-  }
-  constexpr double first_share = 0.15;
-  CoveredTree first = fast_tree(input, run.pass(0, first_share), workers);
-  if (run.out_of_time()) return first;
-  const BuildRun second_run = run.pass(first_share, 1);
-  const OwnDivider divide(input, second_run, effort, balls, demand_from(input, first, workers), workers);
-  first = {};
-  return top_down(mesh, second_run, {}, divide, workers, nullptr, &lines, exchange_parts(effort.exchanges),
-                  [&] { object.reset(); });
+  effort.medial_samples > 0 || grows ? object.emplace(mesh, workers) : object.emplace(mesh);
+  const ObjectLines lines(mesh, *object, cells_for(run, mesh, *object), workers);
+  const FitInput fit = fit_input(mesh, *object, lines);
+  const std::vector<Sphere> balls = medial_set(mesh, *object, medial_samples(effort, run), run.seed, workers);
+  const OptimizedInput input{fit, effort, balls, workers};
+  if (is_flat_set(run)) return flat_tree(input, run);
+  if (grows) return grown_tree(input, run);
+  return level_tree(input, run, [&] { object.reset(); });
 }
 
 }  // namespace morula::detail

@@ -10,6 +10,7 @@
 #include "generators/driver/top_down.hpp"
 #include "generators/fit/object_lines.hpp"
 #include "generators/fit/partition.hpp"
+#include "generators/methods.hpp"
 #include "geometry/inspect_sides.hpp"
 
 namespace morula::detail {
@@ -117,7 +118,7 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
   const OctreeDivider divide(mesh, run);
-  if (run.spheres > 0 || run.max_protrusion > 0) return top_down(mesh, run, cube, divide, workers);
+  if (is_worst_first(run)) return top_down(mesh, run, {.divide = divide, .root_cell = cube}, workers);
   // Some four cells to the radius of a leaf, as far as memory allows.
   double surface = 0, parts = 8;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
@@ -125,7 +126,7 @@ CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers
   const double cell = 0.3 * std::sqrt(surface / parts);
   const int cells = cell > 0 ? static_cast<int>(std::clamp(max_norm(box.extent()) / cell, 64.0, 512.0)) : 64;
   const ObjectLines lines(mesh, box, inspect_sides(mesh, connectivity(mesh)).has_volume(), cells, workers);
-  return top_down(mesh, run, cube, divide, workers, nullptr, &lines);
+  return top_down(mesh, run, {.divide = divide, .root_cell = cube, .lines = &lines}, workers);
 }
 
 }  // namespace morula::detail

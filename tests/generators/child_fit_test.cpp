@@ -42,8 +42,8 @@ struct WholeFit {
         fit(input, node, points, most, 0, {.cell = cell}) {}
 };
 
-void expect_all_contained(const WholeFit& whole, const Group& group, const std::string& after) {
-  const std::vector<Sphere> spheres = group.spheres();
+void expect_all_contained(const WholeFit& whole, const ChildFit& children, const std::string& after) {
+  const std::vector<Sphere> spheres = children.spheres();
   const OutsideGrid& grid = const_cast<WholeFit&>(whole).fit.grid();
   for (std::size_t i = 0; i < whole.fit.points().size(); ++i) {
     const Vec3 p = grid.from_grid(whole.fit.points()[i]);
@@ -62,51 +62,51 @@ std::vector<GroupBall> random_seeds(WholeFit& whole, std::size_t count, std::uin
   return seeds;
 }
 
-TEST(Group, splits_one_ball_into_as_many_as_wanted) {
+TEST(ChildFit, splits_one_ball_into_as_many_as_wanted) {
   for (const char* body : {"limb", "torus", "blob", "two"})
     for (const std::size_t most : {std::size_t{2}, std::size_t{5}, std::size_t{8}, std::size_t{20}}) {
       WholeFit whole(sample_body(body, 16), most);
-      Group& group = whole.fit.group();
-      group.split_from_one();
-      expect_all_contained(whole, group, "splitting");
+      ChildFit& children = whole.fit.children();
+      children.split_from_one();
+      expect_all_contained(whole, children, "splitting");
       // The halves of a ring overlap so much that splitting it may not pay.
       if (std::string_view(body) == "torus")
-        EXPECT_LE(group.spheres().size(), most);
+        EXPECT_LE(children.spheres().size(), most);
       else
-        EXPECT_EQ(group.spheres().size(), most) << body;
+        EXPECT_EQ(children.spheres().size(), most) << body;
     }
 }
 
-TEST(Group, covers_a_ball_with_eight_at_most) {
+TEST(ChildFit, covers_a_ball_with_eight_at_most) {
   WholeFit whole(test::icosphere(3), 8);
-  whole.fit.group().split_from_one();
-  EXPECT_GE(whole.fit.group().spheres().size(), 1u);
-  EXPECT_LE(whole.fit.group().spheres().size(), 8u);
-  expect_all_contained(whole, whole.fit.group(), "splitting");
+  whole.fit.children().split_from_one();
+  EXPECT_GE(whole.fit.children().spheres().size(), 1u);
+  EXPECT_LE(whole.fit.children().spheres().size(), 8u);
+  expect_all_contained(whole, whole.fit.children(), "splitting");
 }
 
-TEST(Group, keeps_all_points_inside_through_every_operation) {
+TEST(ChildFit, keeps_all_points_inside_through_every_operation) {
   for (const char* body : {"limb", "torus"}) {
     WholeFit whole(sample_body(body, 16));
-    Group& group = whole.fit.group();
-    group.split_from_one();
-    for (const float taken : {0.6F, 0.15F})
+    ChildFit& children = whole.fit.children();
+    children.split_from_one();
+    for (const float overlap_weight : {0.6F, 0.15F})
       for (const bool exclusive : {true, false}) {
-        group.sweep(taken, exclusive);
-        expect_all_contained(whole, group, "a sweep");
+        children.sweep(overlap_weight, exclusive);
+        expect_all_contained(whole, children, "a sweep");
       }
-    group.sweep_inscribed(0.15F);
-    expect_all_contained(whole, group, "an inscribed sweep");
-    group.try_changes(12, 5);
-    expect_all_contained(whole, group, "changes");
-    group.try_inscribed(2, 2);
-    expect_all_contained(whole, group, "inscribed sweeps");
-    group.try_seeds(random_seeds(whole, 8, 1), 1, 1);
-    expect_all_contained(whole, group, "seeds");
+    children.sweep_inscribed(0.15F);
+    expect_all_contained(whole, children, "an inscribed sweep");
+    children.try_changes(12, 5);
+    expect_all_contained(whole, children, "changes");
+    children.try_inscribed(2, 2);
+    expect_all_contained(whole, children, "inscribed sweeps");
+    children.try_seeds(random_seeds(whole, 8, 1), 1, 1);
+    expect_all_contained(whole, children, "seeds");
     // Balls from anywhere, once they are fitted.
-    group.take({{whole.node.sphere, {whole.node.sphere.center + Vec3{0.5, 0, 0}, 0.1}}});
-    group.sweep(0.15F, true);
-    expect_all_contained(whole, group, "taking balls");
+    children.take({{whole.node.sphere, {whole.node.sphere.center + Vec3{0.5, 0, 0}, 0.1}}});
+    children.sweep(0.15F, true);
+    expect_all_contained(whole, children, "taking balls");
     const NodeFit::Exact exact = whole.fit.exact();
     for (std::size_t i = 0; i < exact.spheres.size(); ++i) {
       std::vector<Vec3> corners;
@@ -117,74 +117,74 @@ TEST(Group, keeps_all_points_inside_through_every_operation) {
   }
 }
 
-TEST(Group, tries_never_make_it_worse) {
+TEST(ChildFit, tries_never_make_it_worse) {
   for (const char* body : {"limb", "blob", "plate"})
     for (const std::uint64_t seed : {1u, 2u}) {
       WholeFit whole(sample_body(body, 16), 8, seed);
-      Group& group = whole.fit.group();
-      group.split_from_one();
-      double before = group.objective();
+      ChildFit& children = whole.fit.children();
+      children.split_from_one();
+      double before = children.objective();
       const auto expect_no_worse = [&](const char* what) {
-        const double now = group.objective();
+        const double now = children.objective();
         EXPECT_LE(now, before * (1 + 1e-6)) << what << " on " << body;
         before = now;
       };
-      group.try_changes(15, 5);
+      children.try_changes(15, 5);
       expect_no_worse("changes");
-      group.try_inscribed(2, 2);
+      children.try_inscribed(2, 2);
       expect_no_worse("inscribed");
-      group.try_seeds(random_seeds(whole, 3, seed), 1, 1);
+      children.try_seeds(random_seeds(whole, 3, seed), 1, 1);
       expect_no_worse("seeds");
     }
 }
 
-TEST(Group, repeats_itself_to_the_bit) {
+TEST(ChildFit, repeats_itself_to_the_bit) {
   std::vector<std::vector<Sphere>> results;
   for (int run = 0; run < 2; ++run) {
     WholeFit whole(sample_body("limb", 16));
-    Group& group = whole.fit.group();
-    group.split_from_one();
-    group.try_changes(10, 5);
-    results.push_back(group.spheres());
+    ChildFit& children = whole.fit.children();
+    children.split_from_one();
+    children.try_changes(10, 5);
+    results.push_back(children.spheres());
   }
   EXPECT_EQ(results[0], results[1]);
 }
 
 // Of a ball that was better whole, while its siblings go elsewhere and come back: around a tube and in thin walls most
 // splits are refused.
-TEST(Group, has_the_same_balls_when_refused_splits_are_asked_again) {
+TEST(ChildFit, has_the_same_balls_when_rejected_splits_are_retried) {
   std::size_t sweeps_with_free_places = 0;
   for (const Mesh& mesh : {sample_body("capsule", 24), sample_body("torus", 16), sample_body("limb", 16)})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       std::vector<std::vector<Sphere>> results[2];
-      for (const bool asks_again : {false, true}) {
+      for (const bool retries_splits : {false, true}) {
         constexpr std::size_t most = 8;
         WholeFit whole(mesh, most, seed);
-        Group::Settings settings;
-        settings.asks_again = asks_again;
-        Group group(whole.fit.grid(), whole.fit.points(), whole.shape, most, whole.node.sphere, settings, seed);
+        ChildFit::Settings settings;
+        settings.retries_splits = retries_splits;
+        ChildFit children(whole.fit.grid(), whole.fit.points(), whole.shape, most, whole.node.sphere, settings, seed);
         const auto keep = [&] {
-          results[asks_again ? 1 : 0].push_back(group.spheres());
+          results[retries_splits ? 1 : 0].push_back(children.spheres());
           sweeps_with_free_places += results[0].back().size() < most;
         };
-        group.split_from_one();
+        children.split_from_one();
         keep();
         // One sphere gone at a time, so that others have other neighbours, and all of them again.
         for (std::size_t gone = 0; gone < most; ++gone) {
           std::vector<Sphere> fewer = results[0].front();
           if (gone < fewer.size()) fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(gone));
           for (const auto& balls : {fewer, results[0].front()}) {
-            group.take(balls);
-            group.sweep(settings.taken, true);
+            children.take(balls);
+            children.sweep(settings.overlap_weight, true);
             keep();
-            group.sweep(settings.taken, true);
+            children.sweep(settings.overlap_weight, true);
             keep();
           }
         }
         for (int round = 0; round < 4; ++round) {
-          group.try_changes(10, 2);
+          children.try_changes(10, 2);
           keep();
-          group.try_inscribed(1, 1);
+          children.try_inscribed(1, 1);
           keep();
         }
       }
@@ -193,14 +193,14 @@ TEST(Group, has_the_same_balls_when_refused_splits_are_asked_again) {
   EXPECT_GT(sweeps_with_free_places, 20u);
 }
 
-TEST(Group, objective_is_the_outside_volume_of_the_union) {
+TEST(ChildFit, objective_is_the_outside_volume_of_the_union) {
   for (const char* body : {"limb", "torus", "blob"}) {
     WholeFit whole(sample_body(body, 16), 8, 1, 0.12);
-    Group& group = whole.fit.group();
-    group.split_from_one();
-    group.sweep(0.15F, true);
-    const double found = group.objective() * std::pow(whole.fit.grid().cell(), 3);
-    const std::vector<Sphere> spheres = group.spheres();
+    ChildFit& children = whole.fit.children();
+    children.split_from_one();
+    children.sweep(0.15F, true);
+    const double found = children.objective() * std::pow(whole.fit.grid().cell(), 3);
+    const std::vector<Sphere> spheres = children.spheres();
     Box box;
     for (const Sphere& s : spheres) {
       box.add(s.center - Vec3{s.radius, s.radius, s.radius});

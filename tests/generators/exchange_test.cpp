@@ -30,13 +30,16 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
       .changes = {0, 0, 0},
       .move_every = 5};
   Made made;
-  made.built = top_down(mesh, run, {}, divide_by(input, run, propose_grid, settings), workers, nullptr, nullptr,
-                        [&](std::vector<BuildNode>& nodes) {
-                          if (nodes[0].level != 2) return;
-                          made.before = nodes;
-                          exchange(input, nodes, rounds, workers);
-                          made.after = nodes;
-                        });
+  made.built = top_down(mesh, run,
+                        {.divide = divide_by(input, run, propose_grid, settings),
+                         .new_level =
+                             [&](std::vector<BuildNode>& nodes) {
+                               if (nodes[0].level != 2) return;
+                               made.before = nodes;
+                               exchange(input, nodes, rounds, workers);
+                               made.after = nodes;
+                             }},
+                        workers);
   return made;
 }
 

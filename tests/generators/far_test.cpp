@@ -115,26 +115,29 @@ TEST(FarExchange, leaves_the_room_of_rounded_coordinates) {
   std::size_t across = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const BuildRun run({.method = Method::spawn, .depth = 2, .seed = seed}, mesh);
-    top_down(
-        mesh, run, {}, divide_by(input, run, propose_spawn, settings), serial_workers(), nullptr, nullptr,
-        [&](std::vector<BuildNode>& nodes) {
-          if (nodes[0].level != 2) return;
-          std::vector<Region> before;
-          for (const BuildNode& node : nodes) before.push_back(node.region);
-          exchange(input, nodes, 1, serial_workers());
-          for (std::size_t i = 0; i < nodes.size(); ++i) {
-            std::vector<Vec3> own, now;
-            corner_positions(mesh, before[i], own);
-            corner_positions(mesh, nodes[i].region, now);
-            for (const Vec3& p : now) {
-              if (std::ranges::find(own, p) != own.end()) continue;
-              ++across;
-              for (const Sphere& a : nodes[i].ancestors)
-                EXPECT_LE(length(Wide(p) - Wide(a.center)) + rounding_of(mesh) / 4, static_cast<long double>(a.radius))
-                    << seed;
-            }
-          }
-        });
+    top_down(mesh, run,
+             {.divide = divide_by(input, run, propose_spawn, settings),
+              .new_level =
+                  [&](std::vector<BuildNode>& nodes) {
+                    if (nodes[0].level != 2) return;
+                    std::vector<Region> before;
+                    for (const BuildNode& node : nodes) before.push_back(node.region);
+                    exchange(input, nodes, 1, serial_workers());
+                    for (std::size_t i = 0; i < nodes.size(); ++i) {
+                      std::vector<Vec3> own, now;
+                      corner_positions(mesh, before[i], own);
+                      corner_positions(mesh, nodes[i].region, now);
+                      for (const Vec3& p : now) {
+                        if (std::ranges::find(own, p) != own.end()) continue;
+                        ++across;
+                        for (const Sphere& a : nodes[i].ancestors)
+                          EXPECT_LE(length(Wide(p) - Wide(a.center)) + rounding_of(mesh) / 4,
+                                    static_cast<long double>(a.radius))
+                              << seed;
+                      }
+                    }
+                  }},
+             serial_workers());
   }
   EXPECT_GT(across, 100u);
 }

@@ -153,7 +153,7 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   const double cell = std::max(of_parts * samples.width, of_balls);
 
   grid_ = std::make_unique<OutsideGrid>(input.lines, box, std::max(cell, max_norm(box.extent()) / most_cells));
-  part_width_ = static_cast<float>(samples.width / grid_->cell());
+  child_width_ = static_cast<float>(samples.width / grid_->cell());
   for (const Vec3& p : samples.points) points_.push_back(grid_->to_grid(p));
   if (settings.balance > 0 && demand) {
     double sum = 0;
@@ -163,10 +163,10 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
     }
     for (float& d : points_.demand) d = static_cast<float>(d / sum);
   }
-  Group::Settings group_settings;
-  group_settings.part = part_width_;
-  group_settings.balance = settings.balance;
-  group_ = std::make_unique<Group>(*grid_, points_, input.shape, most, node.sphere, group_settings, node.seed);
+  ChildFit::Settings child_settings;
+  child_settings.child_width = child_width_;
+  child_settings.balance = settings.balance;
+  children_ = std::make_unique<ChildFit>(*grid_, points_, input.shape, most, node.sphere, child_settings, node.seed);
 }
 
 NodeFit::Exact NodeFit::divided_anyway(std::vector<Sphere> spheres) {
@@ -190,16 +190,16 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
                                         grid_->to_grid(enclosing_sphere(corners).center),
                                         grid_->to_grid(node_.sphere.center)};
       const GroupBall fitted =
-          group_->refit_to(extremes(some_corner_positions(input_.mesh, divided.regions[i], most_candidates), *grid_),
-                           std::span(starts).first(from_node_center ? 3 : 2));
+          children_->fit_to(extremes(some_corner_positions(input_.mesh, divided.regions[i], most_candidates), *grid_),
+                            std::span(starts).first(from_node_center ? 3 : 2));
       const Vec3 center = grid_->from_grid(fitted.center);
       const double radius = farthest_distance(center, corners);
       balls.push_back({grid_->to_grid(center), static_cast<float>(radius / grid_->cell()), 0});
       now.spheres.push_back({center, rounded_up_radius(radius, std::max(input_.pad, max_norm(center)))});
       now.regions.push_back(std::move(divided.regions[i]));
     }
-    group_->take_in_grid(balls);
-    if (rounds > 1 || wants_cost) now.cost = group_->objective() * grid_->cell_volume();
+    children_->take_in_grid(balls);
+    if (rounds > 1 || wants_cost) now.cost = children_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);
   }

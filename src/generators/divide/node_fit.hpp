@@ -55,11 +55,11 @@ class NodeFit {
   NodeFit(const FitInput& input, const BuildNode& node, const RegionPoints& samples, std::size_t most,
           double mean_radius, const Settings& settings, const Demand& demand = {});
 
-  Group& group() { return *group_; }
+  ChildFit& children() { return *children_; }
   OutsideGrid& grid() { return *grid_; }
   const GroupPoints& points() const { return points_; }
   /// Width of a child's part of the region, in cells.
-  float part_width() const { return part_width_; }
+  float child_width() const { return child_width_; }
 
   struct Exact {
     std::vector<Sphere> spheres;  // padded
@@ -67,10 +67,10 @@ class NodeFit {
     std::size_t leftover_patches = 0;
     double cost = 0;  // outside volume, and what balance adds; mesh units; 0 where none is wanted
   };
-  /// The region divided exactly among the group's balls, each ball fitted again to what it owns; the best of some
-  /// rounds. The group is left with that result. wants_cost: it will be compared with others.
+  /// The region divided exactly among the children's balls, each ball fitted again to what it owns; the best of some
+  /// rounds. The children are left with that result. wants_cost: it will be compared with others.
   Exact exact(bool wants_cost = true) {
-    return exact_from(group_->spheres(), settings_.exact_rounds, wants_cost, false);
+    return exact_from(children_->spheres(), settings_.exact_rounds, wants_cost, false);
   }
   /// Once, from other spheres, each also tried at the node's own centre: what one ball does as well as many.
   Exact divided_anyway(std::vector<Sphere> spheres);
@@ -83,8 +83,8 @@ class NodeFit {
   Settings settings_;
   std::unique_ptr<OutsideGrid> grid_;
   GroupPoints points_;
-  float part_width_;
-  std::unique_ptr<Group> group_;
+  float child_width_;
+  std::unique_ptr<ChildFit> children_;
 };
 
 double area_of(const Mesh& mesh, const Region& region);

@@ -17,7 +17,7 @@ struct LevelDivision {
   std::size_t undivided = 0;  // for want of time
 };
 
-LevelDivision divide_level(const std::vector<BuildNode>& level, const BuildRun& run, const Divider& divide,
+LevelDivision divide_nodes(const std::vector<BuildNode>& level, const BuildRun& run, const Divider& divide,
                            double too_small, TimeEstimate& estimate, Workers& workers) {
   LevelDivision result;
   result.divisions.resize(level.size());
@@ -69,79 +69,111 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
   report.complete = false;
 }
 
-}  // namespace
-
-CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
-                     Workers& workers, const SignedDistance* shape, const ObjectLines* lines,
-                     const LevelHook& new_level, const std::function<void()>& divided) {
-  run.throw_if_stopped();
-  if (run.spheres > 0 || run.max_protrusion > 0) {
-    if (shape) return best_first(mesh, run, root_cell, divide, *shape, workers);
-    return best_first(mesh, run, root_cell, divide, SignedDistance(mesh, workers), workers);
+class LevelByLevel {
+ public:
+  LevelByLevel(const Mesh& mesh, const BuildRun& run, const DriverInput& input, Workers& workers)
+      : mesh_(mesh),
+        run_(run),
+        input_(input),
+        workers_(workers),
+        level_{root_node(mesh, run, input.root_cell)},
+        estimate_(run.depth, run.branching, level_[0].region.size(), workers.thread_count()),
+        told_(run.seconds()) {
+    built_.report = new_report(mesh, run);
+    built_.report.level_seconds.push_back(told_);
+    built_.tree.branching = built_.report.branching;
+    built_.tree.append_level({}, std::span(&level_[0].sphere, 1));
   }
-  run.tell(0, 0);
-  CoveredTree built;
-  BuildReport& report = built.report = new_report(mesh, run);
-  built.tree.branching = report.branching;
 
-  Winners winners;
-  std::vector<Sphere> settled;   // of leaves above the level in work
-  std::vector<Region> finished;  // one per node of the tree; only leaves keep theirs
-  std::vector<BuildNode> level{root_node(mesh, run, root_cell)};
-  built.tree.append_level({}, std::span(&level[0].sphere, 1));
-  TimeEstimate estimate(run.depth, run.branching, level[0].region.size(), workers.thread_count());
-  const double too_small = smallest_radius(run);
-  double told = run.seconds();
-  report.level_seconds.push_back(told);
+  CoveredTree operator()() {
+    for (int depth = 0; depth < run_.depth && !level_.empty() && built_.report.complete; ++depth)
+      divide_level(depth + 1 == run_.depth);
+    for (BuildNode& node : level_) finished_.push_back(std::move(node.region));
+    if (input_.divided) input_.divided();
+    built_.cover = assemble_cover(mesh_, built_.tree, std::move(finished_));
+    complete_report();
+    run_.tell(1, static_cast<int>(built_.tree.level_count()) - 1, 0.0);
+    run_.throw_if_stopped();
+    return std::move(built_);
+  }
 
-  for (int depth = 0; depth < run.depth && !level.empty() && report.complete; ++depth) {
-    LevelDivision made = divide_level(level, run, divide, too_small, estimate, workers);
+ private:
+  // Makes the children of level_ the new level_. last: they are as deep as the run goes.
+  void divide_level(bool last) {
+    LevelDivision made = divide_nodes(level_, run_, input_.divide, smallest_radius(run_), estimate_, workers_);
+    std::vector<BuildNode> next = children_from(made.divisions);
+    if (input_.new_level && !next.empty()) input_.new_level(next);
+    // mutant levels-monotone: `input_.lines)` -> `input_.lines && next.empty())`
+    if (input_.lines) keep_monotone(mesh_, *input_.lines, run_.largest_coordinate(), settled_, level_, next, last);
+    append(next);
+    built_.report.level_seconds.push_back(run_.seconds() - told_);
+    told_ = run_.seconds();
+    if (made.undivided > 0) note_time_limit(run_, made.undivided, level_.size(), last ? 0 : next.size(), built_.report);
+    level_ = std::move(next);
+  }
+
+  std::vector<BuildNode> children_from(std::vector<Division>& divisions) {
     std::vector<BuildNode> next;
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      Division& division = made.divisions[i];
-      report.leftover_patches += division.leftover_patches;
-      winners.add(division);
-      for (BuildNode& child : division.children) {
+    for (std::size_t i = 0; i < divisions.size(); ++i) {
+      built_.report.leftover_patches += divisions[i].leftover_patches;
+      winners_.add(divisions[i]);
+      for (BuildNode& child : divisions[i].children) {
         child.parent = static_cast<std::uint32_t>(i);
         next.push_back(std::move(child));
       }
     }
-    if (new_level && !next.empty()) new_level(next);
-    // mutant levels-monotone: `lines` -> `lines && next.empty()`
-    if (lines) {
-      const bool last = depth + 1 == run.depth;
-      keep_monotone(mesh, *lines, run.largest_coordinate(), settled, level, next, last);
-    }
-    std::vector<std::uint32_t> child_counts(level.size(), 0);
+    return next;
+  }
+
+  // Nodes without children are leaves, and keep their regions.
+  void append(const std::vector<BuildNode>& next) {
+    std::vector<std::uint32_t> child_counts(level_.size(), 0);
     std::vector<Sphere> spheres;
     for (const BuildNode& node : next) {
       ++child_counts[node.parent];
       spheres.push_back(node.sphere);
     }
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (child_counts[i] == 0) settled.push_back(level[i].sphere);
-      finished.push_back(child_counts[i] == 0 ? std::move(level[i].region) : Region{});
+    for (std::size_t i = 0; i < level_.size(); ++i) {
+      if (child_counts[i] == 0) settled_.push_back(level_[i].sphere);
+      finished_.push_back(child_counts[i] == 0 ? std::move(level_[i].region) : Region{});
     }
-    if (!next.empty()) built.tree.append_level(child_counts, spheres);
-    report.level_seconds.push_back(run.seconds() - told);
-    told = run.seconds();
-    if (made.undivided > 0)
-      note_time_limit(run, made.undivided, level.size(), depth + 1 < run.depth ? next.size() : 0, report);
-    level = std::move(next);
+    if (!next.empty()) built_.tree.append_level(child_counts, spheres);
   }
-  for (BuildNode& node : level) finished.push_back(std::move(node.region));
-  report.level_seconds.resize(built.tree.level_count());
-  if (divided) divided();
-  built.cover = assemble_cover(mesh, built.tree, std::move(finished));
-  for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
-    report.early_leaves += built.tree.is_leaf(i);
-  if (report.complete && built.tree.level_count() < static_cast<std::size_t>(run.depth) + 1)
-    report.notes.push_back("the surface cannot be divided further: the tree ends at level " +
-                           std::to_string(built.tree.level_count() - 1) + " of " + std::to_string(run.depth));
-  if (std::string note = winners.note(); !note.empty()) report.notes.push_back(std::move(note));
-  run.tell(1, static_cast<int>(built.tree.level_count()) - 1, 0.0);
+
+  void complete_report() {
+    BuildReport& report = built_.report;
+    report.level_seconds.resize(built_.tree.level_count());
+    for (std::uint32_t i = 0; i < built_.tree.level_begin[built_.tree.level_count() - 1]; ++i)
+      report.early_leaves += built_.tree.is_leaf(i);
+    if (report.complete && built_.tree.level_count() < static_cast<std::size_t>(run_.depth) + 1)
+      report.notes.push_back("the surface cannot be divided further: the tree ends at level " +
+                             std::to_string(built_.tree.level_count() - 1) + " of " + std::to_string(run_.depth));
+    if (std::string note = winners_.note(); !note.empty()) report.notes.push_back(std::move(note));
+  }
+
+  const Mesh& mesh_;
+  const BuildRun& run_;
+  const DriverInput& input_;
+  Workers& workers_;
+  std::vector<BuildNode> level_;  // in work
+  TimeEstimate estimate_;
+  double told_;  // when the level before was finished
+  CoveredTree built_;
+  Winners winners_;
+  std::vector<Sphere> settled_;   // of leaves above the level in work
+  std::vector<Region> finished_;  // one per node above the level in work; only leaves keep theirs
+};
+
+}  // namespace
+
+CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const DriverInput& input, Workers& workers) {
   run.throw_if_stopped();
-  return built;
+  if (is_worst_first(run)) {
+    if (input.distance) return best_first(mesh, run, input.root_cell, input.divide, *input.distance, workers);
+    return best_first(mesh, run, input.root_cell, input.divide, SignedDistance(mesh, workers), workers);
+  }
+  run.tell(0, 0);
+  return LevelByLevel(mesh, run, input, workers)();
 }
 
 }  // namespace morula::detail

@@ -3,6 +3,7 @@
 // Ball fit: one ball around the points it must contain, placed where it takes in least empty space.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -40,7 +41,13 @@ struct GroupBall {
   Vec3f center;
   float radius = 0;
   float cost = 0;
+
+  Spheref sphere() const { return {center, radius}; }
 };
+inline float distance_between(const Vec3f& a, const Vec3f& b) {
+  const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return std::sqrt(x * x + y * y + z * z);
+}
 
 /// The ball around the points that takes in least, found by compass search from the smallest ball's centre and
 /// `starts`. The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step:

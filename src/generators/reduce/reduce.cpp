@@ -84,16 +84,16 @@ class ReducerDivider {
     const RegionPoints points = region_points(input_, node, branching_, settings_.fit.spacing);
     NodeFit fit(input_, node, points, branching_, mean_radius / std::max(1.0, count), fit_settings(node.level),
                 demand_);
-    Group& group = fit.group();
+    ChildFit& children = fit.children();
 
-    std::vector<Start> starts = judged(group, proposals);
+    std::vector<Start> starts = judged(children, proposals);
     NodeFit::Exact exact;
     std::string_view winner;
     // What the root's children lose, all levels lose, and it is one node among many: there every start goes all the
     // way.
     const std::size_t tries = settings_.all_on_root && node.level == 0 ? starts.size() : 1;
     for (std::size_t k = 0; k < tries; ++k) {
-      settle(group, starts[k], node.level);
+      settle(children, starts[k], node.level);
       NodeFit::Exact now = fit.exact();
       // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
       if (now.spheres.size() < 2) now = fit.divided_anyway(starts[k].proposal->spheres);
@@ -107,7 +107,7 @@ class ReducerDivider {
   }
 
  private:
-  static constexpr float taken = 0.15F;
+  static constexpr float overlap_weight = 0.15F;
   static constexpr int sweeps_for_winner = 2, inscribed_sweeps = 4, sweeps_after = 4;
 
   // A proposal and what a sweep made of it.
@@ -116,23 +116,23 @@ class ReducerDivider {
     std::vector<Sphere> spheres;
     double cost;
   };
-  static std::vector<Start> judged(Group& group, const Proposals& proposals) {
+  static std::vector<Start> judged(ChildFit& children, const Proposals& proposals) {
     std::vector<Start> starts;
     for (const Proposal& proposal : proposals) {
-      group.take(proposal.spheres, proposal.fill_places);
-      group.sweep(taken, true);
-      const double cost = group.objective();
-      starts.push_back({&proposal, group.spheres(), cost});
+      children.take(proposal.spheres, proposal.fill_places);
+      children.sweep(overlap_weight, true);
+      const double cost = children.objective();
+      starts.push_back({&proposal, children.spheres(), cost});
     }
     std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
     return starts;
   }
 
-  void settle(Group& group, const Start& start, int level) const {
-    group.take(start.spheres, start.proposal->fill_places);
-    for (int i = 0; i < sweeps_for_winner; ++i) group.sweep(taken, true);
-    group.try_inscribed(inscribed_sweeps, sweeps_after);
-    group.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], settings_.move_every);
+  void settle(ChildFit& children, const Start& start, int level) const {
+    children.take(start.spheres, start.proposal->fill_places);
+    for (int i = 0; i < sweeps_for_winner; ++i) children.sweep(overlap_weight, true);
+    children.try_inscribed(inscribed_sweeps, sweeps_after);
+    children.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], settings_.move_every);
   }
 
   NodeFit::Settings fit_settings(int level) const {

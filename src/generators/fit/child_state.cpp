@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "generators/fit/child_state.hpp"
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "generators/fit/lattice.hpp"
+
+namespace morula::detail {
+namespace {
+
+// Points to be split, and the frame that splits them.
+struct SplitPoints {
+  std::vector<Vec3> points;
+  Axes axes;
+  Vec3 mean{};
+
+  SplitPoints(const GroupPoints& all, std::span<const std::uint32_t> members) {
+    for (const std::uint32_t i : members) points.push_back({all.x[i], all.y[i], all.z[i]});
+    axes = principal_axes(points);
+    for (const Vec3& p : points) mean += p;
+    mean = mean / static_cast<double>(points.size());
+  }
+
+  // Two means that begin on both sides along an axis. side: per point, 0 or 1. Returns false where all are on one side.
+  bool two_means(std::size_t axis, double least_deviation, std::vector<std::uint8_t>& side) const {
+    double squares = 0;
+    for (const Vec3& p : points) squares += dot(p - mean, axes[axis]) * dot(p - mean, axes[axis]);
+    const double deviation = std::sqrt(squares / static_cast<double>(points.size()));
+    if (!(deviation > least_deviation)) return false;
+    std::array<Vec3, 2> means{mean - axes[axis] * deviation, mean + axes[axis] * deviation};
+    const int rounds = axis == 0 ? 4 : 1;
+    for (int round = 0; round < rounds; ++round) {
+      std::array<Vec3, 2> sums{};
+      std::array<std::size_t, 2> counts{};
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        side[i] = squared_distance(points[i], means[1]) < squared_distance(points[i], means[0]) ? 1 : 0;
+        sums[side[i]] += points[i];
+        ++counts[side[i]];
+      }
+      if (counts[0] == 0 || counts[1] == 0) return false;
+      for (std::size_t s = 0; s < 2; ++s) means[s] = sums[s] / static_cast<double>(counts[s]);
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+void PlacedBalls::lift(std::size_t i) {
+  if (is_placed_[i] != 0) grid_.remove(balls_[i].sphere());
+  is_placed_[i] = 0;
+}
+
+void PlacedBalls::place(std::size_t i, const GroupBall& ball) {
+  const bool same = ball.center == balls_[i].center && ball.radius == balls_[i].radius;
+  if (!(same && is_placed_[i] != 0)) lift(i);
+  balls_[i] = ball;
+  if (is_placed_[i] != 0 || !(ball.radius > 0)) return;
+  grid_.add(ball.sphere());
+  is_placed_[i] = 1;
+}
+
+ChildState::Snapshot ChildState::snapshot() const {
+  const std::span<const GroupBall> balls = balls_;
+  return {{balls.begin(), balls.end()}, assignment_.owners(), fits_};
+}
+
+void ChildState::restore(const Snapshot& snapshot) {
+  for (std::size_t b = 0; b < most(); ++b) balls_.place(b, snapshot.balls[b]);
+  assignment_.set_owners(snapshot.owners);
+  fits_ = snapshot.fits;
+}
+
+void ChildState::set_balls(std::span<const GroupBall> balls) {
+  for (std::size_t b = 0; b < most(); ++b) balls_.lift(b);
+  for (std::size_t b = 0; b < most(); ++b) balls_.place(b, b < balls.size() ? balls[b] : GroupBall{});
+  fits_ = FitCache(most());
+}
+
+void ChildState::gather(std::size_t ball) {
+  const GroupPoints& points = assignment_.points();
+  own_index_.clear();
+  assignment_.each_owned(ball, [&](std::size_t i) { own_index_.push_back(static_cast<std::uint32_t>(i)); });
+  for (const auto& [own, all] : {std::pair(&own_.x, &points.x), {&own_.y, &points.y}, {&own_.z, &points.z}}) {
+    own->resize(own_index_.size());
+    for (std::size_t k = 0; k < own_index_.size(); ++k) (*own)[k] = (*all)[own_index_[k]];
+  }
+}
+
+void ChildState::place_fit(std::size_t ball, const GroupBall& fitted, float overlap_weight) {
+  fits_.note_fit(ball, balls_[ball], fitted, fit_inputs(ball, overlap_weight));
+  balls_.place(ball, fitted);
+}
+
+void ChildState::refit(std::size_t ball, float overlap_weight, float first_step) {
+  const bool is_used = assignment_.is_used(ball);
+  if (is_used && fits_.has_fit(ball, fit_inputs(ball, overlap_weight), balls_)) return;
+  if (!is_used) return place_fit(ball, {}, overlap_weight);
+  balls_.lift(ball);
+  gather(ball);
+  place_fit(ball, fit_ball(grid(), own_, {&balls_[ball].center, 1}, overlap_weight, first_step), overlap_weight);
+}
+
+GroupBall ChildState::fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight) {
+  std::size_t nearest = 0;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::size_t b = 0; b < most(); ++b)
+    if (const float d = distance_between(balls_[b].center, starts[0]); balls_[b].radius > 0 && d < least)
+      least = d, nearest = b;
+  balls_.lift(nearest);
+  const GroupBall fitted = fit_ball(grid(), points, starts, overlap_weight, 0.12F);
+  balls_.place(nearest, balls_[nearest]);
+  return fitted;
+}
+
+// The ball keeps what only it contains.
+void ChildState::give_what_others_contain(std::size_t ball) {
+  gather(ball);
+  const float reach = farthest_from(own_, balls_[ball].center) * (1 + 1e-5F);
+  std::vector<std::size_t> near;
+  for (std::size_t j = 0; j < most(); ++j) {
+    if (j == ball || !(balls_[j].radius > 0)) continue;
+    if (distance_between(balls_[j].center, balls_[ball].center) * (1 - 1e-5F) <= reach + balls_[j].radius)
+      near.push_back(j);
+  }
+  if (near.empty()) return;
+  // Siblings are numbered from 1 on: a point where none has a power below 0 stays with number 0, the ball itself, and
+  // so does one where a power is just 0.
+  std::vector<float> least(own_.size(), 0.0F);
+  std::vector<std::uint32_t> owners(own_.size(), 0);
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    const GroupBall& other = balls_[near[n]];
+    fit_kernels().offer(own_.columns(), other.center, other.radius * other.radius * (1 - 1e-5F),
+                        static_cast<std::uint32_t>(n + 1), {least.data(), owners.data()});
+  }
+  for (std::size_t k = 0; k < own_.size(); ++k)
+    if (owners[k] != 0) assignment_.set_owner(own_index_[k], near[owners[k] - 1]);
+}
+
+bool ChildState::split(std::size_t ball, std::size_t into, float overlap_weight, float most_cost_factor) {
+  const GroupBall before = balls_[ball];
+  gather(ball);
+  const std::vector<std::uint32_t> members = own_index_;
+  balls_.lift(ball);
+  const float most_cost = most_cost_factor * before.cost;
+  const Halves halves = cheapest_halves(members, before, overlap_weight, most_cost);
+  if (!(halves.cost < most_cost)) {
+    balls_.place(ball, before);
+    return false;
+  }
+  for (std::size_t i = 0; i < members.size(); ++i)
+    if (halves.side[i] == 1) assignment_.set_owner(members[i], into);
+  place_fit(ball, halves.one, overlap_weight);
+  place_fit(into, halves.other, overlap_weight);
+  return true;
+}
+
+// Of the three axes the one whose halves cost least. (The axis of least variance is what divides rings on a tube.)
+ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> members, const GroupBall& before,
+                                               float overlap_weight, float most_cost) {
+  const SplitPoints split_points(assignment_.points(), members);
+  Halves best{{}, {}, {}, std::numeric_limits<float>::infinity()};
+  std::vector<std::uint8_t> side(members.size());
+  const auto half = [&](std::size_t s) {
+    own_.clear();
+    for (std::size_t i = 0; i < members.size(); ++i)
+      if (side[i] == s) own_.push_back(assignment_.points()[members[i]]);
+    // The old center is deep where the new points are a shallow patch: without it no split finds deep balls.
+    return fit_ball(grid(), own_, {&before.center, 1}, overlap_weight, 0.25F, 0.03F);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!split_points.two_means(axis, 1e-6 * before.radius, side)) continue;
+    const GroupBall one = half(0);
+    if (!(one.cost < std::min(best.cost, most_cost))) continue;  // no pair with it is better
+    grid().add(one.sphere());
+    const GroupBall other = half(1);
+    grid().remove(one.sphere());
+    if (one.cost + other.cost < best.cost) best = {one, other, side, one.cost + other.cost};
+  }
+  return best;
+}
+
+void ChildState::remove(std::size_t ball) {
+  const GroupBall before = balls_[ball];
+  std::vector<std::pair<std::size_t, std::size_t>> given;  // while the owners are gone over
+  reach_without(ball, [&](std::size_t i, std::size_t to) { given.emplace_back(i, to); });
+  for (const auto& [point, to] : given) assignment_.set_owner(point, to);
+  balls_.place(ball, {});
+  fits_.note_change(ball, before);
+}
+
+// Only balls near by can be the one that grows least: the others would have to grow by more than the best of them even
+// for the point that is nearest to them.
+std::vector<std::size_t> ChildState::neighbors_within_growth(std::size_t ball) const {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const GroupPoints& points = assignment_.points();
+  float around = 0;
+  assignment_.each_owned(
+      ball, [&](std::size_t i) { around = std::max(around, distance_between(points[i], balls_[ball].center)); });
+  float enough = infinity;
+  std::vector<float> away(most(), infinity);
+  for (std::size_t j = 0; j < most(); ++j) {
+    if (j == ball || !assignment_.is_used(j)) continue;
+    away[j] = distance_between(balls_[j].center, balls_[ball].center);
+    enough = std::min(enough, away[j] + around - balls_[j].radius);
+  }
+  std::vector<std::size_t> near;
+  for (std::size_t j = 0; j < most(); ++j)
+    if (away[j] < infinity && away[j] - around - balls_[j].radius <= enough + 1e-4F * (away[j] + around))
+      near.push_back(j);
+  return near;
+}
+
+// The radii that siblings would need if the ball were gone and each of its points went to the one that grows least.
+// Calls give(point, sibling) for each point that finds one.
+template <class Give>
+std::vector<float> ChildState::reach_without(std::size_t ball, const Give& give) const {
+  const GroupPoints& points = assignment_.points();
+  std::vector<float> reach(most());
+  for (std::size_t j = 0; j < most(); ++j) reach[j] = balls_[j].radius;
+  const std::vector<std::size_t> near = neighbors_within_growth(ball);
+  assignment_.each_owned(ball, [&](std::size_t i) {
+    float growth = std::numeric_limits<float>::infinity(), needed = 0;
+    std::size_t to = ball;
+    for (const std::size_t j : near) {
+      const float d = distance_between(points[i], balls_[j].center);
+      if (d - reach[j] < growth) growth = d - reach[j], to = j, needed = d;
+    }
+    if (to == ball) return;
+    reach[to] = std::max(reach[to], needed);
+    give(i, to);
+  });
+  return reach;
+}
+
+float ChildState::growth_without(std::size_t ball) const {
+  constexpr float unit_volume = static_cast<float>(4.0 / 3.0 * std::numbers::pi);
+  const auto cube_of = [](float x) { return x * x * x; };
+  const std::vector<float> reach = reach_without(ball, [](std::size_t, std::size_t) {});
+  float grown = 0;
+  for (std::size_t j = 0; j < most(); ++j)
+    if (j != ball && assignment_.is_used(j)) grown += unit_volume * (cube_of(reach[j]) - cube_of(balls_[j].radius));
+  return grown;
+}
+
+}  // namespace morula::detail

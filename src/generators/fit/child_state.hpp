@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Child state: the balls of a node's children, the points that each must contain, and what is known about their fits.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "generators/fit/assignment.hpp"
+#include "generators/fit/ball_fit.hpp"
+#include "generators/fit/fit_cache.hpp"
+
+namespace morula::detail {
+
+/// Balls, and the grid that counts the space they have. Invariant: the grid counts every ball with a radius, except
+/// lifted ones. A fit lifts its ball first: the grid must not count the ball that is sought.
+class PlacedBalls {
+ public:
+  /// grid: borrowed; counts none of them yet.
+  PlacedBalls(OutsideGrid& grid, std::size_t most) : grid_(grid), balls_(most), is_placed_(most, 0) {}
+
+  OutsideGrid& grid() const { return grid_; }
+  std::size_t size() const { return balls_.size(); }
+  const GroupBall& operator[](std::size_t i) const { return balls_[i]; }
+  operator std::span<const GroupBall>() const { return balls_; }
+
+  void lift(std::size_t i);
+  /// Lifts the ball, if it is not, and places the other.
+  void place(std::size_t i, const GroupBall& ball);
+
+ private:
+  OutsideGrid& grid_;
+  std::vector<GroupBall> balls_;
+  std::vector<std::uint8_t> is_placed_;
+};
+
+/// Operations on one child, or on the owners of points. Each keeps balls, assignment and fits in step; searches are
+/// made of them.
+class ChildState {
+ public:
+  struct Snapshot {
+    std::vector<GroupBall> balls;
+    std::vector<std::uint8_t> owners;
+    FitCache fits;
+  };
+
+  /// grid, points: borrowed. most: balls wanted, 256 at most.
+  ChildState(OutsideGrid& grid, const GroupPoints& points, std::size_t most)
+      : balls_(grid, most), assignment_(points, most), fits_(most) {}
+
+  std::size_t most() const { return balls_.size(); }
+  OutsideGrid& grid() const { return balls_.grid(); }
+  const PlacedBalls& balls() const { return balls_; }
+  const Assignment& assignment() const { return assignment_; }
+  std::span<const float> demand() { return assignment_.demand(); }
+  FitInputs fit_inputs(std::size_t ball, float overlap_weight) const {
+    return {assignment_.hash(ball), overlap_weight};
+  }
+
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+
+  /// These balls, `most` at most, none of them fitted. Points keep their owners.
+  void set_balls(std::span<const GroupBall> balls);
+  /// All points to ball 0.
+  void give_all_to_first() { assignment_.set_all(0); }
+  /// Points to the ball of least power; negative: the ball gets none.
+  void assign_by_power(std::span<const float> squared_radii) { assignment_.set_by_power(balls_, squared_radii); }
+  /// Points of the ball that siblings contain become theirs.
+  void give_what_others_contain(std::size_t ball);
+
+  /// Fits the ball to its points, unless it is; first_step: see fit_ball. A ball without points vanishes.
+  void refit(std::size_t ball, float overlap_weight, float first_step);
+  /// A ball for other points, while the ball nearest to the first start is lifted. Changes nothing.
+  GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight);
+  /// Two balls for one: the points fall apart along one of their principal axes. `into`, an unused ball, gets some of
+  /// them. Returns false, with nothing changed, where both cost most_cost_factor times as much as the one, or more.
+  bool split(std::size_t ball, std::size_t into, float overlap_weight, float most_cost_factor);
+  /// Removes the ball; each of its points goes to the sibling that grows least by it.
+  void remove(std::size_t ball);
+  /// By how much siblings would grow in volume without the ball.
+  float growth_without(std::size_t ball) const;
+
+ private:
+  struct Halves {
+    GroupBall one, other;
+    std::vector<std::uint8_t> side;  // per point of the ball that was split; 1: the other's
+    float cost;                      // of both
+  };
+  Halves cheapest_halves(std::span<const std::uint32_t> members, const GroupBall& before, float overlap_weight,
+                         float most_cost);
+  void gather(std::size_t ball);
+  void place_fit(std::size_t ball, const GroupBall& fitted, float overlap_weight);
+  std::vector<std::size_t> neighbors_within_growth(std::size_t ball) const;
+  template <class Give>
+  std::vector<float> reach_without(std::size_t ball, const Give& give) const;
+
+  PlacedBalls balls_;
+  Assignment assignment_;
+  FitCache fits_;
+  GroupPoints own_;                       // scratch: points of the ball in work
+  std::vector<std::uint32_t> own_index_;  // their numbers
+};
+
+}  // namespace morula::detail

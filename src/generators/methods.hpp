@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The methods that build() chooses from.
+#pragma once
+
+#include <morula/parallel/workers.hpp>
+
+#include "generators/driver/build_run.hpp"
+
+namespace morula::detail {
+
+/// The generators: what divides a node, with whatever they need to know about the mesh.
+CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
+
+}  // namespace morula::detail
