@@ -216,7 +216,7 @@ std::uint64_t SurfaceTree::hash() const {
   if (const Status status = state_->askable(0); !status) throw std::invalid_argument(message(status));
   Hasher hasher;
   QueryBoxes boxes;
-  boxes.start(*state_, nullptr, 0, false, serial_workers());
+  boxes.start(*state_, *state_, 0, false, serial_workers());
   for (const std::vector<BoxGroup>& level : boxes.a().levels)
     for (const BoxGroup& group : level)
       for (const auto& column : group.bound)
