@@ -7,7 +7,12 @@ include(CMakePackageConfigHelpers)
 
 set(morula_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/morula")
 
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/morula" "${PROJECT_BINARY_DIR}/include/morula"
+get_property(morula_extras GLOBAL PROPERTY MORULA_BUILT_EXTRAS)
+set(morula_headers "${PROJECT_SOURCE_DIR}/include/morula" "${PROJECT_BINARY_DIR}/include/morula")
+foreach(extra IN LISTS morula_extras)
+  list(APPEND morula_headers "${PROJECT_SOURCE_DIR}/extras/${extra}/include/morula")
+endforeach()
+install(DIRECTORY ${morula_headers}
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
   FILES_MATCHING PATTERN "*.hpp" PATTERN "morula.h")
 # The licence and the notices of what is compiled in go where the code goes. Each component has a folder of its own, named
@@ -29,11 +34,12 @@ set(morula_installed_targets morula_core morula morula_precompiled)
 if(MORULA_IO)
   list(APPEND morula_installed_targets morula_io)
 endif()
-if(MORULA_STUDY)
-  list(APPEND morula_installed_targets morula_page morula_study)
-endif()
-if(MORULA_ROBOT)
-  list(APPEND morula_installed_targets morula_robot)
+foreach(extra IN LISTS morula_extras)
+  list(APPEND morula_installed_targets morula_${extra})
+endforeach()
+if(MORULA_STUDY OR MORULA_ROBOT)
+  # They link it.
+  list(APPEND morula_installed_targets morula_toolbox)
 endif()
 install(TARGETS ${morula_installed_targets} EXPORT morula_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
@@ -50,7 +56,7 @@ endif()
 file(RELATIVE_PATH MORULA_PC_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 string(REGEX REPLACE "/$" "" MORULA_PC_PREFIX "${MORULA_PC_PREFIX}")
 set(MORULA_PC_LIBS "")
-foreach(library study page io core)
+foreach(library study toolbox page grains io core)
   if(TARGET morula_${library})
     string(APPEND MORULA_PC_LIBS "-lmorula_${library} ")
   endif()

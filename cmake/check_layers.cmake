@@ -3,9 +3,12 @@
 # Includes point down. Run as: cmake [-D ROOT=folder] -P cmake/check_layers.cmake
 #
 # Lists every include that breaks a rule, then fails. The rules:
-#   library        a folder includes itself and folders of lower height, so no two folders include each other
+#   library        a folder includes itself and folders of lower height, so no two folders include each other; nothing
+#                  outside the library
 #   public headers no private ones: everything they include is installed
-#   everyone else  public headers and their own: apps, bench, examples, scenes and the consumer test
+#   extras         their own headers, the library's public ones, the private ones of few folders, and the extras that they name
+#   toolbox        itself alone
+#   everyone else  public headers of the library and their own: apps, bench, examples, scenes and the consumer test
 cmake_minimum_required(VERSION 3.24)
 
 # ground
@@ -27,11 +30,15 @@ set(height_io 8)
 # experiments
 set(height_surface 9)
 set(height_scene 9)
-set(height_grains 9)
 set(height_c 9)
-set(height_page 9)
-set(height_robot 10)  # surfaces tell which links touch at rest
-set(height_study 10)
+
+# Extras: the other extras that each uses; what of the library's private headers all may include.
+set(extras grains page robot study)
+set(uses_grains "")
+set(uses_page "")
+set(uses_robot toolbox)
+set(uses_study page toolbox)
+set(private_for_extras geometry io parallel)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
@@ -44,7 +51,7 @@ set(wings_geometry enclosing triangles)
 set(wings_io array paraview gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_update reowned_body)
-set(common_study json numbers words)
+set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates)
 set(common_io asking_text first_bytes byte_reader byte_source json_checks number_text text_scanner unfinished whole_file)
@@ -65,11 +72,10 @@ macro(fault file include reason)
   list(APPEND faults "${file} includes ${include}: ${reason}")
 endmacro()
 
-# wing_of(PATH VARIABLE): the place of a path's wing in the list of its folder's wings; -1 for what lies beside them, -2 for what is
-# common to them, -3 for a wing that the list does not know.
+# wing_of(PATH VARIABLE): PATH is FOLDER/WING/file or FOLDER/file. The place of the wing in the list of its folder's wings; -1 for
+# what lies beside them, -2 for what is common to them, -3 for a wing that the list does not know.
 function(wing_of path variable)
   set(place -2)
-  string(REGEX REPLACE "^src/" "" path "${path}")
   if(path MATCHES "^([a-z_]+)/([a-z_]+)/")
     list(FIND wings_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}" place)
     if(place EQUAL -1)
@@ -84,20 +90,17 @@ function(wing_of path variable)
   set(${variable} ${place} PARENT_SCOPE)
 endfunction()
 
-# check_wings(FILE INCLUDE): both of one folder. Public headers are in no wing; private ones have a place.
-macro(check_wings file include)
-  string(REGEX REPLACE "^[<\"](.*)[>\"]$" "\\1" wing_path "${include}")
-  if(NOT wing_path MATCHES "^morula/" AND "${file}" MATCHES "^src/")
-    wing_of("${file}" wing_of_file)
-    wing_of("${wing_path}" wing_of_target)
-    if(wing_of_file EQUAL -3 OR wing_of_target EQUAL -3)
-      fault("${file}" "${include}" "a wing without a place: give it one in cmake/check_layers.cmake")
-    elseif(wing_of_file GREATER_EQUAL 0 AND
-           (wing_of_target EQUAL -1 OR wing_of_target GREATER wing_of_file))
-      fault("${file}" "${include}" "wings include themselves, those before them, and what is common")
-    elseif(wing_of_file EQUAL -2 AND NOT wing_of_target EQUAL -2)
-      fault("${file}" "${include}" "what is common to the wings includes none of them")
-    endif()
+# check_wings(FILE INCLUDE FROM TO): FILE includes INCLUDE, which are FROM and TO of one folder, as wing_of takes them.
+macro(check_wings file include from to)
+  wing_of("${from}" wing_of_file)
+  wing_of("${to}" wing_of_target)
+  if(wing_of_file EQUAL -3 OR wing_of_target EQUAL -3)
+    fault("${file}" "${include}" "a wing without a place: give it one in cmake/check_layers.cmake")
+  elseif(wing_of_file GREATER_EQUAL 0 AND
+         (wing_of_target EQUAL -1 OR wing_of_target GREATER wing_of_file))
+    fault("${file}" "${include}" "wings include themselves, those before them, and what is common")
+  elseif(wing_of_file EQUAL -2 AND NOT wing_of_target EQUAL -2)
+    fault("${file}" "${include}" "what is common to the wings includes none of them")
   endif()
 endmacro()
 
@@ -139,8 +142,55 @@ foreach(file IN LISTS library_files)
       fault("${file}" "${include}" "there is no folder ${target} in the library")
     elseif(NOT target STREQUAL folder AND NOT height_${target} LESS height_${folder})
       fault("${file}" "${include}" "${target} is not below ${folder}")
-    elseif(target STREQUAL folder AND DEFINED wings_${folder})
-      check_wings("${file}" "${include}")
+    elseif(target STREQUAL folder AND DEFINED wings_${folder} AND include MATCHES "^\"(.*)\"$")
+      # Public headers are in no wing; private ones have a place.
+      set(path "${CMAKE_MATCH_1}")
+      string(REGEX REPLACE "^src/" "" from "${file}")
+      check_wings("${file}" "${include}" "${from}" "${path}")
+    endif()
+  endforeach()
+endforeach()
+
+foreach(extra IN LISTS extras)
+  file(GLOB_RECURSE extra_files RELATIVE "${ROOT}" "${ROOT}/extras/${extra}/include/*.hpp" "${ROOT}/extras/${extra}/src/*.hpp"
+    "${ROOT}/extras/${extra}/src/*.cpp")
+  foreach(file IN LISTS extra_files)
+    includes_of("${file}")
+    foreach(include IN LISTS includes)
+      math(EXPR include_count "${include_count} + 1")
+      if(include MATCHES "^<morula/([a-z_]+)/")
+        set(target "${CMAKE_MATCH_1}")
+        if(NOT DEFINED height_${target} AND NOT target STREQUAL extra AND NOT target IN_LIST uses_${extra})
+          fault("${file}" "${include}" "the extra ${extra} does not use ${target}")
+        endif()
+      elseif(include MATCHES "^<toolbox/" AND NOT "toolbox" IN_LIST uses_${extra})
+        fault("${file}" "${include}" "the extra ${extra} does not use toolbox")
+      elseif(include MATCHES "^<toolbox/" AND file MATCHES "/include/")
+        fault("${file}" "${include}" "toolbox is private")
+      elseif(include MATCHES "^\"(.*)\"$")
+        set(path "${CMAKE_MATCH_1}")
+        if(file MATCHES "/include/")
+          fault("${file}" "${include}" "a public header may include public headers only, in angle brackets")
+        elseif(EXISTS "${ROOT}/extras/${extra}/src/${path}")
+          if(DEFINED wings_${extra})
+            string(REGEX REPLACE "^extras/${extra}/src" "${extra}" from "${file}")
+            check_wings("${file}" "${include}" "${from}" "${extra}/${path}")
+          endif()
+        elseif(NOT path MATCHES "^([a-z_]+)/" OR NOT CMAKE_MATCH_1 IN_LIST private_for_extras)
+          fault("${file}" "${include}" "extras include private headers of geometry, io and parallel alone")
+        endif()
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
+
+file(GLOB toolbox_files RELATIVE "${ROOT}" "${ROOT}/toolbox/*.hpp" "${ROOT}/toolbox/*.cpp")
+foreach(file IN LISTS toolbox_files)
+  includes_of("${file}")
+  foreach(include IN LISTS includes)
+    math(EXPR include_count "${include_count} + 1")
+    if(include MATCHES "morula/")
+      fault("${file}" "${include}" "toolbox includes nothing of the library")
     endif()
   endforeach()
 endforeach()
@@ -156,7 +206,10 @@ foreach(file IN LISTS outside_files)
   foreach(include IN LISTS includes)
     string(REGEX REPLACE "^[<\"](.*)[>\"]$" "\\1" path "${include}")
     math(EXPR include_count "${include_count} + 1")
-    if(path MATCHES "(^|/)src/" OR
+    string(REGEX REPLACE "^morula/([a-z_]+)/.*$" "\\1" target "${path}")
+    if(target IN_LIST extras AND file MATCHES "^(apps|scenes)/")
+      fault("${file}" "${include}" "what an extra adds stands in extras/${target}/command")
+    elseif(path MATCHES "(^|/)src/" OR
        (EXISTS "${ROOT}/src/${path}" AND NOT EXISTS "${ROOT}/${folder_of_file}/${path}"))
       fault("${file}" "${include}" "a private header of the library")
     endif()

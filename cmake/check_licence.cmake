@@ -9,7 +9,7 @@ if(NOT DEFINED ROOT)
 endif()
 
 set(globs "${ROOT}/CMakeLists.txt" "${ROOT}/pyproject.toml" "${ROOT}/cmake/*.in" "${ROOT}/scripts/*" "${ROOT}/.ci/*")
-foreach(folder include src apps bench examples scenes tests cmake viewer python)
+foreach(folder include src extras toolbox apps bench examples scenes tests cmake viewer python)
   foreach(pattern *.hpp *.cpp *.inl *.hpp.in *.cpp.in *.py *.sh *.mjs *.js *.cmake CMakeLists.txt)
     list(APPEND globs "${ROOT}/${folder}/${pattern}")
   endforeach()

@@ -15,10 +15,13 @@ if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
 endif()
 
-set(folders include src apps tests bench scripts examples scenes cmake viewer docs python)
+set(folders include src extras toolbox apps tests bench scripts examples scenes cmake viewer docs python)
 set(endings "hpp|cpp|inl|cmake|mjs|md|py|tsv|bib")
 # Where names begin that do not begin at ROOT.
 set(starts include include/morula src apps/morula tests bench viewer/src docs)
+foreach(extra grains page robot study)
+  list(APPEND starts extras/${extra} extras/${extra}/include extras/${extra}/include/morula extras/${extra}/src extras/${extra}/tests)
+endforeach()
 
 set(globs "")
 foreach(folder IN LISTS folders)
@@ -33,7 +36,7 @@ foreach(file IN LISTS files)
   list(APPEND bare_names "${bare}")
 endforeach()
 list(REMOVE_DUPLICATES bare_names)
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/*.md" "${ROOT}/docs/*.md")
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/extras/*/docs/*.md")
 list(REMOVE_ITEM pages CHANGELOG.md)
 
 set(faults "")

@@ -11,7 +11,7 @@ if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
 endif()
 
-file(GLOB_RECURSE headers RELATIVE "${ROOT}" "${ROOT}/src/*.hpp" "${ROOT}/src/*.inl")
+file(GLOB_RECURSE headers RELATIVE "${ROOT}" "${ROOT}/src/*.hpp" "${ROOT}/src/*.inl" "${ROOT}/extras/*/src/*.hpp" "${ROOT}/toolbox/*.hpp")
 set(faults "")
 foreach(header IN LISTS headers)
   file(STRINGS "${ROOT}/${header}" lines REGEX "^([A-Za-z]|}  //|\\[\\[)" ENCODING UTF-8)

@@ -9,7 +9,7 @@ if(NOT DEFINED ROOT)
 endif()
 set(most 2500)
 
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md" "${ROOT}/*.md")
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md" "${ROOT}/extras/*/docs/*.md" "${ROOT}/*.md")
 list(REMOVE_ITEM pages CHANGELOG.md)  # which nobody reads from end to end
 set(faults "")
 foreach(page IN LISTS pages)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Docstrings from the comments of the public headers, so that Python repeats what C++ says and nothing is written twice.
 
-usage: docstrings.py INCLUDE_FOLDER OUTPUT
+usage: docstrings.py OUTPUT HEADER...
 
 Every `///` comment becomes a constant in namespace morula::python::doc: Body_update for Body::update, Body_update_2 for
 the next overload, BuildOptions_depth for a member. A binding that names a comment which is no longer there does not
@@ -93,10 +93,11 @@ def paragraphs(lines: list[str]) -> str:
 
 
 def main() -> None:
-    include, output = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    output, headers = pathlib.Path(sys.argv[1]), [pathlib.Path(header) for header in sys.argv[2:]]
     seen: dict[str, int] = {}
     lines = ["// Made by python/docstrings.py.", "#pragma once", "namespace morula::python::doc {"]
-    for header in sorted(include.rglob("*.hpp")):
+    # In the order of <morula/…>, wherever the header stands.
+    for header in sorted(headers, key=lambda header: header.parts[header.parts.index("include"):]):
         if "study" in header.parts:
             continue
         for name, comment in comments_of(header.read_text(encoding="utf-8")):

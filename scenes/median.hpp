@@ -3,10 +3,10 @@
 // The median of measurements.
 #pragma once
 
-#include <morula/parallel/stopwatch.hpp>
+#include <toolbox/stopwatch.hpp>
 
 namespace morula::scenes {
 
-using morula::median;
+using toolbox::median;
 
 }  // namespace morula::scenes

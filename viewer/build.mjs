@@ -57,7 +57,7 @@ for (let begin = 0; begin < bytes.length; begin += 8000) {
   literals.push(`    "${literal}",\n`);
 }
 const cpp = `// Made by viewer/build.mjs.
-#include "page/template.hpp"
+#include "template.hpp"
 
 namespace morula::page {
 namespace {

@@ -18,6 +18,7 @@
 #include "licenses.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/extension.hpp"
 #include "shared/interrupt.hpp"
 #include "shared/options.hpp"
 
@@ -85,21 +86,16 @@ int run(int argc, char** argv, bool parse_only) {
   add_update(app, run);
   add_collide(app, run);
   add_pairs(app, run);
-  add_view(app, run);
   add_medial(app, run);
   add_info(app, run);
   add_repair(app, run);
-#ifdef MORULA_HAS_ROBOT
-  add_robot(app, run);
-#endif
-  add_clump(app, run);
   add_paraview(app, run);
   add_formats(app, run);
   add_sample(app, run);
   add_convert(app, run);
-  add_demo(app, run);
-  add_study(app, run);
   add_batch(app, run);
+  for (const Extension& extension : extensions())
+    for (const auto add : extension.commands) add(app, run);
   add_completion(app, run);
 
   if (argc < 2) {

@@ -103,8 +103,11 @@ def reference(root: pathlib.Path, stub: pathlib.Path) -> str:
     robots = stub.with_name("robot.pyi")
     if robots.exists():
         found |= module_text(robots.read_text(encoding="utf-8"), "morula.robot.")
-    for module, path in (("display", "morula."), ("studies", "morula."), ("batch", "morula.batch."), ("plot", "morula.plot."), ("ipctk", "morula.ipctk.")):
-        source = (root / "python" / "morula" / f"{module}.py").read_text(encoding="utf-8")
+    for file, path in (
+        ("extras/page/python/pages.py", "morula."), ("extras/study/python/studies.py", "morula."), ("python/morula/batch.py", "morula.batch."),
+        ("python/morula/plot.py", "morula.plot."), ("python/morula/ipctk.py", "morula.ipctk."),
+    ):
+        source = (root / file).read_text(encoding="utf-8")
         names = public_names(source) or {"Page", "page"}
         found |= module_text(source, path, names)
     order = sorted(found, key=lambda name: (name.count("."), name.lower()))

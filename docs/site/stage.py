@@ -27,7 +27,7 @@ def main():
     for extra in ("mark.svg", "file_worker.js"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
-    pages = {f"docs/{p.name}": p.name for p in sorted((ROOT / "docs").glob("*.md"))}
+    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
     pages |= {p.name: p.name.lower() for p in sorted(ROOT.glob("*.md"))}
     sources, faults = {}, []
 
@@ -53,7 +53,7 @@ def main():
         """A link, whose text is the title of its page where it was the name of a file."""
         target = place(source, link)
         name = target.partition("#")[0]
-        if name in titles and re.fullmatch(r"(docs/)?\w+\.md", text):
+        if name in titles and re.fullmatch(r"([\w/.]+/)?\w+\.md", text):
             text = titles[name]
         return f"[{text}]({target})"
 

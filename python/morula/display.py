@@ -1,66 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""What notebooks show: a tree as a picture and a table, a page with a body in motion."""
+"""What notebooks show of a tree: a picture and a table."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 from . import _morula
 
-if TYPE_CHECKING:
-    from .typing import FloatArray, MeshLike, Rule
-
 _COLOURS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4aa8b5", "#c0564b", "#6b6f9c")
-
-
-class Page:
-    """One self-contained HTML page; a notebook shows it in place."""
-
-    def __init__(self, text: str) -> None:
-        self.html = text
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page, which any browser opens, offline: whole, or what was there stays."""
-        _morula._write_whole(path, self.html)  # type: ignore[attr-defined]  # stubs leave out private names
-
-    def _repr_html_(self) -> str:
-        import html
-
-        return (
-            f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:600px;border:0" sandbox="allow-scripts"></iframe>'
-        )
-
-
-def page(
-    mesh: MeshLike,
-    built: _morula.CoveredTree,
-    frames: FloatArray | None = None,
-    *,
-    rules: Sequence[Rule] = ("exact",),
-    title: str = "Morula",
-    measured: bool = False,
-) -> Page:
-    """The page of a body, its tree and, where frames (frames, vertices, 3) are given, their motion.
-
-    RuntimeError, with the remedy, where the package was built without the page.
-    """
-    if not _morula.has_page():
-        raise RuntimeError(f"no page: {_morula.why_no_page()}")
-    return Page(_morula.page_html(mesh, built, frames, rules=list(rules), title=title, measured=measured))
-
-
-def page_of_scenes(scenes: Sequence[_morula.PageScene], *, title: str = "Morula", study: str = "") -> Page:
-    """The page of several bodies, motions, trees or rules, of which the reader chooses one.
-
-    scenes: of `follow_motion()` or `show_spheres()`, or made from spheres as `PageScene`. study: the text of a study.json.
-    RuntimeError, with the remedy, where the package was built without the page.
-    """
-    if not _morula.has_page():
-        raise RuntimeError(f"no page: {_morula.why_no_page()}")
-    return Page(_morula.make_page(scenes, title=title, study=study))
 
 
 def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:

@@ -30,15 +30,11 @@ void bind_choices(nb::module_& m) {
   add("Reduction", names_of(all_reductions()));
   add("Optimiser", names_of(all_optimisers()));
   add("Rule", names_of(all_rules()));
-  std::vector<std::string> formats;
-  for (const ClumpFormat& format : clump_formats()) formats.emplace_back(format.name);
-  add("ClumpFormatName", formats);
   add("Axis", words_of(axis_choices));
   add("SignMethod", words_of(sign_method_choices));
   add("Priority", words_of(priority_choices));
   add("Features", words_of(feature_choices));
   add("RebuildThread", words_of(rebuild_thread_choices));
-  add("ClumpKind", words_of(clump_kind_choices));
   add("Weights", words_of(weight_choices));
   add("InnerCenter", words_of(inner_center_choices));
   add("InnerBoxes", words_of(inner_box_choices));

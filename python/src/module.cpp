@@ -82,6 +82,7 @@ NB_MODULE(_morula, m) {
   bind_shapes(m);
   bind_power_diagram(m);
   bind_accuracy(m);
+  bind_mass(m);
   bind_contacts(m);
   bind_collider(m);
   bind_contact_query(m);
@@ -100,21 +101,13 @@ NB_MODULE(_morula, m) {
   bind_obstacles(m);
   bind_solids(m);
   bind_topology(m);
-  bind_grains(m);
   bind_io(m);
   bind_streams(m);
   bind_files(m);
-#ifdef MORULA_PYTHON_ROBOT
-  bind_robots(m);
-#endif
-  bind_page(m);
+  bind_extras(m);
 #ifdef MORULA_PYTHON_COMMAND
-#ifdef MORULA_PYTHON_PAGE
-  bind_pages_together(m);
-#endif
   bind_command(m);
   bind_batch(m);
-  bind_study(m);
 #endif
   name_arguments(m);
 }

@@ -18,6 +18,8 @@ import pytest
 
 import morula
 
+needs_study = pytest.mark.skipif(not hasattr(morula, "study"), reason="this package was built without the study")
+
 options = {"method": "octree", "depth": 2}
 small_study = {"quick": True, "frames": 3, "resolution": 24, "branching": 4, "methods": ["octree", "grid"], "rules": ["exact", "fresh"]}
 
@@ -72,6 +74,7 @@ def cluster(tmp_path_factory):
         process.wait(60)
 
 
+@needs_study
 def test_a_study_on_dask_writes_the_same_bytes(cluster, tmp_path):
     client, _ = cluster
     mesh = morula.sample_body("limb", 8)
@@ -317,6 +320,7 @@ def test_the_table_as_parquet(expected):
         assert all(found[name] == row.get(name) for name in found) and found["name"] == row["name"]
 
 
+@needs_study
 def test_a_study_is_that_of_the_command(command, tmp_path):
     command("sample", "limb", "--resolution", "8", "-o", "body.obj")
     arguments = ["--quick", "--frames", "3", "--resolution", "24", "--branching", "4", "--methods", "octree,grid", "--rules", "exact,fresh"]
@@ -339,6 +343,7 @@ def test_a_study_is_that_of_the_command(command, tmp_path):
     assert 0 <= told[0][0] <= told[-1][0] <= 1
 
 
+@needs_study
 def test_a_study_says_what_is_wrong(tmp_path):
     mesh = morula.sample_body("limb", 6)
     with pytest.raises(ValueError, match="nonsense"):
@@ -355,6 +360,7 @@ def test_a_study_says_what_is_wrong(tmp_path):
         morula.study(mesh, progress=stop, **small_study)
 
 
+@needs_study
 def test_a_study_on_any_executor_is_the_same(tmp_path):
     mesh = morula.sample_body("limb", 8)
     with concurrent.futures.ProcessPoolExecutor(2) as executor:

@@ -77,8 +77,8 @@ for pair in scene.pairs():
     deepest = max(deepest, float(pair.contacts.depth.max()))
 query = morula.ProximityQuery(distance=0.1, budget=1000)
 open_facets = [of_a.tolist() for of_a, of_b in query.open()]
-verdict: str = morula.study(mesh, quick=True).verdict("exact-covers")
-''',
+'''
+        + ('verdict: str = morula.study(mesh, quick=True).verdict("exact-covers")\n' if hasattr(morula, "study") else ""),
         encoding="utf-8",
     )
     (tmp_path / "wrong.py").write_text("import morula\nmorula.build(3, dept=2)\n", encoding="utf-8")

@@ -144,12 +144,3 @@ def test_a_tree_shows_itself_in_a_notebook(built):
     shown = built._repr_html_()
     assert shown.count("<circle") == sum(len(built.level(level)) for level in range(built.level_count))
     assert "<table>" in shown and "grid" in shown
-
-
-def test_the_page_is_there_or_says_why(limb, built, motion):
-    if morula.has_page():
-        page = morula.page(limb, built, motion)
-        assert page.html.startswith("<!") and "srcdoc" in page._repr_html_()
-    else:
-        with pytest.raises(RuntimeError, match="MORULA_"):
-            morula.page(limb, built, motion)

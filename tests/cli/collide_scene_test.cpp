@@ -74,6 +74,7 @@ TEST(CollideScene, tells_the_contacts_of_every_two_bodies_frame_by_frame) {
 
 TEST(CollideScene, shows_bodies_and_contacts_on_a_page) {
   const SceneBench bench;
+  if (!has_extra("page")) return bench.expect_refused("collide --scene room.json --page room.html", "--page");
   if (!bench.has_page())
     return bench.expect_refused("collide --scene room.json --page room.html",
                                 "this morula was built without its page: ");

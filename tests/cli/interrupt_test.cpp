@@ -102,14 +102,14 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
   bench.require("deform limb.obj -o old --twist 30 --frames 3");
   const auto before = bench.listing();
   const std::filesystem::path err = bench.folder().string() + ".err";
-  const std::vector<std::vector<std::string>> commands{
+  std::vector<std::vector<std::string>> commands{
       {"deform", "limb.obj", "-o", "new", "--bend", "90", "--frames", "100000"},
       {"deform", "limb.obj", "-o", "new.npy", "--bend", "90", "--frames", "20000"},
       {"deform", "limb.obj", "-o", "motion.npy", "--bend", "90", "--frames", "20000"},
       {"update", "limb.obj", "limb.morula", "motion.npy", "-o", "spheres"},
       {"update", "limb.obj", "limb.morula", "motion.npy", "-o", "spheres.npz"},
-      {"demo", "--quick", "-o", "demo"},
   };
+  if (has_extra("study")) commands.push_back({"demo", "--quick", "-o", "demo"});
   const std::vector<std::pair<int, int>> signals{{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const auto [signal, code] = signals[i % signals.size()];
@@ -181,6 +181,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
 }
 
 TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
+  if (!has_extra("study")) GTEST_SKIP() << "the command was built without the study";
   const Workbench bench;
   bench.require("sample limb -o body.obj --resolution 8");
   const std::vector<std::string> arguments{"study",   "--quick",         "--mesh",    "body.obj",  "--frames",

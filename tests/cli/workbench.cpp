@@ -14,6 +14,22 @@
 #include <stdexcept>
 
 namespace morula::test {
+
+bool has_extra(const std::string& name) {
+  return std::string(MORULA_BUILT_EXTRAS).find(" " + name + " ") != std::string::npos;
+}
+
+bool has_all_extras() {
+  return has_extra("grains") && has_extra("page") && has_extra("robot") && has_extra("study");
+}
+
+bool has_command(const std::string& name) {
+  if (name == "clump") return has_extra("grains");
+  if (name == "view") return has_extra("page");
+  if (name == "demo" || name == "study") return has_extra("study");
+  return name != "robot" || has_extra("robot");
+}
+
 CommandResult Workbench::run(const std::string& arguments) const {
   return shell("\"$MORULA\" " + arguments);
 }
@@ -52,7 +68,8 @@ void Workbench::expect_refused(const std::string& arguments, const std::string& 
 }
 
 bool Workbench::has_page() const {
-  return run("view no.obj no.morula -o no.html").err.find("built without its page: ") == std::string::npos;
+  return has_extra("page") &&
+         run("view no.obj no.morula -o no.html").err.find("built without its page: ") == std::string::npos;
 }
 
 void Workbench::write(const std::string& name, const std::string& text) const {

@@ -11,6 +11,12 @@
 
 namespace morula::test {
 
+/// Whether the command was built with grains, page, robot or study.
+bool has_extra(const std::string& name);
+bool has_all_extras();
+/// Whether the command has this subcommand: those of extras are there where these were built.
+bool has_command(const std::string& name);
+
 struct CommandResult {
   int exit_code = -1;
   std::string out;

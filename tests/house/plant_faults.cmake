@@ -56,7 +56,23 @@ file(WRITE "${FOLDER}/src/update/attic/old.hpp" "${licence}#include \"update/poi
 file(WRITE "${FOLDER}/src/novelty/new.cpp" "${licence}")
 file(WRITE "${FOLDER}/apps/morula/private.cpp" "${licence}#include <tree/region.hpp>\n")
 file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${licence}#include \"../../src/tree/region.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/product.cpp" "${licence}#include <morula/robot/fit.hpp>\n")
+file(WRITE "${FOLDER}/extras/grains/src/clump.cpp" "${licence}#include <morula/page/page.hpp>\n#include <morula/tree/cover.hpp>\n")
+file(WRITE "${FOLDER}/extras/page/src/page.cpp" "${licence}#include <toolbox/csv.hpp>\n#include \"update/body_state.hpp\"\n")
+file(WRITE "${FOLDER}/extras/study/include/morula/study/study.hpp" "${licence}#include <toolbox/csv.hpp>\n")
+file(WRITE "${FOLDER}/extras/robot/src/fit/fit.hpp" "${licence}")
+file(WRITE "${FOLDER}/extras/robot/src/read/urdf.cpp" "${licence}#include \"fit/fit.hpp\"\n")
+file(WRITE "${FOLDER}/toolbox/csv.hpp" "${licence}#include <morula/tree/cover.hpp>\n")
+file(WRITE "${FOLDER}/apps/morula/product.cpp" "${licence}#include <morula/page/page.hpp>\n")
 run(check_layers fails
+  "src/update/product.cpp includes <morula/robot/fit.hpp>: there is no folder robot in the library"
+  "extras/grains/src/clump.cpp includes <morula/page/page.hpp>: the extra grains does not use page"
+  "extras/page/src/page.cpp includes <toolbox/csv.hpp>: the extra page does not use toolbox"
+  "extras/page/src/page.cpp includes \"update/body_state.hpp\": extras include private headers of"
+  "extras/study/include/morula/study/study.hpp includes <toolbox/csv.hpp>: toolbox is private"
+  "extras/robot/src/read/urdf.cpp includes \"fit/fit.hpp\": wings include themselves"
+  "toolbox/csv.hpp includes <morula/tree/cover.hpp>: toolbox includes nothing of the library"
+  "apps/morula/product.cpp includes <morula/page/page.hpp>: what an extra adds stands in extras/page/command"
   "include/morula/tree/cover.hpp includes <morula/generators/build.hpp>: generators is not below tree"
   "src/update/sideways.cpp includes <morula/accuracy/measure.hpp>: accuracy is not below update"
   "include/morula/geometry/private.hpp includes \"geometry/hash.hpp\": a public header may include public"
@@ -67,7 +83,7 @@ run(check_layers fails
   "src/novelty/new.cpp: the folder novelty has no height"
   "apps/morula/private.cpp includes <tree/region.hpp>: a private header"
   "tests/consumer/path.cpp includes \"../../src/tree/region.hpp\": a private header"
-  "10 includes break the layers")
+  "18 includes break the layers")
 
 file(WRITE "${FOLDER}/src/tree/named.cpp" "${licence}// See gone.hpp [and] update/region.hpp; then\nint x;  // of src/attic/x\n")
 file(WRITE "${FOLDER}/src/tree/named.inl" "${licence}/// As lost.cpp has it.\n")

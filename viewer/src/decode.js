@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Reads what src/page/page.cpp wrote; docs/view.md describes it. No page and no drawing in here: tests run it alone.
+// Reads what extras/page/src/page.cpp wrote; extras/page/docs/view.md describes it. No page and no drawing in here: tests run it alone.
 
 /** What is wrong with the file, in words for the reader. */
 export class PageError extends Error {}

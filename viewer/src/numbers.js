@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Numbers for people: as src/study/numbers.cpp writes them.
+// Numbers for people: as toolbox/numbers.cpp writes them.
 
 export function figure(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';

@@ -8,9 +8,9 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <morula/io/csv.hpp>
 #include <stdexcept>
 #include <string_view>
+#include <toolbox/csv.hpp>
 
 #include "batch/bytes.hpp"
 #include "batch/manifest.hpp"
@@ -101,7 +101,7 @@ void judge_end(Json& result, const ProcessEnd& end, const BatchTask& task, const
 }
 
 std::string cell(const Json& value) {
-  return value.is_null() ? "" : csv_cell(value.is_string() ? value.get<std::string>() : json_text(value, -1));
+  return value.is_null() ? "" : toolbox::csv_cell(value.is_string() ? value.get<std::string>() : json_text(value, -1));
 }
 
 // The path of a JSON member, and back: names of files need not be UTF-8.
@@ -246,7 +246,7 @@ BatchTables batch_tables(const std::vector<TableRow>& rows, const std::map<std::
     const Json line = table_line(row, results, no_trees);
     ++tables.statuses[line["status"].get<std::string>()];
     tables.jsonl += json_text(line, -1) + "\n";
-    const std::string begin = csv_cell(row.name) + "," + row.key;
+    const std::string begin = toolbox::csv_cell(row.name) + "," + row.key;
     tables.csv += begin;
     for (const char* column : columns) tables.csv += "," + (line.contains(column) ? cell(line[column]) : "");
     tables.csv += "," + (line.contains("tree") ? cell(line["tree"]) : "") + "\n";

@@ -220,7 +220,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   BuildOptions options = build_options(o);
   Workers workers = make_workers(o.threads);
 
-  Stopwatch watch;
+  toolbox::Stopwatch watch;
   Seconds seconds{};
   const Mesh mesh = load_mesh(o.mesh);
   const std::optional<Motion> motion = open_motion(o, mesh);

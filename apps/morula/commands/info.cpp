@@ -10,8 +10,8 @@
 #include <morula/io/ball_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
-#include <morula/parallel/stopwatch.hpp>
 #include <morula/tree/nesting.hpp>
+#include <toolbox/stopwatch.hpp>
 
 #include "shared/command.hpp"
 #include "shared/figures.hpp"

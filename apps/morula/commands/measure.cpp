@@ -8,11 +8,11 @@
 #include <memory>
 #include <morula/accuracy/measure.hpp>
 #include <morula/io/ball_file.hpp>
-#include <morula/io/csv.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <toolbox/csv.hpp>
 
 #include "commands/measure_table.hpp"
 #include "shared/command.hpp"
@@ -177,11 +177,11 @@ std::string csv_text(const std::vector<MeasuredFrame>& frames, bool with_sampled
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
   for (const MeasuredFrame& frame : frames) {
     for (const LevelMeasure& l : frame.levels) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(frame.name), csv_cell(frame.tree), l.level,
-                          l.spheres, digits(l.looseness.looseness), digits(l.looseness.missed_volume),
-                          exact_digits(l.coverage.bare_area), exact_digits(l.coverage.gap),
-                          exact_digits(l.coverage.gap_upper), l.coverage.covered ? "yes" : "no",
-                          l.protrusion ? exact_digits(l.protrusion->worst) : "",
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", toolbox::csv_cell(frame.name),
+                          toolbox::csv_cell(frame.tree), l.level, l.spheres, digits(l.looseness.looseness),
+                          digits(l.looseness.missed_volume), exact_digits(l.coverage.bare_area),
+                          exact_digits(l.coverage.gap), exact_digits(l.coverage.gap_upper),
+                          l.coverage.covered ? "yes" : "no", l.protrusion ? exact_digits(l.protrusion->worst) : "",
                           l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
       if (l.sampled) {
         const SampledFit& s = *l.sampled;

@@ -140,13 +140,13 @@ std::string sampled_table(const std::vector<MeasuredFrame>& frames) {
   return table.text();
 }
 
-study::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames) {
+toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
-  study::Plot plot{.title = title, .x_label = frames.size() > 1 ? "frame" : "level", .panels = {}};
+  toolbox::Plot plot{.title = title, .x_label = frames.size() > 1 ? "frame" : "level", .panels = {}};
   // As in the table, the root is left out where there is more.
   const std::size_t first = worst.size() > 1 ? 1 : 0;
   const auto add = [&](const std::string& name, const std::string& unit, const auto& figure_of) {
-    study::PlotPanel panel{.label = name + ", " + unit, .lines = {}};
+    toolbox::PlotPanel panel{.label = name + ", " + unit, .lines = {}};
     Values values;
     for (std::size_t level = first; level < worst.size(); ++level) {
       if (frames.size() > 1)

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <morula/accuracy/measure.hpp>
-#include <morula/study/svg_plot.hpp>
 #include <string>
+#include <toolbox/svg_plot.hpp>
 #include <vector>
 
 #include "shared/report.hpp"
@@ -26,7 +26,7 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
 /// A row per frame and level that has them: cuRobo's figures.
 std::string sampled_table(const std::vector<MeasuredFrame>& frames);
 /// Looseness, and bare area where there is any: over the frames, or of one frame over the levels.
-study::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames);
+toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames);
 /// Whether surface is bare, at which levels and how much, in one line.
 std::string cover_sentence(const std::vector<LevelMeasure>& worst);
 Json frames_json(const std::vector<MeasuredFrame>& frames);

@@ -54,7 +54,7 @@ int medial_command(const MedialArguments& o) {
   require_not_input(o.output, {o.mesh});
   Workers workers = make_workers(o.threads);
 
-  Stopwatch watch;
+  toolbox::Stopwatch watch;
   const Mesh mesh = load_mesh(o.mesh);
   const double read_seconds = watch.lap();
   const MedialBalls medial = medial_balls(o, mesh, workers);

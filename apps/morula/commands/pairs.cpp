@@ -7,14 +7,14 @@
 #include <iterator>
 #include <memory>
 #include <morula/geometry/connectivity.hpp>
-#include <morula/io/csv.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
-#include <morula/parallel/stopwatch.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
 #include <optional>
+#include <toolbox/csv.hpp>
+#include <toolbox/stopwatch.hpp>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -62,7 +62,7 @@ Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& res
 
 template <class Query>
 Found ask(Query& query, const SurfaceTree& tree, Workers& workers) {
-  Stopwatch watch;
+  toolbox::Stopwatch watch;
   Found found;
   found.status = query.run(tree, workers);
   found.microseconds = 1e6 * watch.lap();

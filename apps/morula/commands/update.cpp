@@ -98,14 +98,14 @@ void add_growth(Outcome& outcome, const SphereTree& rest, const Body& body) {
   }
 }
 
-study::Plot update_plot(const UpdateArguments& o, const Outcome& outcome) {
-  study::Plot plot{.title = fmt::format("{}: spheres in motion", o.tree), .x_label = "frame", .panels = {}};
-  study::PlotPanel growth{.label = "radii, of those at rest", .lines = {}};
+toolbox::Plot update_plot(const UpdateArguments& o, const Outcome& outcome) {
+  toolbox::Plot plot{.title = fmt::format("{}: spheres in motion", o.tree), .x_label = "frame", .panels = {}};
+  toolbox::PlotPanel growth{.label = "radii, of those at rest", .lines = {}};
   for (std::size_t level = outcome.growth.size() > 1 ? 1 : 0; level < outcome.growth.size(); ++level)
     growth.lines.push_back(line_over_frames(fmt::format("level {}", level), outcome.growth[level], level));
   plot.panels.push_back(std::move(growth));
   if (o.measure) {
-    for (study::PlotPanel& panel : measure_plot({}, outcome.measured).panels) plot.panels.push_back(std::move(panel));
+    for (toolbox::PlotPanel& panel : measure_plot({}, outcome.measured).panels) plot.panels.push_back(std::move(panel));
     if (outcome.measured.size() == 1) plot.panels.resize(1);
   }
   std::vector<std::optional<double>> times(outcome.microseconds.begin(), outcome.microseconds.end());
@@ -139,7 +139,7 @@ Outcome update_frames(const UpdateArguments& o, const Mesh& rest, const SphereTr
   for (std::size_t i = 0; i < frames.count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.count()));
     const std::vector<Vec3>& positions = frames.load(i, mover.body(), workers);
-    Stopwatch watch;
+    toolbox::Stopwatch watch;
     outcome.last = mover.update(frames, positions, workers);
     outcome.microseconds.push_back(1e6 * watch.lap());
     if (!outcome.last) {

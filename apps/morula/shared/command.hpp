@@ -54,18 +54,13 @@ void add_deform(CLI::App& app, Run& run);
 void add_update(CLI::App& app, Run& run);
 void add_collide(CLI::App& app, Run& run);
 void add_pairs(CLI::App& app, Run& run);
-void add_view(CLI::App& app, Run& run);
 void add_medial(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_repair(CLI::App& app, Run& run);
-void add_robot(CLI::App& app, Run& run);
-void add_clump(CLI::App& app, Run& run);
 void add_paraview(CLI::App& app, Run& run);
 void add_formats(CLI::App& app, Run& run);
 void add_sample(CLI::App& app, Run& run);
 void add_convert(CLI::App& app, Run& run);
-void add_demo(CLI::App& app, Run& run);
-void add_study(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
 void add_batch(CLI::App& app, Run& run);
 

@@ -301,8 +301,8 @@ Vec3 parse_vector(std::string_view option, const std::string& text) {
   return v;
 }
 
-study::SphOrigin parse_sph_origin(const std::string& text) {
-  using Kind = study::SphOrigin::Kind;
+SphOrigin parse_sph_origin(const std::string& text) {
+  using Kind = SphOrigin::Kind;
   if (text == "none") return {};
   if (text == "bbox-center") return {Kind::box_center, {}};
   if (text.find(',') == std::string::npos) {
@@ -312,10 +312,10 @@ study::SphOrigin parse_sph_origin(const std::string& text) {
 }
 
 ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh) {
-  const study::SphOrigin origin = parse_sph_origin(text);
-  if (origin.kind != study::SphOrigin::Kind::box_center) return {.sph_origin = origin.point};
+  const SphOrigin origin = parse_sph_origin(text);
+  if (origin.kind != SphOrigin::Kind::box_center) return {.sph_origin = origin.point};
   if (mesh == nullptr) throw UsageError("--sph-origin bbox-center needs the mesh: add --mesh MESH");
-  return {.sph_origin = origin.of(*mesh)};
+  return {.sph_origin = bounding_box(*mesh).center()};
 }
 
 }  // namespace morula::cli

@@ -9,7 +9,6 @@
 #include <morula/generators/build.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/parallel/workers.hpp>
-#include <morula/study/plan.hpp>
 #include <morula/update/rules.hpp>
 #include <optional>
 #include <string>
@@ -67,8 +66,14 @@ void require_position_rules(const std::vector<Rule>& rules);
 RuleOptions parse_rule_details(const RuleDetailNames& names);
 /// "x,y,z".
 Vec3 parse_vector(std::string_view option, const std::string& text);
+/// Where the origin of a .sph file is: its coordinates are relative to it.
+struct SphOrigin {
+  enum class Kind { none, box_center, point };
+  Kind kind = Kind::none;
+  Vec3 point{0, 0, 0};  ///< of `point`
+};
 /// "none", "bbox-center" or "x,y,z".
-study::SphOrigin parse_sph_origin(const std::string& text);
+SphOrigin parse_sph_origin(const std::string& text);
 /// none, bbox-center (of `mesh`, without which it is refused) or "x,y,z".
 ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh);
 

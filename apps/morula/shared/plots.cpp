@@ -27,15 +27,15 @@ void require_plot_output(const std::string& path, const std::vector<std::filesys
   require_not_input(path, inputs);
 }
 
-void write_plot(const std::string& path, const study::Plot& plot) {
+void write_plot(const std::string& path, const toolbox::Plot& plot) {
   if (path.empty()) return;
-  write_whole(path, study::svg_plot(plot));
+  write_whole(path, toolbox::svg_plot(plot));
   note_written(path);
 }
 
-study::PlotLine line_over_frames(std::string name, std::vector<std::optional<double>> values, std::size_t color) {
+toolbox::PlotLine line_over_frames(std::string name, std::vector<std::optional<double>> values, std::size_t color) {
   constexpr std::size_t palette = 8;
-  study::PlotLine line{.name = std::move(name), .x = {}, .y = std::move(values)};
+  toolbox::PlotLine line{.name = std::move(name), .x = {}, .y = std::move(values)};
   line.color = static_cast<int>(color % palette);
   for (std::size_t i = 0; i < line.y.size(); ++i) line.x.push_back(static_cast<double>(i));
   return line;

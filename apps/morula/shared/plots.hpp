@@ -4,9 +4,9 @@
 #pragma once
 
 #include <filesystem>
-#include <morula/study/svg_plot.hpp>
 #include <optional>
 #include <string>
+#include <toolbox/svg_plot.hpp>
 #include <vector>
 
 #include "shared/command.hpp"
@@ -18,10 +18,10 @@ void add_plot(CLI::App& command, std::string& path, const std::string& what);
 /// Before any work. Throws UsageError unless `path` is empty, or an .svg that can be written and is no input.
 void require_plot_output(const std::string& path, const std::vector<std::filesystem::path>& inputs);
 /// Writes the plot and remembers it as written; nothing for an empty path.
-void write_plot(const std::string& path, const study::Plot& plot);
+void write_plot(const std::string& path, const toolbox::Plot& plot);
 
 /// A line over frames 0, 1, …; nothing where there is no value.
-study::PlotLine line_over_frames(std::string name, std::vector<std::optional<double>> values, std::size_t color);
+toolbox::PlotLine line_over_frames(std::string name, std::vector<std::optional<double>> values, std::size_t color);
 
 /// "▁▂▅█": values from 0 to their largest, in at most `width` characters, each the largest of its share of the values.
 std::string sparkline(const std::vector<std::optional<double>>& values, std::size_t width = 24);

@@ -4,9 +4,9 @@
 #pragma once
 
 #include <chrono>
-#include <morula/parallel/stopwatch.hpp>
 #include <optional>
 #include <string>
+#include <toolbox/stopwatch.hpp>
 
 namespace morula::cli {
 

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <initializer_list>
-#include <morula/grains/clump.hpp>
 #include <morula/morula.hpp>
 #include <utility>
 
@@ -24,7 +23,6 @@ inline constexpr Choices<ObstacleFeatures> feature_choices{{"vertices", Obstacle
                                                            {"facets", ObstacleFeatures::facets}};
 inline constexpr Choices<RebuildThread> rebuild_thread_choices{
     {"background", RebuildThread::background}, {"caller", RebuildThread::caller}, {"none", RebuildThread::none}};
-inline constexpr Choices<ClumpKind> clump_kind_choices{{"cover", ClumpKind::cover}, {"inner", ClumpKind::inner}};
 inline constexpr Choices<RuleOptions::Weights> weight_choices{
     {"uniform", RuleOptions::Weights::uniform},
     {"inverse_distance", RuleOptions::Weights::inverse_distance},

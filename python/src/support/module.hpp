@@ -12,17 +12,16 @@ void bind_batch(nanobind::module_& m);
 void bind_build(nanobind::module_& m);
 void bind_choices(nanobind::module_& m);
 void bind_command(nanobind::module_& m);
+void bind_extras(nanobind::module_& m);
 void bind_files(nanobind::module_& m);
-void bind_grains(nanobind::module_& m);
 void bind_io(nanobind::module_& m);
+void bind_mass(nanobind::module_& m);
 void bind_meshes(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_power_diagram(nanobind::module_& m);
-void bind_robots(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
 void bind_solids(nanobind::module_& m);
 void bind_streams(nanobind::module_& m);
-void bind_study(nanobind::module_& m);
 void bind_topology(nanobind::module_& m);
 
 // collide
@@ -34,10 +33,6 @@ void bind_distance(nanobind::module_& m);
 void bind_inside(nanobind::module_& m);
 void bind_rays(nanobind::module_& m);
 void bind_touch(nanobind::module_& m);
-
-// page
-void bind_page(nanobind::module_& m);
-void bind_pages_together(nanobind::module_& m);
 
 // scene
 void bind_broad_phase(nanobind::module_& m);

@@ -14,11 +14,11 @@
 
 #include "commands/collide/bodies.hpp"
 #include "commands/collide/features.hpp"
-#include "commands/collide/page.hpp"
 #include "commands/collide/report.hpp"
 #include "commands/collide/scene.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/extension.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
 #include "shared/plots.hpp"
@@ -94,7 +94,7 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   CollidedFrame result{.name_a = a.frame_name(frame), .name_b = b.frame_name(frame)};
   // The first call of all makes memory: not what a frame costs.
   if (frame == 0) require_good(query.start(workers));
-  Stopwatch watch;
+  toolbox::Stopwatch watch;
   const ContactStatus status = o.carry && frame > 0 ? query.carry(workers) : query.start(workers);
   result.microseconds = 1e6 * watch.lap();
   require_good(status);
@@ -191,7 +191,8 @@ int collide_command(const CollideArguments& o) {
     require_not_input(o.output, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   }
   require_plot_output(o.plot, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
-  require_page(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
+  if (!o.page.empty())
+    collide_views().require(o.page, {o.a.mesh, o.a.tree, o.a.motion, o.b.mesh, o.b.tree, o.b.motion});
   Workers workers = make_workers(o.threads);
   Side a(o.a, o.sph_origin, workers), b(o.b, o.sph_origin, workers);
   a.prepare(rules, workers);
@@ -205,19 +206,18 @@ int collide_command(const CollideArguments& o) {
 
   CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
-  std::optional<CollidePage> page;
-  if (!o.page.empty()) page.emplace(stem(a) + " and " + stem(b), std::vector{&a.collider(), &b.collider()}, o.rule);
+  std::unique_ptr<CollideView> view;
+  if (!o.page.empty()) view = collide_views().make(stem(a) + " and " + stem(b), {&a.collider(), &b.collider()}, o.rule);
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
       progress.update(static_cast<double>(frame) / static_cast<double>(count));
       frames.push_back(collide_frame(o, a, b, frame, query, crossed, workers));
-      if (page) {
+      if (view) {
         const CollidedFrame& found = frames.back();
-        std::vector<PageContact> marks;
-        add_marks(found.contacts, found.surfaces, marks);
-        page->add(found.name_a + ", " + found.name_b, std::move(marks));
+        view->mark(found.contacts, found.surfaces);
+        view->end_frame(found.name_a + ", " + found.name_b);
       }
     }
   }
@@ -225,8 +225,8 @@ int collide_command(const CollideArguments& o) {
     write_whole(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
     note_written(o.output);
   }
-  if (page) {
-    write_whole(o.page, page->text());
+  if (view) {
+    write_whole(o.page, view->text());
     note_written(o.page);
   }
   const CollideRun run{.mesh_a = a.name(),
@@ -302,8 +302,10 @@ void add_collide(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
       ->type_name("FILE");
-  add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
-      ->type_name("PAGE");
+  if (collide_views()) {
+    add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
+        ->type_name("PAGE");
+  }
   add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

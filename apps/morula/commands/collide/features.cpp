@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <iterator>
-#include <morula/io/csv.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
-#include <morula/parallel/stopwatch.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
+#include <toolbox/csv.hpp>
+#include <toolbox/stopwatch.hpp>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -108,7 +108,7 @@ int collide_features(const FeatureRun& run) {
       if (b) b->move_to(i, workers);
       for (const Asked& who : asked) {
         const auto ask = [&](auto& query) {
-          Stopwatch watch;
+          toolbox::Stopwatch watch;
           const SurfaceQueryStatus status =
               who.a == who.b ? query.run(who.a->tree(), workers) : query.run(who.a->tree(), who.b->tree(), workers);
           frame.microseconds += 1e6 * watch.lap();

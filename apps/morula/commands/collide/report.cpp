@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <iterator>
-#include <morula/io/csv.hpp>
-#include <morula/parallel/stopwatch.hpp>
+#include <toolbox/csv.hpp>
+#include <toolbox/stopwatch.hpp>
 
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
@@ -57,7 +57,7 @@ std::string surface_point_csv(const SurfacePoint& p) {
 }
 
 std::string frame_cells(const CollidedFrame& frame) {
-  return csv_cell(frame.name_a) + ',' + csv_cell(frame.name_b);
+  return toolbox::csv_cell(frame.name_a) + ',' + toolbox::csv_cell(frame.name_b);
 }
 
 }  // namespace
@@ -113,8 +113,8 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
   return text;
 }
 
-study::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames) {
-  study::Plot plot{.title = fmt::format("{} and {}", run.mesh_a, run.mesh_b), .x_label = "frame", .panels = {}};
+toolbox::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames) {
+  toolbox::Plot plot{.title = fmt::format("{} and {}", run.mesh_a, run.mesh_b), .x_label = "frame", .panels = {}};
   const auto add = [&](const std::string& name, const std::string& unit, const auto& figure_of) {
     std::vector<std::optional<double>> values;
     for (const CollidedFrame& frame : frames) values.push_back(static_cast<double>(figure_of(frame)));

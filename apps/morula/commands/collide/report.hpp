@@ -5,8 +5,8 @@
 
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
-#include <morula/study/svg_plot.hpp>
 #include <string>
+#include <toolbox/svg_plot.hpp>
 #include <vector>
 
 #include "shared/report.hpp"
@@ -36,7 +36,7 @@ struct CollideRun {
 
 std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 /// Contacts, their greatest depth and pair tests over the frames; with --exact, pairs of facets.
-study::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames);
+toolbox::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 std::string contacts_csv(const std::vector<CollidedFrame>& frames);
 std::string crossings_csv(const std::vector<CollidedFrame>& frames);

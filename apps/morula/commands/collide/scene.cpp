@@ -9,17 +9,17 @@
 #include <map>
 #include <memory>
 #include <morula/generators/build.hpp>
-#include <morula/io/csv.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/whole_output.hpp>
-#include <morula/parallel/stopwatch.hpp>
 #include <optional>
+#include <toolbox/csv.hpp>
+#include <toolbox/stopwatch.hpp>
 
-#include "commands/collide/page.hpp"
 #include "commands/collide/scene_file.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/extension.hpp"
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
@@ -162,8 +162,8 @@ std::string scene_csv(const SceneRun& run, const Members& members, const std::ve
   };
   for (std::size_t i = 0; i < frames.size(); ++i)
     for (const PairRow& pair : frames[i].pairs) {
-      const std::string begin = fmt::format("{},{},{},{}", i, csv_cell(members[pair.a]->file().name),
-                                            csv_cell(members[pair.b]->file().name), pair.id);
+      const std::string begin = fmt::format("{},{},{},{}", i, toolbox::csv_cell(members[pair.a]->file().name),
+                                            toolbox::csv_cell(members[pair.b]->file().name), pair.id);
       if (run.options.exact) {
         for (const Crossing& c : pair.crossings) fmt::format_to(out, "{},{},{}\n", begin, c.facet_a, c.facet_b);
         continue;
@@ -258,7 +258,7 @@ int collide_scene(const SceneRun& run) {
       require_output_place(run.output);
       require_not_input(run.output, inputs);
     }
-    require_page(run.page, inputs);
+    if (!run.page.empty()) collide_views().require(run.page, inputs);
   }
   Workers workers = make_workers(run.threads);
   const Members members = read_members(run, files, workers);
@@ -271,26 +271,25 @@ int collide_scene(const SceneRun& run) {
     count = std::max(count, members[i]->frame_count());
   }
   std::vector<SceneFrame> frames;
-  std::optional<CollidePage> page;
+  std::unique_ptr<CollideView> view;
   if (!run.page.empty()) {
     std::vector<const Collider*> colliders;
     for (const auto& member : members) colliders.push_back(&member->collider());
-    page.emplace(std::filesystem::path(run.file).stem().string(), std::move(colliders), run.rule);
+    view = collide_views().make(std::filesystem::path(run.file).stem().string(), std::move(colliders), run.rule);
   }
   {
     Progress progress("colliding");
     for (std::size_t frame = 0; frame < count; ++frame) {
       progress.update(static_cast<double>(frame) / static_cast<double>(count));
       for (const auto& member : members) member->move_to(frame, workers);
-      Stopwatch watch;
+      toolbox::Stopwatch watch;
       const SceneStatus status = scene.update(workers);
       const double microseconds = 1e6 * watch.lap();
       if (!status) throw UsageError(message(status));
       frames.push_back(frame_of(scene, status, microseconds));
-      if (page) {
-        std::vector<PageContact> marks;
-        for (const PairRow& pair : frames.back().pairs) add_marks(pair.contacts, pair.surfaces, marks);
-        page->add(fmt::format("frame {}", frame), std::move(marks));
+      if (view) {
+        for (const PairRow& pair : frames.back().pairs) view->mark(pair.contacts, pair.surfaces);
+        view->end_frame(fmt::format("frame {}", frame));
       }
     }
   }
@@ -298,8 +297,8 @@ int collide_scene(const SceneRun& run) {
     write_whole(run.output, scene_csv(run, members, frames));
     note_written(run.output);
   }
-  if (page) {
-    write_whole(run.page, page->text());
+  if (view) {
+    write_whole(run.page, view->text());
     note_written(run.page);
   }
   if (run.json) {

@@ -1,0 +1,485 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <morula/accuracy/coverage.hpp>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/geometry/box.hpp>
+#include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/geometry/inspect.hpp>
+#include <morula/query/signed_distance.hpp>
+#include <morula/robot/fit.hpp>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+
+#include "fit/budget.hpp"
+#include "fit/clip.hpp"
+#include "fit/inner.hpp"
+#include "fit/rounding.hpp"
+
+namespace morula::robot {
+
+namespace {
+
+constexpr std::size_t most_spheres_for_radius = 256;
+
+void require_sense(const Robot& robot, const FitOptions& o) {
+  const auto require_link = [&](const std::string& name, const char* what) {
+    if (robot.find_link(name) == none)
+      throw std::invalid_argument(fmt::format("{}: the robot has no link {}", what, name));
+  };
+  for (const std::string& name : o.left_out) require_link(name, "left out");
+  for (const auto& [name, count] : o.link_spheres) {
+    require_link(name, "spheres");
+    if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
+  }
+  for (const auto& kept : o.kept) require_link(kept.first, "kept");
+  for (const auto& [name, planes] : o.clip) {
+    require_link(name, "clip");
+    for (const ClipPlane& plane : planes) {
+      if (!(std::abs(length(plane.normal) - 1) < 1e-9) || !(std::abs(plane.offset) < 1e30)) {
+        throw std::invalid_argument(fmt::format("clip: the normal of a plane of link {} is not of length 1", name));
+      }
+    }
+  }
+  const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
+  if (!in_range(o.padding) || !in_range(o.min_radius) || !in_range(o.max_radius) || !in_range(o.max_protrusion) ||
+      !in_range(o.max_protrusion_share) || !in_range(o.clip_margin) || !(o.density > 0 && o.density < 1e30)) {
+    throw std::invalid_argument("padding, radii, protrusion, margin and density are numbers not below 0");
+  }
+  if (o.max_radius > 0 && o.max_radius < o.min_radius) {
+    throw std::invalid_argument("the largest radius is below the smallest");
+  }
+  if (o.spheres == 0 && o.total == 0 && o.max_protrusion == 0 && o.max_protrusion_share == 0) {
+    throw std::invalid_argument("say how many spheres, or how far they may stick out");
+  }
+}
+
+/// Links whose shapes are the same.
+struct Group {
+  std::vector<std::size_t> members;  // of RobotSpheres::links
+  std::size_t budget = 0;            // of the mesh and the spheres beside it; 0: as many as max_protrusion needs
+};
+
+bool same_surface(const LinkSurface& a, const LinkSurface& b) {
+  return a.mesh.positions == b.mesh.positions && a.mesh.facets == b.mesh.facets && a.spheres == b.spheres;
+}
+
+/// Shapes that have the same inside where their surfaces together are the same. What two meshes enclose each by itself,
+/// a mesh of both may leave out.
+bool same_insides(const std::vector<Shape>& a, const std::vector<Shape>& b) {
+  const auto meshes = std::count_if(a.begin(), a.end(), [](const Shape& s) { return s.kind == Shape::Kind::mesh; });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Shape& s, const Shape& t) {
+    return s.kind == t.kind && (s.kind != Shape::Kind::mesh || meshes == 1 || s.file == t.file);
+  });
+}
+
+/// Calls f(i) for all i on the workers, the costliest first, and tells how far it is.
+template <class Cost, class F>
+void for_each_group(std::size_t count, const FitOptions& o, Workers& workers, const Cost& cost, const F& f) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost(a) > cost(b); });
+  double all = 0, done = 0;
+  for (std::size_t i = 0; i < count; ++i) all += 50 + static_cast<double>(cost(i));
+  std::mutex mutex;
+  workers.run(count, [&](std::size_t k) {
+    const std::string name = f(order[k]);
+    if (!o.progress) return;
+    const std::lock_guard lock(mutex);
+    done += 50 + static_cast<double>(cost(order[k]));
+    o.progress(done / all, name);
+  });
+}
+
+class Fitter {
+ public:
+  Fitter(const Robot& robot, const FitOptions& options, Workers& workers)
+      : robot_(robot), o_(options), workers_(workers) {}
+
+  RobotSpheres run() {
+    read_surfaces();
+    find_alike();
+    set_budgets();
+    for_each_group(
+        groups_.size(), o_, workers_, [&](std::size_t i) { return facets_of(i); },
+        [&](std::size_t i) {
+          fit(groups_[i]);
+          return name_of(result_.links[groups_[i].members[0]]);
+        });
+    for (LinkSpheres& link : result_.links) {
+      const std::optional<Inertial>& own = robot_.links[link.link].inertial;
+      link.figures.mass = own && own->mass > 0 ? own->mass : o_.density * link.figures.solid.volume;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  const std::string& name_of(const LinkSpheres& link) const { return robot_.links[link.link].name; }
+  std::size_t facets_of(std::size_t group) const {
+    return result_.links[groups_[group].members[0]].surface.mesh.facet_count();
+  }
+
+  void read_surfaces() {
+    result_.visual = o_.visual;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const Link& link = robot_.links[i];
+      if (shapes_of(link).empty() || o_.left_out.count(link.name) != 0) continue;
+      LinkSpheres spheres;
+      spheres.link = i;
+      result_.links.push_back(std::move(spheres));
+    }
+    workers_.run(result_.links.size(), [&](std::size_t i) {
+      const Link& link = robot_.links[result_.links[i].link];
+      LinkSurface& surface = result_.links[i].surface;
+      surface = surface_of(robot_.file, shapes_of(link));
+      if (const std::vector<ClipPlane>& planes = planes_of(result_.links[i]); !planes.empty()) {
+        std::vector<std::string> notes = std::move(surface.notes);
+        surface = clipped(surface, planes, o_.clip_margin);
+        surface.notes = std::move(notes);
+        if (o_.clip_margin > 0 && o_.kept.count(link.name) == 0) require_margin(link, surface.mesh, planes);
+      }
+    });
+    for (LinkSpheres& link : result_.links) {
+      for (const std::string& note : link.surface.notes) {
+        result_.notes.push_back(fmt::format("link {}: {}", name_of(link), note));
+      }
+    }
+    std::erase_if(result_.links, [&](const LinkSpheres& link) {
+      if (!link.surface.empty()) return false;
+      result_.notes.push_back(
+          planes_of(link).empty()
+              ? fmt::format("link {} has shapes without a facet: it gets no spheres", name_of(link))
+              : fmt::format("link {} lies beyond its clip planes: it gets no spheres", name_of(link)));
+      return true;
+    });
+  }
+
+  const std::vector<Shape>& shapes_of(const Link& link) const { return o_.visual ? link.visual : link.collision; }
+  const std::vector<ClipPlane>& planes_of(const LinkSpheres& link) const {
+    static const std::vector<ClipPlane> none_of_them;
+    const auto found = o_.clip.find(name_of(link));
+    return found == o_.clip.end() ? none_of_them : found->second;
+  }
+
+  bool stands_alone(const LinkSpheres& link) const {
+    const std::string& name = name_of(link);
+    return o_.kept.count(name) != 0 || o_.link_spheres.count(name) != 0 || o_.clip.count(name) != 0;
+  }
+
+  void find_alike() {
+    for (std::size_t i = 0; i < result_.links.size(); ++i) {
+      LinkSpheres& link = result_.links[i];
+      const auto same = [&](const Group& group) {
+        const LinkSpheres& first = result_.links[group.members[0]];
+        return !stands_alone(link) && !stands_alone(first) && same_surface(first.surface, link.surface) &&
+               (o_.inner == 0 || same_insides(shapes_of(robot_.links[first.link]), shapes_of(robot_.links[link.link])));
+      };
+      const auto found = std::find_if(groups_.begin(), groups_.end(), same);
+      if (found == groups_.end()) {
+        groups_.push_back({{i}, 0});
+      } else {
+        link.alike = result_.links[found->members[0]].link;
+        found->members.push_back(i);
+      }
+    }
+  }
+
+  void set_budgets() {
+    for (Group& group : groups_) group.budget = o_.spheres;
+    if (o_.total != 0) share_total();
+    for (Group& group : groups_) {
+      const auto own = o_.link_spheres.find(name_of(result_.links[group.members[0]]));
+      if (own != o_.link_spheres.end()) group.budget = own->second;
+    }
+  }
+
+  void share_total() {
+    std::vector<Demand> demands(groups_.size());
+    for_each_group(
+        groups_.size(), o_, workers_, [&](std::size_t i) { return facets_of(i); },
+        [&](std::size_t i) {
+          const LinkSpheres& link = result_.links[groups_[i].members[0]];
+          demands[i] = demand(link);
+          demands[i].links = groups_[i].members.size();
+          return name_of(link);
+        });
+    const std::vector<std::size_t> counts = share_out(demands, o_.total);
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = counts[i];
+  }
+
+  Demand demand(const LinkSpheres& link) const {
+    Demand demand;
+    demand.fixed = link.surface.spheres.size();
+    demand.has_mesh = !link.surface.mesh.facets.empty();
+    if (!demand.has_mesh) return demand;
+    BuildOptions build_options{.method = o_.method,
+                               .seed = o_.seed,
+                               .quality = o_.method == Method::morula ? Quality::draft : o_.quality,
+                               .stop = o_.stop};
+    std::array<double, 4> volumes{};
+    for (std::size_t k = 0; k < volumes.size(); ++k) {
+      if (Demand::counts[k] == 1) {
+        volumes[k] = volume(enclosing_sphere(link.surface.mesh.positions));
+        continue;
+      }
+      build_options.spheres = Demand::counts[k];
+      const CoveredTree built = build_link(link, build_options);
+      volumes[k] = union_mass(leaves(built), 64).volume;
+    }
+    // A surface that is open has no volume of its own: what is left of many spheres stands for it.
+    const MeshReport report = inspect(link.surface.mesh);
+    const double object = report.has_volume() ? std::abs(report.volume) : 0;
+    const double inside = object > 0 && object < volumes.back() ? object : 0.8 * volumes.back();
+    for (std::size_t k = 0; k < volumes.size(); ++k) demand.outside[k] = std::max(0.0, volumes[k] - inside);
+    return demand;
+  }
+
+  static std::vector<Sphere> leaves(const CoveredTree& built) {
+    return level_set_spheres(built.tree, built.tree.level_count() - 1);
+  }
+
+  CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
+    try {
+      return build(link.surface.mesh, options);
+    } catch (const std::invalid_argument& error) {
+      throw FileError(fmt::format("{}:{}: link {}: {}", robot_.file.string(), robot_.links[link.link].line,
+                                  name_of(link), error.what()));
+    }
+  }
+
+  void fit(const Group& group) {
+    LinkSpheres& link = result_.links[group.members[0]];
+    if (const auto kept = o_.kept.find(name_of(link)); kept != o_.kept.end()) {
+      link.spheres = kept->second;
+    } else {
+      fit_new(link, group.budget);
+    }
+    measure(link);
+    if (o_.inner > 0) {
+      link.inner =
+          inner_spheres(robot_.file, shapes_of(robot_.links[link.link]), planes_of(link), o_.inner, o_.seed, o_.stop);
+      if (o_.stop.stop_requested()) throw BuildStopped();
+      link.inner_volume = union_mass(link.inner).volume;
+      if (link.inner.empty()) {
+        link.notes.push_back(fmt::format("link {} has no inner spheres: no surface of it is closed", name_of(link)));
+      }
+    }
+    for (std::size_t k = 1; k < group.members.size(); ++k) {
+      LinkSpheres& other = result_.links[group.members[k]];
+      other.spheres = link.spheres;
+      other.tree = link.tree;
+      other.figures = link.figures;
+      other.inner = link.inner;
+      other.inner_volume = link.inner_volume;
+      other.notes = link.notes;
+    }
+  }
+
+  void fit_new(LinkSpheres& link, std::size_t budget) const {
+    link.spheres = link.surface.spheres;
+    if (!link.surface.mesh.facets.empty()) {
+      BuildOptions options{.method = o_.method,
+                           .max_protrusion = o_.max_protrusion,
+                           .seed = o_.seed,
+                           .quality = o_.quality,
+                           .stop = o_.stop};
+      if (o_.max_protrusion_share > 0) {
+        Box box;
+        for (const Vec3& p : link.surface.mesh.positions) box.add(p);
+        const double own = o_.max_protrusion_share * box.diagonal();
+        options.max_protrusion = options.max_protrusion > 0 ? std::min(options.max_protrusion, own) : own;
+      }
+      const std::size_t beside = link.surface.spheres.size();
+      if (budget != 0) options.spheres = budget > beside ? budget - beside : 1;
+      if (budget != 0 && budget <= beside) {
+        link.notes.push_back(
+            fmt::format("link {} has {} spheres of its own and gets one more for the rest", name_of(link), beside));
+      }
+      auto built = std::make_shared<CoveredTree>(build_link(link, options));
+      enforce_max_radius(link, options, *built);
+      if (o_.clip_margin > 0 && !planes_of(link).empty()) keep_from_planes(link, *built);
+      if (!built->report.complete) {
+        link.notes.push_back(
+            fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
+      }
+      const std::vector<Sphere> fitted = leaves(*built);
+      link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
+      link.tree = std::move(built);
+    }
+    for (Sphere& s : link.spheres) s.radius = final_radius(s);
+    round_outward(link.spheres);
+  }
+
+  double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
+
+  /// What a sphere stays away from planes by at least: rounding to decimals moves less than 1e-6 of the size, and a
+  /// float is nearer still.
+  static double clip_allowance(const Mesh& mesh) {
+    double extent = 0;
+    for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
+    return 2e-6 * extent;
+  }
+
+  /// A sphere around what is that near to a plane reaches beyond it, however small.
+  void require_margin(const Link& link, const Mesh& mesh, std::span<const ClipPlane> planes) const {
+    const double least = o_.padding + clip_allowance(mesh);
+    if (least_height(mesh, planes) >= least) return;
+    throw std::invalid_argument(
+        fmt::format("clip margin {} is too small for link {}: padding and rounding take {:.6g}, so every cover reaches "
+                    "beyond its clip planes; give more than that, and the more, the fewer spheres it takes",
+                    o_.clip_margin, link.name, least));
+  }
+
+  void keep_from_planes(LinkSpheres& link, CoveredTree& built) const {
+    const std::vector<ClipPlane>& planes = planes_of(link);
+    const double allowance = clip_allowance(link.surface.mesh);
+    const auto stays = [&](const Sphere& s) {
+      const Sphere last{s.center, final_radius(s)};
+      return !(reach_beyond(std::span(&last, 1), planes, allowance) > 0);
+    };
+    // The centre of a sphere around the lowest point is no higher above that than its radius.
+    const auto may_stay = [&](const Sphere& s, const Mesh& part) {
+      return least_height(part, planes) >= allowance + std::max(o_.padding, o_.min_radius - s.radius);
+    };
+    const std::size_t before = built.tree.leaf_count();
+    divide_until(stays, may_stay, link.surface.mesh, built,
+                 {.seed = o_.seed, .quality = Quality::draft, .stop = o_.stop});
+    const std::vector<Sphere> divided = leaves(built);
+    if (divided.size() == before || !std::all_of(divided.begin(), divided.end(), stays)) return;
+    link.notes.push_back(
+        fmt::format("link {} has {} spheres instead of {}, so that none reaches beyond its clip planes", name_of(link),
+                    divided.size(), before));
+  }
+
+  void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& built) const {
+    if (o_.max_radius == 0) return;
+    const auto largest = [](const CoveredTree& tree) {
+      double radius = 0;
+      for (const Sphere& s : leaves(tree)) radius = std::max(radius, s.radius);
+      return radius;
+    };
+    const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= o_.max_radius; };
+    if (options.spheres == 0) options.spheres = built.tree.leaf_count();
+    while (!fits(built) && options.spheres < most_spheres_for_radius) {
+      options.spheres *= 2;
+      built = build_link(link, options);
+    }
+    // A thick link is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
+    for (int depth = 1; !fits(built) && depth <= max_depth; ++depth) {
+      built = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
+    }
+    if (!fits(built)) {
+      link.notes.push_back(fmt::format("link {}: spheres are larger than asked for; allow larger ones", name_of(link)));
+    }
+  }
+
+  void measure(LinkSpheres& link) const {
+    LinkFigures& figures = link.figures;
+    const LinkSurface& surface = link.surface;
+    figures.facets = surface.mesh.facet_count();
+    figures.covered = true;
+    // Those that are kept may be anybody's. What a float may take is in the radius of ours, and more.
+    std::vector<Sphere> certified = link.spheres;
+    const double allowance = float_allowance(extent_of(link.spheres));
+    // mutant robot-kept-as-floats: `allowance` -> `0 * allowance`
+    for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
+    for (const Sphere& own : surface.spheres) {
+      const auto contains = [&](const Sphere& s) { return distance(s.center, own.center) + own.radius <= s.radius; };
+      if (!std::any_of(certified.begin(), certified.end(), contains)) figures.covered = false;
+    }
+    figures.solid = union_mass(link.spheres);
+    if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
+      figures.beyond_clip = reach_beyond(link.spheres, planes);
+      if (o_.clip_margin > 0 && *figures.beyond_clip > 0) {
+        link.notes.push_back(fmt::format(
+            "link {}: spheres reach beyond its clip planes; give a larger margin, or less padding or smaller radii",
+            name_of(link)));
+      }
+    }
+    std::vector<double> protrusions;
+    const auto beyond_own = [&](const Sphere& s) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const Sphere& own : surface.spheres)
+        least = std::min(least, s.radius + distance(s.center, own.center) - own.radius);
+      return least;
+    };
+    if (surface.mesh.facets.empty()) {
+      for (const Sphere& s : link.spheres) protrusions.push_back(std::max(0.0, beyond_own(s)));
+      figures.object_volume = union_mass(surface.spheres).volume;
+      figures.outside_volume = std::max(0.0, figures.solid.volume - *figures.object_volume);
+    } else {
+      const Coverage cover = coverage(surface.mesh, certified);
+      figures.covered = figures.covered && cover.covered;
+      figures.gap = cover.gap;
+      const SignedDistance object(surface.mesh);
+      for (const Sphere& s : link.spheres) {
+        protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));
+      }
+      if (surface.spheres.empty()) {
+        const Looseness loose = looseness(surface.mesh, link.spheres, {.resolution = 128});
+        if (loose.looseness) {
+          figures.object_volume = loose.object_volume;
+          figures.outside_volume = loose.outside_volume;
+        }
+      }
+    }
+    std::sort(protrusions.begin(), protrusions.end());
+    if (protrusions.empty()) return;
+    const auto count = static_cast<double>(protrusions.size());
+    figures.protrusion_mean = std::accumulate(protrusions.begin(), protrusions.end(), 0.0) / count;
+    figures.protrusion_p95 = protrusions[static_cast<std::size_t>(std::ceil(0.95 * count)) - 1];
+    figures.protrusion_max = protrusions.back();
+  }
+
+  const Robot& robot_;
+  const FitOptions& o_;
+  Workers& workers_;
+  std::vector<Group> groups_;
+  RobotSpheres result_;
+};
+
+}  // namespace
+
+std::size_t RobotSpheres::sphere_count() const {
+  std::size_t count = 0;
+  for (const LinkSpheres& link : links) count += link.spheres.size();
+  return count;
+}
+
+bool RobotSpheres::covered() const {
+  return std::all_of(links.begin(), links.end(), [](const LinkSpheres& link) { return link.figures.covered; });
+}
+
+std::size_t RobotSpheres::inner_count() const {
+  std::size_t count = 0;
+  for (const LinkSpheres& link : links) count += link.inner.size();
+  return count;
+}
+
+RobotSpheres RobotSpheres::with_inner_spheres() const {
+  RobotSpheres result;
+  for (const LinkSpheres& link : links) {
+    if (link.inner.empty()) continue;
+    result.links.push_back(link);
+    result.links.back().spheres = link.inner;
+  }
+  return result;
+}
+
+const LinkSpheres* RobotSpheres::of(std::size_t link) const {
+  for (const LinkSpheres& spheres : links) {
+    if (spheres.link == link) return &spheres;
+  }
+  return nullptr;
+}
+
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options, Workers& workers) {
+  require_sense(robot, options);
+  return Fitter(robot, options, workers).run();
+}
+
+}  // namespace morula::robot

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "workbench.hpp"
+
+namespace morula::test {
+namespace {
+
+/// The gripper of the library's own tests, copied: two fingers, one that follows, and a hook that follows it.
+Workbench& with_gripper(Workbench& bench) {
+  bench.write("gripper.urdf", bench.read(std::string(MORULA_PAGES) +
+                                         "/extras/robot/tests/robots/gripper_description/urdf/gripper.urdf"));
+  return bench;
+}
+
+TEST(RobotCommand, one_line_covers_every_link_and_writes_the_usual_files) {
+  Workbench bench;
+  with_gripper(bench);
+  const nlohmann::json report = bench.require("robot gripper.urdf -o out --json").json();
+  EXPECT_EQ(report["covered"], true);
+  ASSERT_EQ(report["links"].size(), 4u);
+  std::size_t spheres = 0;
+  for (const nlohmann::json& link : report["links"]) {
+    EXPECT_EQ(link["gap"], 0);
+    EXPECT_LE(link["spheres"], 16);
+    EXPECT_GE(link["union_volume"], link["object_volume"].get<double>() * 0.99);
+    spheres += link["spheres"].get<std::size_t>();
+  }
+  EXPECT_EQ(report["spheres"], spheres);
+  for (const nlohmann::json& file : report["files"])
+    EXPECT_FALSE(bench.read("out/" + file.get<std::string>()).empty()) << file;
+  EXPECT_EQ(report["files"], nlohmann::json({"spheres.json", "spheres.csv", "links.csv", "curobo.yml",
+                                             "gripper_spherized.urdf", "gripper.srdf"}));
+  const std::string text = bench.require("robot gripper.urdf -o out").out;
+  for (const char* words : {"0, proven", "covers   yes", "proven apart", "95 %", "--tool LINK says otherwise"}) {
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  }
+}
+
+TEST(RobotCommand, formats_by_name_and_all_of_them) {
+  Workbench bench;
+  with_gripper(bench);
+  EXPECT_EQ(bench.require("robot gripper.urdf -o one --spheres 2 --format sdf --format mjcf --json").json()["files"],
+            nlohmann::json({"gripper.mjcf.xml", "gripper.sdf"}));
+  EXPECT_EQ(bench.require("robot gripper.urdf -o all --spheres 2 --all-formats --json").json()["files"].size(), 21u);
+  bench.require("robot gripper.urdf -o trees --spheres 8 --format csv --trees");
+  const std::string info = bench.require("info trees/trees/palm.morula --mesh trees/trees/palm.ply --check").out;
+  EXPECT_FALSE(info.empty());
+}
+
+TEST(RobotCommand, inner_spheres_have_files_of_their_own) {
+  Workbench bench;
+  with_gripper(bench);
+  const nlohmann::json report =
+      bench.require("robot gripper.urdf -o out --spheres 2 --inner 4 --all-formats --json").json();
+  EXPECT_GT(report["inner_spheres"], 4);
+  EXPECT_GT(report["links"][0]["inner_volume"], 0);
+  // All but spheres.json, which has both, and the figures of those that cover.
+  EXPECT_EQ(report["files"].size(), 2 * 21u - 2);
+  EXPECT_NE(bench.read("out/inner/curobo.yml").find("they are inside the links and do not cover them"),
+            std::string::npos);
+  EXPECT_EQ(bench.read("out/curobo.yml").find("do not cover"), std::string::npos);
+  const std::string text = bench.require("robot gripper.urdf -o out --spheres 2 --inner 4").out;
+  EXPECT_NE(text.find("each proven to be inside its link, fill"), std::string::npos) << text;
+}
+
+TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
+  Workbench bench;
+  with_gripper(bench);
+  const std::string text = bench.require("robot gripper.urdf -o out --spheres 4 --clip palm=0,0,2,0").out;
+  EXPECT_NE(text.find("what clip planes cut off is left out"), std::string::npos) << text;
+  EXPECT_NE(text.find("clipped  palm: spheres reach at most"), std::string::npos) << text;
+  const nlohmann::json report =
+      bench.require("robot gripper.urdf -o out --spheres 4 --clip palm=0,0,1,0 --clip-margin 0.005 --json").json();
+  EXPECT_EQ(report["links"][0]["beyond_clip"], 0);
+  EXPECT_TRUE(report["covered"]);
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,0 --clip-margin 0.005 --padding 0.01",
+                       "clip margin 0.005 is too small for link palm");
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,0,1", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,nan", "as --clip base=0,0,1,0.02");
+  bench.expect_refused("robot gripper.urdf -o out --clip plam=0,0,1,0", "did you mean palm?");
+  bench.expect_refused("robot gripper.urdf -o out --clip-margin 0.01", "add it");
+}
+
+TEST(RobotCommand, mjcf_and_sdf_are_read_and_one_tree_holds_the_robot) {
+  Workbench bench;
+  for (const std::string name : {"mjcf/gripper.xml", "sdf/gripper.sdf"}) {
+    const std::string file = "gripper" + name.substr(name.find('.'));
+    bench.write(file, bench.read(std::string(MORULA_PAGES) + "/extras/robot/tests/robots/gripper_description/" + name));
+    const nlohmann::json report =
+        bench.require("robot " + file + " -o out --spheres 4 --all-formats --tree robot --json").json();
+    EXPECT_EQ(report["covered"], true);
+    EXPECT_EQ(report["files"].size(), 23u) << "the URDF that cuRobo's files need is there once";
+    EXPECT_NE(bench.read("out/curobo.yml").find("gripper_spherized.urdf"), std::string::npos);
+    EXPECT_FALSE(bench.require("info out/robot.morula --mesh out/robot.ply --check").out.empty());
+    // What was written is a robot again.
+    for (const std::string written : {"gripper_spherized.urdf", "gripper.mjcf.xml", "gripper.sdf"}) {
+      EXPECT_EQ(
+          bench.require("robot out/" + written + " -o again --spheres 4 --format csv --json").json()["links"].size(),
+          4u);
+    }
+  }
+  bench.expect_refused("robot gripper.sdf -o out --tree robt", "did you mean robot?");
+}
+
+TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_alone) {
+  Workbench bench;
+  with_gripper(bench);
+  bench.require("robot gripper.urdf -o one --total 30 --threads 1");
+  bench.require("robot gripper.urdf -o three --total 30 --threads 3");
+  EXPECT_EQ(bench.read("one/spheres.json"), bench.read("three/spheres.json"));
+  bench.require("robot gripper.urdf -o two --keep one/spheres.json --refit palm --spheres 5");
+  const auto spheres = [&](const std::string& folder) {
+    std::map<std::string, nlohmann::json> links;
+    const nlohmann::json file = nlohmann::json::parse(bench.read(folder + "/spheres.json"));
+    for (const nlohmann::json& link : file["links"]) links[link["link"]] = link["spheres"];
+    return links;
+  };
+  auto before = spheres("one"), after = spheres("two");
+  EXPECT_NE(before["palm"], after["palm"]);
+  before.erase("palm");
+  after.erase("palm");
+  EXPECT_EQ(before, after);
+}
+
+TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
+  Workbench bench;
+  with_gripper(bench);
+  bench.write("lost.urdf",
+              "<robot name='r'>\n<link name='l'><collision><geometry><mesh "
+              "filename='package://p/m.stl'/></geometry></collision></link></robot>");
+  bench.write("bare.urdf", "<robot name='r'><link name='l'/></robot>");
+  bench.expect_refused("robot none.urdf -o out", "none.urdf: there is no such file");
+  bench.expect_refused("robot lost.urdf -o out", "lost.urdf:2: mesh \"package://p/m.stl\" is missing; searched:");
+  bench.expect_refused("robot bare.urdf -o out", "no link has collision shapes; try --geometry visual");
+  bench.write(
+      "nothing.urdf",
+      "<robot name='r'><link name='l'><collision><geometry><sphere radius='0'/></geometry></collision></link></robot>");
+  bench.expect_refused("robot nothing.urdf -o out",
+                       "no link has collision shapes (a sphere of size 0 in l (line 1) is left out");
+  bench.expect_refused("robot gripper.urdf -o out --format curoba", "did you mean curobo?");
+  bench.expect_refused("robot gripper.urdf -o out --link plam=3", "did you mean palm?");
+  bench.expect_refused("robot gripper.urdf -o out --link palm", "give a link and how many spheres");
+  bench.expect_refused("robot gripper.urdf -o out --leave-out lfet", "did you mean left?");
+  bench.expect_refused("robot gripper.urdf -o out --spheres 3 --total 30", "contradict each other");
+  bench.expect_refused("robot gripper.urdf -o out --max-protrusion 0%", "a share of each link's size");
+  bench.expect_refused("robot gripper.urdf -o out --refit palm", "belong together");
+  bench.expect_refused("robot gripper.urdf -o out --geometry both", "collision");
+  bench.expect_refused("robot gripper.urdf -o out --package-path nowhere", "there is no such folder");
+  bench.expect_refused("robot gripper.urdf -o gripper.urdf", "is a file; name a folder");
+  bench.expect_refused("robot gripper.urdf -o out --srdf lost.srdf", "lost.srdf");
+  for (const char* value : {"nan", "inf", "-1", "0x10", "1%%", "%"}) {
+    bench.expect_refused(std::string("robot gripper.urdf -o out --max-protrusion=") + value, "--max-protrusion");
+  }
+}
+
+TEST(RobotCommand, never_replaces_what_it_reads) {
+  Workbench bench;
+  with_gripper(bench);
+  bench.require("robot gripper.urdf -o out --spheres 2");
+  bench.expect_refused("robot out/gripper_spherized.urdf -o out", "is also what is read");
+  bench.expect_refused("robot gripper.urdf -o out --keep out/spheres.json --refit palm", "is also what is read");
+  bench.expect_refused("robot gripper.urdf -o out --srdf out/gripper.srdf", "is also what is read");
+  bench.require("robot gripper.urdf -o other --spheres 2 --srdf out/gripper.srdf");
+}
+
+}  // namespace
+}  // namespace morula::test

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// morula study: the evaluation of the paper again, and beside it what the paper did not measure.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <morula/io/mesh_file.hpp>
+#include <morula/study/study.hpp>
+
+#include "shared/command.hpp"
+#include "shared/console.hpp"
+#include "shared/figures.hpp"
+#include "shared/files.hpp"
+#include "shared/interrupt.hpp"
+#include "shared/options.hpp"
+#include "shared/progress.hpp"
+#include "shared/report.hpp"
+#include "shared/table.hpp"
+#include "study_plan.hpp"
+
+namespace morula::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyArguments : StudyOptions {
+  std::string output = "morula-study";
+  unsigned threads = 0;
+  bool json = false;
+};
+
+int study_command(const StudyArguments& o) {
+  const fs::path folder = o.output;
+  // Folders on the way are made, if there are none.
+  const fs::path above = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
+  if (above.empty() || fs::is_directory(above)) require_folder_place(folder);
+  if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
+  const study::Plan plan = make_study_plan(o);
+  Workers workers = make_workers(o.threads);
+  const Interrupt interrupt;
+  const study::Cache cache(folder / "cells");
+  toolbox::Stopwatch watch;
+  try {
+    const study::Study study = [&] {
+      Progress progress("study");
+      return study::make_study(plan, workers, {&cache, interrupt.token(), [&](double share, std::string what) {
+                                                 progress.update(share, std::move(what));
+                                               }});
+    }();
+    const bool with_page = [&] {
+      Progress progress("study");
+      return write_study_folder(
+          study, folder, workers, [&](double share, std::string what) { progress.update(share, std::move(what)); },
+          [&] { return interrupt.requested(); });
+    }();
+    note_written(folder);
+    if (o.json) {
+      print_json(Json::parse(study::study_json(study)));
+    } else {
+      fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
+                 wrapped(study::claims_text(study.claims, o.quick)), o.output, seconds(watch.lap()),
+                 study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study));
+      if (with_page) {
+        fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
+      } else {
+        fmt::print("- no index.html: this morula was built without its page\n");
+      }
+    }
+    const std::vector<std::string> faults = study::faults(plan, study.result);
+    for (const std::string& fault : faults) complain(exit_check_failed, "{}: please report it", fault);
+    return faults.empty() ? exit_done : exit_check_failed;
+  } catch (const study::Stopped&) {
+    return say_interrupted(interrupt.exit_code(),
+                           fmt::format("; finished cells are kept in {}: the same command goes on from there",
+                                       (folder / "cells").string()));
+  }
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Run& run) {
+  auto o = std::make_shared<StudyArguments>();
+  CLI::App* command = add_command(app, "study", "Repeat the evaluation of the paper, and say which claims hold");
+  add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  add_option(*command, "--mesh", o->meshes, "Bodies in the place of the limb: " + readable_mesh_extensions())
+      ->type_name("FILE")
+      ->delimiter(',');
+  add_flag(*command, "--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
+  add_option(*command, "--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  add_option(*command, "--methods", o->methods,
+             fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
+                         fmt::join(paper_method_names(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',');
+  add_option(*command, "--rules", o->rules,
+             fmt::format("Of {}; default: all but wrapped", fmt::join(study_rule_names(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',');
+  add_flag(*command, "--mixes", o->mixes, "Also rank mixes of rules per level");
+  add_option(*command, "--trees", o->trees, "Trees built elsewhere, named MESH-METHOD.sph")->type_name("FOLDER");
+  add_sph_origin(*command, o->sph_origin);
+  add_option(*command, "--frames", o->frames,
+             "Samples of each motion, rest and the full amount among them; default: 13")
+      ->type_name("N")
+      ->transform(whole_number(3, 1000));
+  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
+      ->type_name("N")
+      ->transform(whole_number(8, 4096));
+  add_option(*command, "--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
+      ->type_name("NAME")
+      ->capture_default_str();
+  add_option(*command, "--branching", o->branching, "Most children of a node, 2 to 64")
+      ->type_name("N")
+      ->transform(whole_number(2, 64))
+      ->capture_default_str();
+  add_option(*command, "--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
+      ->type_name("N")
+      ->transform(whole_number(1, 6));
+  add_option(*command, "--seed", o->seed, "Of every random choice")
+      ->type_name("N")
+      ->transform(whole_number())
+      ->capture_default_str();
+  add_flag(*command, "--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
+  add_threads(*command, o->threads);
+  add_json(*command, o->json);
+  set_footer(
+      *command,
+      "An interrupted study goes on where it stopped when the same command is given again.\n"
+      "Example:\n  morula study -o study/\n  morula study -o bunny/ --mesh bunny.obj --methods medial,grid --mixes");
+  on_use(*command, [o, &run] { run = [o] { return study_command(*o); }; });
+}
+
+}  // namespace morula::cli

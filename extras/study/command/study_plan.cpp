@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "study_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <morula/geometry/inspect.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/scale.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/tree_file.hpp>
+#include <morula/io/whole_output.hpp>
+#include <scenes/scenes.hpp>
+
+#include "shared/command.hpp"
+#include "shared/files.hpp"
+#include "shared/options.hpp"
+
+namespace morula::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The corpus meshes with an inside, up to a size, and those that were asked for.
+void add_bodies(const StudyOptions& o, study::Plan& plan) {
+  plan.bodies = o.bodies;
+  for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), load_mesh(path)});
+  if (o.corpus) {
+    const std::vector<fs::path> paths = scenes::corpus_meshes();
+    if (paths.empty()) throw UsageError("--corpus: there are no corpus meshes; fetch them with scripts/corpus");
+    for (const fs::path& path : paths) {
+      try {
+        study::NamedMesh body{path.stem().string(), load_mesh(path)};
+        if (body.mesh.facet_count() <= o.max_facets && inspect(body.mesh).has_volume())
+          plan.bodies.push_back(std::move(body));
+      } catch (const FileError&) {  // the corpus has broken files too
+      }
+    }
+  }
+  if (plan.bodies.empty() && o.trees.empty()) plan.bodies.push_back({"limb", sample_body("limb", o.quick ? 12 : 48)});
+  std::vector<std::string> names;
+  for (study::NamedMesh& body : plan.bodies) {
+    const auto same = std::count(names.begin(), names.end(), body.name);
+    names.push_back(body.name);
+    if (same > 0) body.name += fmt::format("-{}", same + 1);
+  }
+}
+
+/// Everything that is read later, read once now: hours of cells must not end at a file that was never there.
+void require_sound_inputs(const study::Plan& plan) {
+  for (const study::NamedMesh& body : plan.bodies) require_usable_scale(body.mesh);
+  for (const study::Source& source : plan.sources)
+    if (!source.file.empty()) read_tree(source.file);
+}
+
+/// The body of a tree file named MESH-METHOD.sph: one of --mesh, or of the corpus.
+std::size_t body_of(study::Plan& plan, const std::string& mesh, const fs::path& tree) {
+  for (std::size_t i = 0; i < plan.bodies.size(); ++i)
+    if (plan.bodies[i].name == mesh) return i;
+  for (const fs::path& path : scenes::corpus_meshes()) {
+    if (path.stem() != mesh) continue;
+    plan.bodies.push_back({mesh, load_mesh(path)});
+    return plan.bodies.size() - 1;
+  }
+  throw UsageError(
+      fmt::format("{}: there is no mesh {} for it; give it with --mesh, or fetch the corpus with "
+                  "scripts/corpus",
+                  tree.string(), mesh));
+}
+
+void add_tree_files(const StudyOptions& o, study::Plan& plan) {
+  if (!fs::is_directory(o.trees)) throw UsageError(fmt::format("--trees {}: is no folder", o.trees));
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(o.trees))
+    if (entry.is_regular_file() && entry.path().extension() == ".sph") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  const bool chosen = !plan.bodies.empty();
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const std::size_t dash = stem.rfind('-');
+    if (dash == std::string::npos || dash == 0 || dash + 1 == stem.size()) {
+      throw UsageError(fmt::format("{}: trees are to be named MESH-METHOD.sph", file.string()));
+    }
+    const std::string mesh = stem.substr(0, dash);
+    const std::string method = stem.substr(dash + 1);
+    if (!o.methods.empty() && std::find(o.methods.begin(), o.methods.end(), method) == o.methods.end()) continue;
+    const bool known = std::any_of(plan.bodies.begin(), plan.bodies.end(),
+                                   [&](const study::NamedMesh& body) { return body.name == mesh; });
+    if (chosen && !known) continue;  // --mesh says which
+    plan.sources.push_back({body_of(plan, mesh, file), method, std::nullopt, file});
+  }
+  if (plan.sources.empty()) {
+    throw UsageError(
+        fmt::format("--trees {}: no tree in it is of these meshes and methods; they are to be named "
+                    "MESH-METHOD.sph",
+                    o.trees));
+  }
+  for (std::size_t body = 0; body < plan.bodies.size(); ++body) {
+    if (std::any_of(plan.sources.begin(), plan.sources.end(), [&](const study::Source& s) { return s.body == body; }))
+      continue;
+    throw UsageError(fmt::format("--trees {}: holds no tree of {}; name it {}-METHOD.sph", o.trees,
+                                 plan.bodies[body].name, plan.bodies[body].name));
+  }
+  std::stable_sort(plan.sources.begin(), plan.sources.end(),
+                   [](const study::Source& a, const study::Source& b) { return a.body < b.body; });
+}
+
+void require_once(const char* option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError(fmt::format("{} names {} twice", option, names[i]));
+}
+
+/// Those that follow positions: all that were asked for, else the ones that differ most.
+std::vector<study::FollowRule> press_rules(const study::Plan& plan, bool all) {
+  std::vector<study::FollowRule> rules;
+  for (const study::FollowRule& rule : plan.rules) {
+    if (rule.kind != study::RuleKey::Kind::update) continue;
+    const study::RuleKey key = rule.key().value();
+    if (all || key == Rule::traditional || key == Rule::approach2 || key == Rule::exact) rules.push_back(rule);
+  }
+  return rules;
+}
+
+std::vector<std::string> names_of(const std::vector<Method>& methods) {
+  std::vector<std::string> names;
+  for (const Method method : methods) names.emplace_back(name(method));
+  return names;
+}
+
+study::SphOrigin study_origin(const SphOrigin& given) {
+  using Kind = study::SphOrigin::Kind;
+  switch (given.kind) {
+    case SphOrigin::Kind::none:
+      break;
+    case SphOrigin::Kind::box_center:
+      return {Kind::box_center, {}};
+    case SphOrigin::Kind::point:
+      return {Kind::point, given.point};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> study_rule_names() {
+  std::vector<std::string> names;
+  for (const study::RuleKey& key : study::all_rule_keys()) names.push_back(name(key));
+  return names;
+}
+
+std::vector<std::string> paper_method_names() {
+  return names_of(study::paper_methods());
+}
+
+study::Plan make_study_plan(const StudyOptions& o) {
+  study::Plan plan;
+  std::vector<std::string> methods = o.methods;
+  if (methods.empty()) {
+    methods = paper_method_names();
+    if (!o.quick) methods.emplace_back("morula");
+  }
+  require_once("--methods", methods);
+  if (o.trees.empty()) {
+    for (const std::string& method : methods) parse_method(method);
+  }
+  const std::vector<std::string> rules =
+      o.rules.empty()
+          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "rebuilt", "fresh"}
+          : o.rules;
+  require_once("--rules", rules);
+  for (const std::string& rule : rules) {
+    check_name("rule", rule, study_rule_names());
+    plan.rules.emplace_back(*study::rule_key_from_name(rule));
+  }
+  check_name("unit", o.unit, {"volume", "box"});
+  plan.unit = o.unit == "box" ? study::ErrorUnit::box : study::ErrorUnit::volume;
+  plan.samples = o.frames > 0 ? o.frames : o.quick ? 5 : 13;
+  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
+  plan.fresh_poses = o.quick ? 1 : 2;
+  plan.branching = o.branching;
+  plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
+  plan.seed = o.seed;
+  plan.quick = o.quick;
+  plan.sph_origin = study_origin(parse_sph_origin(o.sph_origin));
+  plan.cost_repeats = o.quick ? 3 : 9;
+  if (o.quick) plan.needle_sides = 16;
+  plan.motions = study::paper_motions();
+  if (o.mixes) plan.mixes = study::rule_mixes(plan.depth);
+  plan.press_rules = press_rules(plan, !o.rules.empty());
+  add_bodies(o, plan);
+  if (!o.trees.empty()) {
+    add_tree_files(o, plan);
+    plan.needle_sides = 0;
+  } else {
+    std::vector<Method> generators;
+    for (const std::string& method : methods) generators.push_back(parse_method(method));
+    plan.sources = study::sources_of(plan.bodies, generators);
+    if (o.methods.empty() && !o.quick) plan.press_sources = study::sources_of(plan.bodies, {Method::octree});
+  }
+  require_sound_inputs(plan);
+  return plan;
+}
+
+bool write_study_folder(const study::Study& study, const fs::path& folder, Workers& workers,
+                        const study::Progress& progress, const std::function<bool()>& is_stopped) {
+  // Into a folder in use: finished cells stay where they are, and results change together.
+  WholeFolder results(folder, WholeFolder::Mode::merge);
+  study::write_study(study, results.path());
+  const bool with_page = has_page();
+  if (with_page) {
+    const PageContent page = study::study_page(study, workers, progress);
+    write_whole(results.path() / "index.html", make_page(page));
+  }
+  if (is_stopped()) throw study::Stopped();
+  results.commit();
+  return with_page;
+}
+
+}  // namespace morula::cli

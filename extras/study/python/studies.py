@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""The study: the evaluation of the paper again, on any meshes, here or spread over machines; extras/study/docs/study.md."""
+
+from __future__ import annotations
+
+# What only some calls need is imported there: morula is to be there at once.
+import os
+import pathlib
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
+
+from . import _morula
+
+if TYPE_CHECKING:
+    import concurrent.futures
+
+    from .typing import MeshLike
+
+__all__ = ["Study", "study"]
+
+Bodies = Union["MeshLike", Mapping[str, "MeshLike"], str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], None]
+
+
+class Study:
+    """What a study found, as plain values.
+
+    claims: rows of `id`, `verdict`, `numbers` and more; tables: by id, columns by name; figures: by id, as in study.json, with
+    their curves in `series`; cells: columns of cells.csv, numbers as arrays with NaN where there is no answer; json: all
+    of study.json; faults: what must not happen, in words.
+    """
+
+    def __init__(self, text: str, cells: str, faults: list[str]) -> None:
+        import json
+
+        self.json: dict[str, Any] = json.loads(text)
+        self.faults = faults
+        self.claims: list[dict[str, Any]] = self.json["claims"]
+        self.figures: dict[str, dict[str, Any]] = {figure["id"]: figure for figure in self.json["figures"]}
+        self.tables: dict[str, dict[str, list[Any]]] = {
+            table["id"]: {
+                column: [row[i] for row in table["rows"]] for i, column in enumerate(table["columns"])
+            }
+            for table in self.json["tables"]
+        }
+        self._cells = cells
+
+    @property
+    def cells(self) -> dict[str, Any]:
+        """Columns of all cells: one row per body, tree, motion, rule, sample and level."""
+        import csv
+        import io
+
+        import numpy
+
+        header, *rows = csv.reader(io.StringIO(self._cells))
+        columns: dict[str, Any] = {}
+        for i, name in enumerate(header):
+            values = [row[i] for row in rows]
+            try:
+                columns[name] = numpy.array([float(v) if v else numpy.nan for v in values])
+            except ValueError:
+                columns[name] = numpy.array(values)
+        return columns
+
+    def verdict(self, claim: str) -> str:
+        """holds, partly, fails or untested, of the claim with this id."""
+        for found in self.claims:
+            if found["id"] == claim:
+                return str(found["verdict"])
+        raise KeyError(claim)
+
+    def __repr__(self) -> str:
+        count: dict[str, int] = {}
+        for claim in self.claims:
+            count[claim["verdict"]] = count.get(claim["verdict"], 0) + 1
+        return f"<morula.Study: {len(self.claims)} claims, {', '.join(f'{n} {word}' for word, n in sorted(count.items()))}>"
+
+
+def _given(meshes: Bodies) -> tuple[dict[str, _morula.Mesh], list[str]]:
+    if meshes is None:
+        return {}, []
+    if isinstance(meshes, (str, os.PathLike)):
+        return {}, [os.fspath(meshes)]
+    if isinstance(meshes, Mapping):
+        return {name: _morula.Mesh.of(mesh) for name, mesh in meshes.items()}, []
+    if isinstance(meshes, (list, tuple)) and all(isinstance(path, (str, os.PathLike)) for path in meshes):
+        return {}, [os.fspath(path) for path in meshes]
+    return {"mesh": _morula.Mesh.of(meshes)}, []  # type: ignore[arg-type]
+
+
+def _part(bodies: dict[str, _morula.Mesh], options: dict[str, Any], part: tuple[int, str, str, str, bool], cells: str) -> int:
+    """What an executor calls."""
+    return _morula.study_part(bodies, options, part, cells)
+
+
+def study(
+    meshes: Bodies = None,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    methods: Sequence[str] = (),
+    rules: Sequence[str] = (),
+    mixes: bool = False,
+    trees: str | os.PathLike[str] = "",
+    sph_origin: str = "bbox-center",
+    frames: int = 0,
+    resolution: int = 0,
+    branching: int = 8,
+    depth: int = 0,
+    seed: int = 1,
+    unit: str = "volume",
+    quick: bool = False,
+    executor: concurrent.futures.Executor | None = None,
+    progress: Callable[[float, str], object] | None = None,
+    workers: _morula.Workers | None = None,
+) -> Study:
+    """Repeats the evaluation of the paper, as `morula study` does, and says which claims hold.
+
+    Args:
+        meshes: none: the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
+        output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
+            interrupted goes on from there. None: nothing is written.
+        executor: anything that behaves as concurrent.futures does, Dask's or mpi4py's too: trees and cells are computed
+            there, and kept in the folder, which all have to see. Figures are the same; only times differ.
+        progress: called with the share done and what is being done; what it raises ends the study.
+        workers: threads for what is computed here.
+
+    ValueError for options that are wrong; ImportError where the package was built without the command.
+    """
+    if not hasattr(_morula, "study_files"):
+        raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/python.md)")
+    bodies, files = _given(meshes)
+    options: dict[str, Any] = {
+        "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
+        "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
+        "seed": seed, "unit": unit, "quick": quick,
+    }
+    if executor is not None:
+        if output is None:
+            raise ValueError("output: a folder that all workers of the executor see is needed")
+        _spread(bodies, options, pathlib.Path(output).absolute(), executor, progress)
+    return Study(*_morula.study_files(bodies, options, output, progress, workers))
+
+
+def _spread(
+    bodies: dict[str, _morula.Mesh], options: dict[str, Any], output: pathlib.Path, executor: concurrent.futures.Executor,
+    progress: Callable[[float, str], object] | None,
+) -> None:
+    """All parts on an executor: trees, then what needs them."""
+    cells = output / "cells"
+    cells.mkdir(parents=True, exist_ok=True)
+    options = {**options, "meshes": [os.path.abspath(path) for path in options["meshes"]]}
+    if options["trees"]:
+        options["trees"] = os.path.abspath(options["trees"])
+    parts = _morula.study_parts(bodies, options)
+    done = 0
+    for wanted in (False, True):
+        phase = [part for part in parts if any(part[2:]) == wanted]
+        futures = {executor.submit(_part, bodies, options, part, os.fspath(cells)): part for part in phase}
+        try:
+            # Not as_completed: futures of Dask and others are not of the same class.
+            for future, part in futures.items():
+                future.result()
+                done += 1
+                if progress is not None:
+                    progress(done / len(parts), " ".join(filter(None, part[1:4])))
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise

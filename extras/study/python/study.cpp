@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The study, as the command makes it; and parts of it, for those who spread it over many machines.
+#include <atomic>
+#include <morula/study/study.hpp>
+#include <optional>
+#include <shared/command.hpp>
+#include <stop_token>
+
+#include "holders.hpp"
+#include "module.hpp"
+#include "study_plan.hpp"
+
+namespace morula::python {
+
+namespace {
+
+/// A dict of the options of the command, by their names.
+cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
+  cli::StudyOptions options;
+  for (auto [name, body] : bodies) {
+    const auto text = value_of<std::string>(name, "bodies", "a dict of meshes by name");
+    options.bodies.push_back({text, *mesh_of(MeshGiven{{body}}, text.c_str())});
+  }
+  for (const auto& item : given) {
+    const auto name = value_of<std::string>(item.first, "options", "a dict of options by name");
+    const nb::handle value = item.second;
+    const auto read = [&](auto& member) {
+      if (!nb::try_cast(value, member))
+        throw nb::type_error((name + ": " + nb::cast<std::string>(nb::repr(value)) + " is of another type").c_str());
+      return true;
+    };
+    const bool known = (name == "meshes" && read(options.meshes)) || (name == "methods" && read(options.methods)) ||
+                       (name == "rules" && read(options.rules)) || (name == "mixes" && read(options.mixes)) ||
+                       (name == "trees" && read(options.trees)) || (name == "sph_origin" && read(options.sph_origin)) ||
+                       (name == "frames" && read(options.frames)) ||
+                       (name == "resolution" && read(options.resolution)) ||
+                       (name == "branching" && read(options.branching)) || (name == "depth" && read(options.depth)) ||
+                       (name == "seed" && read(options.seed)) || (name == "unit" && read(options.unit)) ||
+                       (name == "quick" && read(options.quick));
+    if (!known) throw nb::type_error(("there is no option '" + name + "'").c_str());
+  }
+  return options;
+}
+
+/// Tells Python, and looks whether Ctrl-C was pressed; what is raised stops the study and comes out of it.
+class Report {
+ public:
+  explicit Report(nb::handle progress) : progress_(progress) {}
+  study::Progress progress() {
+    return [this](double share, const std::string& what) { call(share, what); };
+  }
+  std::stop_token token() { return stop_.get_token(); }
+  bool stopped() { return stop_.stop_requested(); }
+  void rethrow() const {
+    if (raised_) std::rethrow_exception(raised_);
+  }
+
+ private:
+  void call(double share, const std::string& what) {
+    if (raised_) return;
+    const nb::gil_scoped_acquire gil;
+    try {
+      // Signals are seen by the main thread of Python alone; others' progress goes on.
+      check_signals();
+      if (!progress_.is_none()) progress_(share, what);
+    } catch (...) {
+      raised_ = std::current_exception();
+      stop_.request_stop();
+    }
+  }
+
+  nb::handle progress_;
+  std::stop_source stop_;
+  std::exception_ptr raised_;
+};
+
+template <class F>
+auto stoppable(Report& report, const F& f) {
+  try {
+    return without_gil(f);
+  } catch (const study::Stopped&) {
+    report.rethrow();
+    throw;
+  }
+}
+
+study::Plan plan_of(const cli::StudyOptions& options) {
+  try {
+    return without_gil([&] { return cli::make_study_plan(options); });
+  } catch (const cli::UsageError& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+/// What one task computes: a method on a body, by a rule, or pressed; without either its tree alone.
+study::Plan part_of(study::Plan plan, std::size_t body, const std::string& method, const std::string& rule,
+                    const std::string& mix, bool press) {
+  const auto drop = [&](std::vector<study::Source>& sources) {
+    std::erase_if(sources, [&](const study::Source& s) { return s.body != body || s.method != method; });
+    for (study::Source& source : sources) source.body = 0;
+  };
+  const study::NamedMesh kept = plan.bodies.at(body);
+  drop(plan.sources);
+  drop(plan.press_sources);
+  // A tree that is only pressed is asked for by itself.
+  if (plan.sources.empty()) std::swap(plan.sources, plan.press_sources);
+  plan.bodies = {kept};
+  std::erase_if(plan.rules, [&](const study::FollowRule& r) { return r.name != rule; });
+  std::erase_if(plan.mixes, [&](const study::FollowRule& r) { return r.name != mix; });
+  if (!press) plan.press_rules.clear();
+  if (plan.rules.empty()) plan.measures.protrusion = false;
+  if (plan.rules.empty() && plan.mixes.empty()) plan.motions.clear();
+  plan.needle_sides = 0;
+  return plan;
+}
+
+}  // namespace
+
+void bind_study_extra(nb::module_& m) {
+  m.def(
+      "study_files",
+      [](nb::dict bodies, nb::dict options, std::optional<FilePath> output, nb::object progress, Threads* workers) {
+        const study::Plan plan = plan_of(study_options(bodies, options));
+        Report report(progress);
+        auto [json, cells, faults] = stoppable(report, [&] {
+          CallWorkers call(workers);
+          std::optional<study::Cache> cache;
+          if (output) cache.emplace(output->path / "cells");
+          const study::Study made =
+              study::make_study(plan, call, {cache ? &*cache : nullptr, report.token(), report.progress()});
+          if (output)
+            cli::write_study_folder(made, output->path, call, report.progress(), [&] { return report.stopped(); });
+          return std::make_tuple(study::study_json(made), study::cells_csv(made.plan, made.result),
+                                 study::faults(made.plan, made.result));
+        });
+        report.rethrow();
+        return nb::make_tuple(json, cells, faults);
+      },
+      nb::arg("bodies"), nb::arg("options"), nb::arg("output").none() = nb::none(), nb::arg("progress") = nb::none(),
+      nb::arg("workers") = nb::none(),
+      nb::sig(
+          "def study_files(bodies: dict[str, Mesh], options: dict[str, typing.Any], output: str | os.PathLike[str] "
+          "| None = None, progress: collections.abc.Callable[[float, str], object] | None = None, workers: Workers | "
+          "None = None) -> tuple[str, str, list[str]]"),
+      "What morula.study() calls: study.json, the cells as CSV, and faults to report.");
+  m.def(
+      "study_parts",
+      [](nb::dict bodies, nb::dict options) {
+        const study::Plan plan = plan_of(study_options(bodies, options));
+        nb::list all;
+        const auto add = [&](const study::Source& s, const std::string& rule, const std::string& mix, bool press) {
+          all.append(nb::make_tuple(s.body, s.method, rule, mix, press));
+        };
+        // Trees first: the others find them.
+        for (const auto* sources : {&plan.sources, &plan.press_sources})
+          for (const study::Source& s : *sources)
+            if (s.generator) add(s, "", "", false);
+        for (const study::Source& s : plan.sources)
+          for (const study::FollowRule& rule : plan.rules)
+            if (s.generator || rule.kind != study::fresh) add(s, rule.name, "", false);
+        if (!plan.sources.empty())
+          for (const study::FollowRule& mix : plan.mixes) add(plan.sources.front(), "", mix.name, false);
+        if (!plan.press_rules.empty())
+          for (const auto* sources : {&plan.sources, &plan.press_sources})
+            for (const study::Source& s : *sources) add(s, "", "", true);
+        return all;
+      },
+      nb::arg("bodies"), nb::arg("options"),
+      nb::sig("def study_parts(bodies: dict[str, Mesh], options: dict[str, typing.Any]) -> "
+              "list[tuple[int, str, str, str, bool]]"),
+      "Parts of a study, for study_part(): body, method, rule, mix, and whether it is pressed; trees first.");
+  m.def(
+      "study_part",
+      [](nb::dict bodies, nb::dict options, std::tuple<std::size_t, std::string, std::string, std::string, bool> part,
+         FilePath cells) {
+        const auto& [body, method, rule, mix, press] = part;
+        const study::Plan plan = part_of(plan_of(study_options(bodies, options)), body, method, rule, mix, press);
+        Report report{nb::none()};
+        const std::size_t count = stoppable(report, [&] {
+          const study::Cache cache(cells.path);
+          return study::run(plan, serial_workers(), {&cache, report.token(), report.progress()}).cell_count();
+        });
+        report.rethrow();
+        return count;
+      },
+      nb::arg("bodies"), nb::arg("options"), nb::arg("part"), nb::arg("cells"),
+      nb::sig("def study_part(bodies: dict[str, Mesh], options: dict[str, typing.Any], part: tuple[int, str, str, str, "
+              "bool], cells: str | os.PathLike[str]) -> int"),
+      "Computes a part and keeps it in the folder of finished cells, where the whole study finds it. Returns how many "
+      "cells it has.");
+}
+
+}  // namespace morula::python

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <morula/study/figures.hpp>
+
+#include "words.hpp"
+
+namespace morula::study {
+namespace {
+
+using Measure = std::function<std::optional<double>(const LevelFigures&)>;
+
+struct MeasureKind {
+  std::string suffix;
+  std::string title;
+  std::string label;
+  std::string unit;
+  bool bare;
+  Measure value;
+};
+
+std::vector<MeasureKind> measures(ErrorUnit unit) {
+  return {
+      {"", "looseness", error_label(unit), error_unit(unit), false,
+       [unit](const LevelFigures& l) { return l.error(unit); }},
+      {"-bare", "bare area", "bare area", "% of the surface", true,
+       [](const LevelFigures& l) { return std::optional(100 * l.bare_area()); }},
+      {"-gap", "gap", "gap", "% of the diagonal at rest", true,
+       [](const LevelFigures& l) { return std::optional(100 * l.gap()); }},
+      {"-protrusion", "protrusion", "mean protrusion", "% of the diagonal at rest", false,
+       [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
+}
+
+/// One curve of a figure: whose, called what, and in which part.
+struct Curve {
+  std::size_t source;
+  std::optional<std::size_t> rule;
+  std::string name;
+  SeriesRole role;
+};
+
+/// Looseness, bare area, gap and protrusion of the same curves.
+void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& title,
+               std::size_t motion, std::size_t level, const std::vector<Curve>& curves, std::vector<Figure>& figures) {
+  for (const MeasureKind& kind : measures(plan.unit)) {
+    Figure figure;
+    figure.id = group + kind.suffix;
+    figure.group = group;
+    figure.title = kind.suffix.empty() ? title : fmt::format("{}: {}", title, kind.title);
+    figure.motion = first_word(describe_all(plan.motions[motion]));
+    figure.y_label = kind.label;
+    figure.y_unit = kind.unit;
+    bool known = false;
+    for (const Curve& curve : curves) {
+      const Cell* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
+      if (cell == nullptr) continue;
+      Series series{curve.name, kind.bare && curve.role == SeriesRole::method ? SeriesRole::bare : curve.role, {}, {}};
+      for (const Sample& sample : cell->samples) {
+        const LevelFigures* figures_of_level = cell->at(sample.sample, level);
+        if (figures_of_level == nullptr) continue;
+        series.x.push_back(static_cast<double>(sample.sample));
+        series.y.push_back(kind.value(*figures_of_level));
+        known = known || series.y.back().has_value();
+      }
+      figure.series.push_back(std::move(series));
+    }
+    if (known) figures.push_back(std::move(figure));
+  }
+}
+
+/// Approach 1 and 2 as the curves of the figure, and behind them the other rules.
+std::vector<Curve> rule_curves(const Plan& plan, std::size_t source) {
+  std::vector<Curve> curves;
+  const std::array paper{plan.find_rule(Rule::approach1), plan.find_rule(Rule::approach2)};
+  for (const std::optional<std::size_t>& rule : paper)
+    if (rule) curves.push_back({source, rule, plan.rules[*rule].title(), SeriesRole::method});
+  for (std::size_t rule = 0; rule < plan.rules.size(); ++rule) {
+    if (std::find(paper.begin(), paper.end(), rule) != paper.end()) continue;
+    curves.push_back({source, rule, plan.rules[rule].title(), SeriesRole::reference});
+  }
+  return curves;
+}
+
+std::vector<std::size_t> sources_of_first_body(const Plan& plan) {
+  std::vector<std::size_t> sources;
+  for (std::size_t s = 0; s < plan.sources.size(); ++s)
+    if (plan.sources[s].body == 0) sources.push_back(s);
+  return sources;
+}
+
+}  // namespace
+
+std::string_view name(SeriesRole role) {
+  return role == SeriesRole::method ? "method" : role == SeriesRole::reference ? "reference" : "bare";
+}
+
+std::string error_label(ErrorUnit unit) {
+  return unit == ErrorUnit::volume ? "looseness" : "outside volume";
+}
+
+std::string error_unit(ErrorUnit unit) {
+  return unit == ErrorUnit::volume ? "object volumes" : "boxes of the object at rest";
+}
+
+std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
+  std::vector<Figure> figures;
+  const std::size_t medial = shown_tree(plan);
+  const std::string& medial_name = plan.sources[medial].method;
+  const std::vector<std::size_t> sources = sources_of_first_body(plan);
+  const std::vector<std::size_t> levels = plan.levels();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
+      const std::string words = describe_all(plan.motions[motion]);
+      const bool stretch = first_word(words) == "stretch";
+      const std::string part = i + 1 == levels.size() ? "b" : "a";
+      const std::string id =
+          stretch ? "fig2" + part : fmt::format("rules-{}-{}-{}", medial_name, first_word(words), levels[i]);
+      add_group(plan, result, id,
+                fmt::format("{}Approach 1 and Approach 2, {} tree, level {}, {}",
+                            stretch ? fmt::format("Fig. 2 {}. ", part) : "", medial_name, levels[i], words),
+                motion, levels[i], rule_curves(plan, medial), figures);
+    }
+  }
+  const std::optional<std::size_t> approach2 = plan.find_rule(Rule::approach2), exact = plan.find_rule(Rule::exact);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
+      const std::string words = describe_all(plan.motions[motion]);
+      const std::string part = i + 1 == levels.size() ? "d" : "c";
+      std::vector<Curve> curves;
+      for (const std::size_t source : sources) {
+        const bool ours = plan.sources[source].named() == Method::morula;
+        curves.push_back(
+            {source, approach2, plan.sources[source].method, ours ? SeriesRole::reference : SeriesRole::method});
+      }
+      for (const std::size_t source : sources)
+        curves.push_back({source, exact, plan.sources[source].method + ", exact", SeriesRole::reference});
+      add_group(plan, result, fmt::format("fig2{}-{}", part, first_word(words)),
+                fmt::format("Fig. 2 {}. Generators with Approach 2, level {}, {}", part, levels[i], words), motion,
+                levels[i], curves, figures);
+    }
+  }
+  for (const std::size_t source : sources) {
+    if (source == medial) continue;
+    const std::string& method = plan.sources[source].method;
+    for (const std::size_t level : levels) {
+      for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
+        const std::string words = describe_all(plan.motions[motion]);
+        add_group(plan, result, fmt::format("rules-{}-{}-{}", method, first_word(words), level),
+                  fmt::format("Every rule, {} tree, level {}, {}", method, level, words), motion, level,
+                  rule_curves(plan, source), figures);
+      }
+    }
+  }
+  return figures;
+}
+
+}  // namespace morula::study

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Presses, measured; and as JSON, for the cache and for study.json.
+#pragma once
+
+#include <morula/study/press.hpp>
+#include <morula/study/run.hpp>
+#include <morula/tree/cover.hpp>
+#include <stop_token>
+
+#include "json.hpp"
+
+namespace morula::study {
+
+/// From three sides. Nothing for a body that cannot be bent, has no inside, or passes its copy from all of them;
+/// `skipped` says what is left out and why.
+/// built: any tree of the body; it makes the search fast and has no part in what is found.
+std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const CoveredTree& built,
+                                     std::vector<Skipped>& skipped);
+
+/// source: of Plan::pressed; rule: in Plan::press_rules. Throws BuildStopped when the stop is requested.
+PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& built,
+                    const PressScene& scene, const std::stop_token& stop);
+
+Json figures_json(const PressCell& cell);
+/// Throws nlohmann::json::exception when it is none.
+std::vector<PressFigures> figures_from_json(const Json& json);
+
+}  // namespace morula::study

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tables that pages show of `morula demo` and `morula study`, held against what the commands find today.
+usage: page_records.py demo|study path/to/morula [--write]
+
+Compares docs/_data/demo_rules.tsv and demo_budgets.tsv, or study_claims.tsv, row by row; --write makes them anew, and then
+scripts/pages puts them into the pages. Times are left out: the claim about cost keeps the numbers of the run that wrote it.
+Exit status: 0 the same (or written), 1 other numbers, 2 bad usage, 77 without the corpus, which demo needs."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+DATA = pathlib.Path(__file__).resolve().parents[3] / "docs/_data"
+RULES = ["traditional", "approach1", "approach2", "exact"]
+TIMED = "cost-like-boxes"
+
+
+def digits(value, count=3):
+    """So many that count, zeros at the end too."""
+    text = f"{value:#.{count}g}"
+    return text.rstrip(".") if "e" not in text else f"{value:.0f}"
+
+
+def bare(share):
+    return "0" if share == 0 else "< 0.01 %" if share < 1e-4 else f"{100 * share:.1f} %"
+
+
+def demo_rules(demo):
+    """A row for each body at rest and for each motion: the looseness and, in brackets, the bare share, rule by rule."""
+    rows = []
+    for tree in demo["trees"]:
+        if tree["method"] != "morula":
+            continue
+        cells = {(cell["motion"], cell["rule"]): cell for cell in tree["cells"]}
+        motions = list(dict.fromkeys(cell["motion"] for cell in tree["cells"]))
+        texts = {"at rest": [cells[motions[0], rule]["frames"][0] for rule in RULES]}
+        for motion in motions:
+            texts[motion] = [{"looseness": cells[motion, rule]["worst_looseness"], "bare_area": cells[motion, rule]["worst_bare_area"]}
+                             for rule in RULES]
+        for motion, found in texts.items():
+            shown = [f"{digits(f['looseness'])} ({bare(f['bare_area'])})" for f in found]
+            body = tree["body"].rstrip("0123456789")
+            name = f"{body}, {tree['facets']:,} facets" if motion == "at rest" else ""
+            rows.append([name, motion.replace("stretch 2", "stretch × 2").replace("180", "180°").replace("90", "90°"), *shown])
+    return rows
+
+
+def demo_budgets(demo):
+    contacts = demo["contacts"]
+    total = sum(contacts["crossings"])
+    return [[str(b["budget"] or "unlimited"), f"{b['contacts']:.0f}", f"{100 * b['finished_share']:.3g} %", f"{b['missed']} of {total}",
+             f"{100 * b['mean_error_bound']:.1f} %", f"{b['pair_tests']:.0f}"] for b in contacts["budgets"]]
+
+
+def study_claims(study):
+    return [[claim["id"], claim["source"], claim["claim"], claim["verdict"], claim["numbers"]] for claim in study["claims"]]
+
+
+TABLES = {"demo": {"demo_rules": demo_rules, "demo_budgets": demo_budgets}, "study": {"study_claims": study_claims}}
+
+
+def recorded(path):
+    if not path.exists():
+        return []
+    return [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("#")]
+
+
+def main():
+    arguments = [argument for argument in sys.argv[1:] if argument != "--write"]
+    if len(arguments) != 2 or arguments[0] not in TABLES:
+        print(__doc__, file=sys.stderr)
+        return 2
+    what, command = arguments[0], pathlib.Path(arguments[1]).resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        run = subprocess.run([command, what, "-o", "out", "--json"], cwd=folder, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        print(run.stderr, file=sys.stderr)
+        return 1
+    found, status = json.loads(run.stdout), 0
+    if what == "demo" and not any(tree["body"] != "limb" for tree in found["trees"]):
+        print("skipped: README's rows have a body of the corpus, which scripts/corpus fetches")
+        return 77
+    for name, make in TABLES[what].items():
+        path, now = DATA / f"{name}.tsv", make(found)
+        if "--write" in sys.argv:
+            path.write_text("# SPDX-FileCopyrightText: 2026 The Morula authors\n# SPDX-License-Identifier: Apache-2.0\n"
+                            f"# What `morula {what}` found, as extras/study/tests/page_records.py wrote it.\n" +
+                            "".join("\t".join(row) + "\n" for row in now))
+            continue
+        before = recorded(path)
+        if len(before) != len(now):
+            print(f"{path.name} has {len(before)} rows, and {len(now)} are found", file=sys.stderr)
+            status = 1
+        for old, new in zip(before, now):
+            if old != new and new[0] != TIMED:
+                print(f"{path.name}\n  has  {' | '.join(old)}\n  but  {' | '.join(new)}", file=sys.stderr)
+                status = 1
+    if status:
+        print(f"Where that is meant: {sys.argv[0]} {what} {arguments[1]} --write && scripts/pages", file=sys.stderr)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
