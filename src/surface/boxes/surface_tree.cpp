@@ -117,7 +117,7 @@ Status SurfaceTreeState::move(Workers& workers) {
 SurfaceTree::SurfaceTree(const MeshView& rest) {
   const StandardFloats standard;
   state_ = std::make_shared<SurfaceTreeState>(make_surface_tree(rest));
-  state_->move(serial_workers());
+  static_cast<void>(state_->move(serial_workers()));  // good: make_surface_tree() has checked the positions at rest
 }
 // Queries that stand at it see another frame.
 SurfaceTree::~SurfaceTree() {
