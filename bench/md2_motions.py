@@ -50,7 +50,7 @@ def study(path, args):
     home = morula.build(mesh, quality="fast", depth=args.depth)
     poses = [(str(i), frame) for i, frame in enumerate(frames) if i > 0]
     begin = time.process_time()
-    built, _ = morula.with_known_poses(mesh, home, poses, quality="fast", looser_by=args.looser_by, most=args.most)
+    built, _ = morula.with_known_poses(mesh, home, poses, quality="fast", pose_threshold=args.pose_threshold, max_trees=args.max_trees)
     making = time.process_time() - begin
     # Keys are few and far between: ten frames from each to the next.
     motion = [a + (b - a) * (i / args.between) for a, b in zip(frames, frames[1:]) for i in range(args.between)]
@@ -85,7 +85,7 @@ def study(path, args):
             least[i] = min(least[i], time.thread_time_ns() - begin)
     usual = statistics.median(least)
     print(f"{path}: {len(facets)} facets, {len(frames)} keys, {len(motion)} frames, {leaves(home.tree.spheres, home.tree).shape[0]} leaves")
-    print(f"  known poses {len(built.poses)}, made in {making:.1f} s; changes {body.report.recalled}")
+    print(f"  known poses {len(built.poses)}, made in {making:.1f} s; changes {body.report.pose_switches}")
     print(f"  over a fresh tree: median {statistics.median(over_fresh):.2f}, worst {max(over_fresh):.2f}, of {len(over_fresh)} frames")
     print(f"  over approach 2: median {statistics.median(over_paper):.2f}, worst {max(over_paper):.2f}, which leaves up to {100 * bare:.1f} % bare")
     print(f"  a frame: {usual / 1000:.0f} us, the longest {max(least) / usual:.2f} times that; bare frames 0")
@@ -94,8 +94,8 @@ def study(path, args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", help="MD2 files")
-    parser.add_argument("--most", type=int, default=24, help="known poses at most (default 24)")
-    parser.add_argument("--looser-by", type=float, default=1.2, help="poses are added until none is served so much worse (default 1.2)")
+    parser.add_argument("--max-trees", type=int, default=24, help="known poses at most (default 24)")
+    parser.add_argument("--pose-threshold", type=float, default=1.2, help="poses are added until none is served so much worse (default 1.2)")
     parser.add_argument("--depth", type=int, default=2, help="of the trees (default 2)")
     parser.add_argument("--between", type=int, default=6, help="frames from key to key (default 6)")
     parser.add_argument("--every", type=int, default=12, help="frames of which one is measured (default 12)")

@@ -42,7 +42,7 @@ set(private_for_extras geometry io parallel)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
-set(wings_update points reown rules kdop rebuild)
+set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes)
 set(wings_study svg run claims output)
 set(wings_robot read fit write)
@@ -50,7 +50,7 @@ set(wings_surface boxes pairs obstacles)
 set(wings_geometry enclosing triangles)
 set(wings_io array paraview gltf mesh tree motion)
 # Files beside the wings that the wings may include.
-set(common_update reowned_body)
+set(common_update fitted_body)
 set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates)

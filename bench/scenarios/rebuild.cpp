@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenario rebuild: one second of motion at 60 frames a second and one of rest at its end, with rebuilds on a second
-// core or a share of one as they come, with patches that change hands, with leaves fitted in every frame and trees for
-// principal strains, or with trees made beforehand for poses of the motion and nothing rebuilt; leaf looseness beside a
-// fresh build's at the same pose, and beside approach 2, which may leave surface bare; and how long the longest frame
-// takes beside the median one.
+// core or a share of one as they come, with trees for principal strains, or with trees made beforehand for poses of the
+// motion and nothing rebuilt, each with standard and high effort; leaf looseness beside a fresh build's at the same
+// pose, and beside approach 2, which may leave surface bare; and how long the longest frame takes beside the median
+// one.
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/coverage.hpp>
@@ -29,17 +29,15 @@ std::size_t compared_every(const Settings& settings) {
 }
 
 struct NamedMotion {
-  const char* name;
+  std::string name;
   Deformation deformation;
-  double core = 1;     // share of a second core that rebuilds get
-  bool known = false;  // trees for poses of the motion instead
-  bool reowns = false;
-  bool fits = false;
-  bool strains = false;  // trees for principal strains as well
 };
 
-// What fits into some 0.2 ms.
-constexpr std::size_t reown_tests = 6000;
+struct Setting {
+  std::string name;
+  const CoveredTree* home;  // with the trees that were made beforehand
+  double core;              // share of a second core that rebuilds get; 0: nothing is rebuilt
+};
 
 std::vector<Vec3f> frame_at(const Mesh& mesh, const Deformation& deformation, std::size_t frame) {
   const double t = std::min(1.0, static_cast<double>(frame) / frames_per_second);
@@ -151,17 +149,16 @@ CoveredTree with_strains(const Input& input, CoveredTree home, const Settings& s
   return home;
 }
 
-Result rebuilt_over(const NamedMotion& motion, const Input& input, const CoveredTree& plain_home,
+Result rebuilt_over(const NamedMotion& motion, const Setting& setting, RebuildEffort effort, const Input& input,
                     const BuildOptions& build_options, const Settings& settings) {
-  const CoveredTree home = motion.known ? with_poses_of(motion, input, plain_home, settings) : plain_home;
-  Result result{.scenario = "rebuild", .item = motion.name, .mesh = input.name};
+  const CoveredTree& home = *setting.home;
+  Result result{.scenario = "rebuild",
+                .item = motion.name + setting.name + (effort == RebuildEffort::high ? ", high effort" : ""),
+                .mesh = input.name};
   std::vector<RebuiltFrame> compared;  // afterwards: the second core must not gain from what takes long here
   PacedThread second_core;
   std::size_t started_at = 0, frame = 0;
-  RebuildOptions options{.thread = motion.known ? RebuildThread::none : RebuildThread::host};
-  // Rebuilds come earlier: what patches that change hands bring would put them off.
-  if (motion.reowns) options.reown_tests = reown_tests, options.looser_by = 1.1;
-  options.fit_leaves = motion.fits;
+  RebuildOptions options{.effort = effort, .thread = setting.core > 0 ? RebuildThread::host : RebuildThread::none};
   options.executor = [&](const std::function<void()>& job) {
     started_at = frame;
     second_core.run(job);
@@ -176,7 +173,7 @@ Result rebuilt_over(const NamedMotion& motion, const Input& input, const Covered
   for (frame = 1; frame <= frame_count; ++frame) {
     const std::vector<Vec3f> positions = frame_at(input.mesh, motion.deformation, frame);
     if (body.is_rebuilding())
-      second_core.wait_for(motion.core * static_cast<double>(frame - started_at) / frames_per_second);
+      second_core.wait_for(setting.core * static_cast<double>(frame - started_at) / frames_per_second);
     RebuildStatus status;
     const double before = thread_seconds();
     status = body.update(positions, *settings.workers);
@@ -191,7 +188,7 @@ Result rebuilt_over(const NamedMotion& motion, const Input& input, const Covered
   body.update(rest, *settings.workers);
   result.expect(body.body().hash() == rest_hash, "back at rest the spheres are not those of rest");
 
-  if (motion.known) result.seconds = least_times(body, input, motion, settings);
+  if (options.thread == RebuildThread::none) result.seconds = least_times(body, input, motion, settings);
   const double usual = median(result.seconds);
   const auto slow =
       std::count_if(result.seconds.begin(), result.seconds.end(), [&](double seconds) { return seconds > 2 * usual; });
@@ -201,7 +198,7 @@ Result rebuilt_over(const NamedMotion& motion, const Input& input, const Covered
   result.figures.push_back({"frames above twice the median", static_cast<double>(slow)});
   result.figures.push_back({"known poses", static_cast<double>(home.poses.size())});
   const RebuildReport& report = body.report();
-  result.figures.push_back({"recalled", static_cast<double>(report.recalled)});
+  result.figures.push_back({"pose switches", static_cast<double>(report.pose_switches)});
   result.figures.push_back({"rebuilds", static_cast<double>(report.finished)});
   result.figures.push_back({"swaps", static_cast<double>(report.swapped)});
   result.figures.push_back({"rebuild frames", static_cast<double>(report.rebuild_frames)});
@@ -225,8 +222,8 @@ Result estimate_cost(const Input& input, const CoveredTree& home, const Settings
   return result;
 }
 
-Result epoch_cost(const Input& input, const CoveredTree& home, const Settings& settings) {
-  Result result{.scenario = "rebuild", .item = "epoch", .mesh = input.name};
+Result tree_cost(const Input& input, const CoveredTree& home, const Settings& settings) {
+  Result result{.scenario = "rebuild", .item = "tree", .mesh = input.name};
   const auto before = allocated_bytes();
   result.seconds = {seconds_of([&] {
     const Body body(input.mesh, home, {}, *settings.workers);
@@ -248,33 +245,16 @@ std::vector<Result> run_rebuild(const Input& input, const Settings& settings) {
   if (!LoosenessMeter(input.mesh).has_volume()) return {};
   const BuildOptions options{.method = Method::morula, .quality = Quality::fast};
   const CoveredTree home = build(input.mesh, options, *settings.workers);
-  std::vector<Result> results{estimate_cost(input, home, settings), epoch_cost(input, home, settings)};
+  std::vector<Result> results{estimate_cost(input, home, settings), tree_cost(input, home, settings)};
   const CoveredTree strained = with_strains(input, home, settings);
-  for (const NamedMotion& motion :
-       {NamedMotion{"stretch 2", Stretch{}},
-        NamedMotion{"twist 180", Twist{}},
-        NamedMotion{"bend 90", Bend{}},
-        NamedMotion{"noise", Noise{}},
-        NamedMotion{"stretch 2, a quarter of a core", Stretch{}, 0.25},
-        NamedMotion{"stretch 2, re-owned", Stretch{}, 1, false, true},
-        NamedMotion{"twist 180, re-owned", Twist{}, 1, false, true},
-        NamedMotion{"bend 90, re-owned", Bend{}, 1, false, true},
-        NamedMotion{"noise, re-owned", Noise{}, 1, false, true},
-        NamedMotion{"stretch 2, a quarter of a core, re-owned", Stretch{}, 0.25, false, true},
-        NamedMotion{"stretch 2, fitted", Stretch{}, 1, false, false, true},
-        NamedMotion{"twist 180, fitted", Twist{}, 1, false, false, true},
-        NamedMotion{"bend 90, fitted", Bend{}, 1, false, false, true},
-        NamedMotion{"noise, fitted", Noise{}, 1, false, false, true},
-        NamedMotion{"stretch 2, strains and fitted", Stretch{}, 1, false, false, true, true},
-        NamedMotion{"twist 180, strains and fitted", Twist{}, 1, false, false, true, true},
-        NamedMotion{"bend 90, strains and fitted", Bend{}, 1, false, false, true, true},
-        NamedMotion{"noise, strains and fitted", Noise{}, 1, false, false, true, true},
-        NamedMotion{"stretch 2, a quarter of a core, strains and fitted", Stretch{}, 0.25, false, false, true, true},
-        NamedMotion{"stretch 2, known", Stretch{}, 0, true},
-        NamedMotion{"twist 180, known", Twist{}, 0, true},
-        NamedMotion{"bend 90, known", Bend{}, 0, true},
-        NamedMotion{"noise, known", Noise{}, 0, true}})
-    results.push_back(rebuilt_over(motion, input, motion.strains ? strained : home, options, settings));
+  for (const NamedMotion& motion : {NamedMotion{"stretch 2", Stretch{}}, NamedMotion{"twist 180", Twist{}},
+                                    NamedMotion{"bend 90", Bend{}}, NamedMotion{"noise", Noise{}}}) {
+    const CoveredTree known = with_poses_of(motion, input, home, settings);
+    for (const RebuildEffort effort : {RebuildEffort::standard, RebuildEffort::high})
+      for (const Setting& setting : {Setting{"", &home, 1}, Setting{", a quarter of a core", &home, 0.25},
+                                     Setting{", strains", &strained, 1}, Setting{", known", &known, 0}})
+        results.push_back(rebuilt_over(motion, setting, effort, input, options, settings));
+  }
   return results;
 }
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol, Union
 
 __all__ = [
     "Array", "Axis", "Budget", "ClumpFormatName", "ClumpKind", "ColliderLike", "Features", "FloatArray", "HasFaces", "InnerBoxes",
-    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimiser", "Placement", "Priority", "Quality", "RebuildThread",
-    "Reduction", "Rule", "Shape", "SignMethod", "Vector", "Weights", "WrappedCenter",
+    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimiser", "Placement", "Priority", "Quality", "RebuildEffort",
+    "RebuildThread", "Reduction", "Rule", "Shape", "SignMethod", "Vector", "Weights", "WrappedCenter",
 ]
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ._morula.choices import Optimiser as Optimiser
     from ._morula.choices import Priority as Priority
     from ._morula.choices import Quality as Quality
+    from ._morula.choices import RebuildEffort as RebuildEffort
     from ._morula.choices import RebuildThread as RebuildThread
     from ._morula.choices import Reduction as Reduction
     from ._morula.choices import Rule as Rule
@@ -72,4 +73,4 @@ else:
     Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Placement = Any
     HasFaces = object
     Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimiser = Priority = str
-    Quality = RebuildThread = Reduction = Rule = SignMethod = Weights = WrappedCenter = str
+    Quality = RebuildEffort = RebuildThread = Reduction = Rule = SignMethod = Weights = WrappedCenter = str

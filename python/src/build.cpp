@@ -101,15 +101,15 @@ void bind_build(nb::module_& m) {
 
   m.def(
       "principal_strains",
-      [](MeshGiven given, double most) {
+      [](MeshGiven given, double max_stretch) {
         nb::list poses;
-        for (NamedPose& pose : principal_strains(*mesh_of(given), most)) {
+        for (NamedPose& pose : principal_strains(*mesh_of(given), max_stretch)) {
           poses.append(nb::make_tuple(pose.name, own_points(std::move(pose.positions))));
         }
         return poses;
       },
-      nb::arg("mesh"), nb::arg("most") = 2.0,
-      nb::sig("def principal_strains(mesh: morula.typing.MeshLike, most: float = 2.0) -> "
+      nb::arg("mesh"), nb::arg("max_stretch") = 2.0,
+      nb::sig("def principal_strains(mesh: morula.typing.MeshLike, max_stretch: float = 2.0) -> "
               "list[tuple[str, numpy.typing.NDArray[numpy.float64]]]"),
       doc::principal_strains);
   Record<KnownPosesReport>(m, "KnownPosesReport", "What add_known_poses() did.")
@@ -119,13 +119,13 @@ void bind_build(nb::module_& m) {
   m.def(
       "with_known_poses",
       [](MeshGiven given, const CoveredTree& built, nb::iterable poses, MethodName method, QualityName quality,
-         std::uint64_t seed, double looser_by, std::size_t most, Threads* workers) {
+         std::uint64_t seed, double pose_threshold, std::size_t max_trees, Threads* workers) {
         KnownPoseOptions options;
         options.method = method_of(method);
         options.quality = quality_of(quality);
         options.seed = seed;
-        options.looser_by = looser_by;
-        options.most = most;
+        options.pose_threshold = pose_threshold;
+        options.max_trees = max_trees;
         options.progress = [check = SignalCheck()](std::size_t, double) mutable { check(); };
         const auto mesh = mesh_of(given);
         std::vector<NamedPose> named;
@@ -140,12 +140,13 @@ void bind_build(nb::module_& m) {
         return std::make_pair(copy, report);
       },
       nb::arg("mesh"), nb::arg("built"), nb::arg("poses"), nb::kw_only(), nb::arg("method") = "morula",
-      nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("looser_by") = 1.2, nb::arg("most") = 24,
+      nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("pose_threshold") = 1.2, nb::arg("max_trees") = 24,
       nb::arg("workers") = nb::none(),
       nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, built: CoveredTree, "
               "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: morula.typing.Method "
               "= 'morula', "
-              "quality: morula.typing.Quality = 'default', seed: int = 1, looser_by: float = 1.2, most: int = 24, "
+              "quality: morula.typing.Quality = 'default', seed: int = 1, pose_threshold: float = 1.2, max_trees: int "
+              "= 24, "
               "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),
       (std::string("A copy of the tree with known poses, pairs of name and positions (vertices, 3). ") +
        doc::add_known_poses)

@@ -34,6 +34,7 @@ void bind_choices(nb::module_& m) {
   add("SignMethod", words_of(sign_method_choices));
   add("Priority", words_of(priority_choices));
   add("Features", words_of(feature_choices));
+  add("RebuildEffort", words_of(rebuild_effort_choices));
   add("RebuildThread", words_of(rebuild_thread_choices));
   add("Weights", words_of(weight_choices));
   add("InnerCenter", words_of(inner_center_choices));

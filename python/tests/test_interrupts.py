@@ -138,7 +138,7 @@ CALLS = {
     "with_known_poses": (
         "mesh = limb(16); built = morula.build(mesh, method='octree', depth=2); "
         "poses = [(str(i), numpy.asarray(mesh.positions) * (1, 1 + i, 1)) for i in range(1, 2)]",
-        "morula.with_known_poses(mesh, built, poses, looser_by=1.01)",
+        "morula.with_known_poses(mesh, built, poses, pose_threshold=1.01)",
         "morula.with_known_poses(mesh, built, [])[0] == built"),
     "measure": (
         "mesh = limb(100); built = morula.build(mesh, method='octree', depth=4)",

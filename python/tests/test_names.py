@@ -19,7 +19,7 @@ ELSEWHERE = {
     "TouchQuery": "touch", "MeasureOptions": "measure", "VoxelGrid": "looseness", "MeshView": "Mesh",
     "MotionOptions": "Motion", "ModalCoordinates": "read_coordinates", "BoneFrames": "read_bone_frames",
     "ReadTreeOptions": "read_tree", "UpdateOptions": "Body", "RuleOptions": "Body",
-    "RebuildOptions": "RebuiltBody", "RebuildThread": "RebuiltBody", "KnownPoseOptions": "with_known_poses",
+    "RebuildOptions": "RebuiltBody", "RebuildEffort": "RebuiltBody", "RebuildThread": "RebuiltBody", "KnownPoseOptions": "with_known_poses",
     "NamedPose": "KnownPose", "add_known_poses": "with_known_poses", "SceneBodyOptions": "Scene",
     "ProximityOptions": "ProximityQuery", "ProximityPair": "ProximityPairs", "SweptOptions": "SweptQuery",
     "SweptPair": "SweptPairs", "SurfaceCrossingOptions": "SurfaceCrossingQuery", "PairFilter": "ProximityQuery",

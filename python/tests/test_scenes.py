@@ -293,14 +293,14 @@ def test_what_is_wrong_is_said_and_changes_nothing(crowd):
 def test_a_body_that_was_rebuilt_is_replaced():
     mesh = morula.sample_body("limb", 10)
     built = morula.build(mesh, method="octree", depth=2)
-    body = morula.RebuiltBody(mesh, built, thread="caller", rebuild_every=3, gain=-1e9)
+    body = morula.RebuiltBody(mesh, built, thread="caller", rebuild_every=3, min_improvement=-1e9)
     scene = morula.Scene()
     number = scene.add(body)
     scene.add(collider_of("bar", 8)[1])
     scene.update()
     for positions in morula.deform_frames(mesh, morula.Stretch(2.0), frame_count=8, and_back=False):
         body.update(positions)
-    assert body.epoch > 0
+    assert body.tree_version > 0
     with pytest.raises(RuntimeError, match="another Collider"):
         scene.update()
     scene.replace(number, body)

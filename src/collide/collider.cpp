@@ -29,20 +29,12 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
   facet_end_.assign(tree.node_count(), 0);
 
   // Patches are in depth-first order of leaves: so are the lists, and an inner node's is one range.
+  std::vector<std::uint32_t> leaves;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
-    if (tree.is_leaf(node)) leaves_.push_back(node);
-  std::stable_sort(leaves_.begin(), leaves_.end(),
+    if (tree.is_leaf(node)) leaves.push_back(node);
+  std::stable_sort(leaves.begin(), leaves.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return cover.region_begin[a] < cover.region_begin[b]; });
-  list_facets();
-}
-
-void Collider::list_facets() {
-  const SphereTree& tree = *pose_->tree;
-  const Cover& cover = *cover_;
-  ++changes_.value;
-  dealing_ = ~std::uint64_t{0};  // of nothing, until the lists are whole
-  facets_.clear();
-  for (const std::uint32_t leaf : leaves_) {
+  for (const std::uint32_t leaf : leaves) {
     const auto begin = static_cast<std::ptrdiff_t>(facets_.size());
     facets_.insert(facets_.end(), cover.patch_facet.begin() + cover.region_begin[leaf],
                    cover.patch_facet.begin() + cover.region_end[leaf]);
@@ -56,11 +48,6 @@ void Collider::list_facets() {
     facet_begin_[node] = facet_begin_[tree.first_child[node]];
     facet_end_[node] = facet_end_[tree.first_child[node] + tree.child_count[node] - 1];
   }
-  dealing_ = pose_->dealing;
-}
-
-void Collider::follow_ownership() {
-  if (!has_current_ownership()) list_facets();
 }
 
 void Collider::place(const RigidTransform& placement) {

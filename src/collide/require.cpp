@@ -15,8 +15,6 @@ Status detail::status_of(const Collider& collider, std::uint8_t body, Needs need
   if (!collider.pose().current) return {Code::body_not_current, body};
   if (needs.all_spheres && !collider.pose().complete) return {Code::body_not_complete, body};
   if (needs.positions && !collider.has_surface()) return {Code::no_surface, body};
-  // mutant reown-facets-of-before: `needs.positions && !collider.has_current_ownership()` -> `false`
-  if (needs.positions && !collider.has_current_ownership()) return {Code::ownership_not_current, body};
   if (needs.positions && !collider.has_current_positions()) return {Code::positions_not_current, body};
   return {};
 }

@@ -45,8 +45,6 @@ std::string message(const Status& status) {
       return body + " has spheres alone, and facets are asked for: make its collider with a mesh and a cover";
     case Code::positions_not_current:
       return body + " was not given the positions of this frame: call Collider::set_positions after each update";
-    case Code::ownership_not_current:
-      return body + "'s patches have changed hands since: call Collider::follow_ownership after each update";
     case Code::placement_too_far:
       return body + " is placed 2^200 or more from the origin";
     case Code::surface_not_current:

@@ -12,10 +12,10 @@
 #include "geometry/hash.hpp"
 #include "parallel/float_environment.hpp"
 #include "update/body_state.hpp"
+#include "update/fitted_body.hpp"
 #include "update/points/facet_hull.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/ownership_check.hpp"
-#include "update/reowned_body.hpp"
 #include "update/rules/engine_table.hpp"
 
 namespace morula {
@@ -119,11 +119,7 @@ Body::Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, Wo
 Body::Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options, Workers& workers)
     : Body(mesh, std::make_shared<const CoveredTree>(std::move(built)), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::move(shared), std::move(options), workers, false) {}
-
-Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers,
-           bool reowns) {
+Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
   const CoveredTree& built = *shared;
@@ -132,9 +128,8 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   const LeafOrder order = depth_first_leaves(built.tree);
   const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
   const std::vector<std::uint8_t> measured = leaves_measured(built.tree, order, rule_of_node, options.conservative);
-  Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance, reowns);
-  // Where patches change hands, all nodes look at all that their leaves own.
-  if (!reowns) share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
+  Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance);
+  share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
   assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
   state_ =
       std::make_shared<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
@@ -196,15 +191,6 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
     s.raise(rest.rounding, workers);
   }
   s.ownership = ownership_stamp(built);
-  if (reowns) {
-    auto& exact = static_cast<ExactRule&>(s.engines[0]);
-    std::vector<std::uint32_t> point_of_vertex(mesh.vertex_count());
-    for (std::uint32_t k = 0; k < ownership.vertices.size(); ++k) point_of_vertex[ownership.vertices[k]] = k;
-    s.dealt_home = std::make_shared<const ExactRule>(exact);
-    s.reowning.emplace(s.built, order, ownership, point_of_vertex, s.local.points(), s.spheres,
-                       exact.walk().squared_reaches());
-    exact.reserve(s.reowning->most_points());
-  }
   s.reached.resize(built.tree.node_count());
   s.coordinates_reached.resize(s.options.modes.mode_count);
   s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(),
@@ -376,7 +362,7 @@ const SphereTree& Body::rest_tree() const {
 }
 
 const Cover& Body::cover() const {
-  return state_->cover();
+  return state_->built->cover;
 }
 
 const UpdateOptions& Body::options() const {
@@ -391,24 +377,11 @@ std::size_t Body::vertex_count() const {
   return state_->built->cover.vertex_count;
 }
 
-Body detail::ReownedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, Workers& workers,
-                               Ways ways) {
-  Body body(mesh, std::move(built), {}, workers, ways.reowns);
-  if (ways.fits_leaves) body.state_->fit_leaves(workers);
+Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, bool fits_leaves,
+                              Workers& workers) {
+  Body body(mesh, std::move(built), {}, workers);
+  if (fits_leaves) body.state_->fit_leaves(workers);
   return body;
-}
-
-UpdateStatus detail::ReownedBody::update(Body& body, const PositionView& positions, std::size_t most_tests,
-                                         Workers& workers) noexcept {
-  const StandardFloats standard;
-  Body::State& s = *body.state_;
-  const UpdateStatus status = s.follow(positions, workers);
-  if (status && s.reowning && most_tests > 0) s.reown(most_tests);
-  return s.shown(s.counted(status), &positions);
-}
-
-void detail::ReownedBody::give_back(Body& body) noexcept {
-  body.state_->give_back();
 }
 
 }  // namespace morula

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "update/rules/exact.hpp"
+
 namespace morula {
 using namespace detail;
 
@@ -19,7 +21,6 @@ void Body::State::show() noexcept {
   posed.spheres = spheres;
   posed.origin = origin;
   posed.ownership = ownership;
-  posed.dealing = reowning ? reowning->dealing() : 0;
   posed.frame = frames;
   posed.current = current;
   posed.complete = !lazy;
@@ -36,35 +37,9 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   return status;
 }
 
-// The only one: a body that reowns or fits its leaves follows `exact` on all levels.
-ExactRule& Body::State::exact_engine() const noexcept {
-  return static_cast<ExactRule&>(engines[0]);
-}
-
+// The one engine of such a body.
 void Body::State::fit_leaves(Workers& workers) {
-  const LeafOrder order = depth_first_leaves(built->tree);
-  exact_engine().fit_leaves(order, local.points(), spheres, workers);
-  if (dealt_home) dealt_home = std::make_shared<const ExactRule>(exact_engine());
-}
-
-void Body::State::reown(std::size_t most_tests) noexcept {
-  ExactRule& exact = exact_engine();
-  const auto changed = reowning->exchange({local.points(), spheres, exact.walk().squared_reaches()}, most_tests);
-  if (changed.empty()) return;
-  const auto points_of = [&](std::uint32_t leaf) { return reowning->points_of(leaf); };
-  exact.deal({.origin = origin, .points = local.points()}, changed, points_of, spheres);
-  work.points_tested = exact.tested_points();
-}
-
-void Body::State::give_back() noexcept {
-  if (!reowning) return;
-  if (reowning->dealing() != 0) {
-    // mutant reown-kept-at-rest: `exact_engine().take_ownership(*dealt_home)` -> ``
-    exact_engine().take_ownership(*dealt_home);
-    work.points_tested = exact_engine().tested_points();
-    followed = false;  // spheres are those of what was owned
-  }
-  reowning->give_back();
+  static_cast<ExactRule&>(engines[0]).fit_leaves(depth_first_leaves(built->tree), local.points(), spheres, workers);
 }
 
 // Nodes that look at no other sphere first, then level by level upwards those that read their children. Radii are

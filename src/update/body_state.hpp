@@ -7,10 +7,8 @@
 #include <optional>
 
 #include "update/points/local_points.hpp"
-#include "update/reown/reowning.hpp"
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
-#include "update/rules/exact.hpp"
 #include "update/rules/modal.hpp"
 #include "update/rules/skin_poser.hpp"
 
@@ -32,12 +30,10 @@ struct Body::State {
   RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
   std::uint64_t ownership = 0;
-  std::optional<detail::Reowning> reowning{};             // of a body whose patches may change hands: all `exact`
-  std::shared_ptr<const detail::ExactRule> dealt_home{};  // its engine, with what the tree says
-  PosedTree posed{};                                      // what queries read; show() brings it up to date
-  std::uint64_t frames = 0;                               // good updates
-  bool current = true;                                    // the last update was good
-  bool followed = true;  // all spheres are those of the points: the last update was good, and not lazy
+  PosedTree posed{};         // what queries read; show() brings it up to date
+  std::uint64_t frames = 0;  // good updates
+  bool current = true;       // the last update was good
+  bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
   // After a lazy update, until all is reached: one flag per node that belongs to its frame, how many do not, and the
   // coordinates if it was by modes.
   bool lazy = false;
@@ -54,10 +50,6 @@ struct Body::State {
 
   // Of a body that follows `exact` on all levels, at the pose that it was made for.
   void fit_leaves(Workers& workers);
-  // Of a body that reowns, after a good update: patches change hands until so many distances were taken.
-  void reown(std::size_t most_tests) noexcept;
-  void give_back() noexcept;
-  const Cover& cover() const { return reowning ? reowning->cover() : built->cover; }
 
   // After every change: what queries see. positions: of an update that was given some.
   UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
@@ -75,7 +67,6 @@ struct Body::State {
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;
 
  private:
-  detail::ExactRule& exact_engine() const noexcept;
   UpdateStatus refused_positions(const PositionView& positions) const noexcept;
   UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
   UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;

@@ -115,7 +115,8 @@ Record everything(const Inputs& in, Workers& workers) {
     record.add("updated body, " + std::string(name(rule)), body.hash());
     for (const Sphere& s : body.current_tree().spheres) record.add("sphere in the mesh's coordinates", s.center);
   }
-  RebuiltBody rebuilt(in.limb, limb, {.rebuild_every = 1, .gain = -1e9, .thread = RebuildThread::caller}, workers);
+  RebuiltBody rebuilt(in.limb, limb, {.rebuild_every = 1, .min_improvement = -1e9, .thread = RebuildThread::caller},
+                      workers);
   for (int frame = 0; frame < 4; ++frame) {
     rebuilt.update(in.bent, workers);
     record.add("rebuilt", rebuilt.body().hash());

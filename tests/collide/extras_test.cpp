@@ -270,22 +270,23 @@ TEST_F(LazyBodies, carry_fronts_between_lazy_and_full_frames) {
   }
 }
 
-TEST(RebuiltContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_epoch) {
+TEST(RebuiltContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_tree_version) {
   const Mesh mesh = sample_body("limb", 12);
-  RebuiltBody limb(mesh, build(mesh, test::quick), {.rebuild_every = 2, .gain = -1e9, .thread = RebuildThread::caller});
+  RebuiltBody limb(mesh, build(mesh, test::quick),
+                   {.rebuild_every = 2, .min_improvement = -1e9, .thread = RebuildThread::caller});
   Specimen torus("torus", 8, test::quick);
   torus.place(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
   std::optional<Collider> collider;
   ContactQuery query({.exact = true});
-  std::uint64_t epoch = limb.epoch();
+  std::uint64_t version = limb.tree_version();
   std::size_t swaps = 0, crossings = 0;
   for (int frame = 0; frame <= 12; ++frame) {
     const std::vector<Vec3> positions = deform(mesh, {Twist{120}}, frame / 12.0);
     ASSERT_TRUE(limb.update(positions));
-    const bool other = !collider || limb.epoch() != epoch;
+    const bool other = !collider || limb.tree_version() != version;
     if (other) {
       swaps += frame > 0;
-      epoch = limb.epoch();
+      version = limb.tree_version();
       collider.emplace(mesh, limb.body());
       query.clear();
       query.add(*collider, *torus.collider);

@@ -113,9 +113,12 @@ TEST(EqualChildren, elsewhere_are_children) {
 // A ball that is one sphere at rest has parts as soon as it is stretched.
 TEST(EqualChildren, come_with_the_pose_in_a_rebuilt_body) {
   const Mesh ball = test::icosphere(2);
-  RebuiltBody body(
-      ball, build(ball, {.method = Method::octree}),
-      {.method = Method::octree, .check_every = 1, .rebuild_every = 1, .gain = -1e9, .thread = RebuildThread::caller});
+  RebuiltBody body(ball, build(ball, {.method = Method::octree}),
+                   {.method = Method::octree,
+                    .check_every = 1,
+                    .rebuild_every = 1,
+                    .min_improvement = -1e9,
+                    .thread = RebuildThread::caller});
   ASSERT_EQ(body.body().rest_tree().node_count(), 1u);
   const Mesh long_ball = stretched(ball, {4, 1, 1});
   for (int frame = 0; frame < 4; ++frame) ASSERT_TRUE(body.update(long_ball.positions));

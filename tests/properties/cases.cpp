@@ -79,26 +79,26 @@ void rebuilt_body(const Source& source, Dice& dice, Record& record) {
   const Mesh& mesh = specimen.mesh;
   const CoveredTree& home = *specimen.built;
   record.place.mesh = mesh;
-  RebuildOptions options{.method = home.tree.node_count() > 10 || dice.chance(0.9)
-                                       ? Method::octree
-                                       : dice.pick({Method::grid, Method::morula}),
+  const Method method =
+      home.tree.node_count() > 10 || dice.chance(0.9) ? Method::octree : dice.pick({Method::grid, Method::morula});
+  const int every = dice.pick({0, 1, 1, 2});
+  RebuildOptions options{.method = method,
                          .quality = Quality::draft,
-                         .still_quality = Quality::fast,
+                         .rest_quality = Quality::fast,
                          .check_every = 1,
-                         .rebuild_every = dice.pick({0, 1, 1, 2}),
-                         .gain = dice.pick({-1e9, -1e9, 0.05}),
-                         .look_ahead_frames = dice.pick({0, 1}),
-                         .thread = dice.chance(0.2) ? RebuildThread::none : RebuildThread::caller,
-                         .sample_count = 64};
-  record.place.description += std::string(" | rebuilt by ") + std::string(name(options.method)) + " every " +
-                              std::to_string(options.rebuild_every);
+                         .rebuild_every = every > 0 ? std::optional(every) : std::nullopt,
+                         .min_improvement = dice.pick({-1e9, -1e9, 0.05}),
+                         .look_ahead = dice.pick({0, 1}) != 0,
+                         .thread = dice.chance(0.2) ? RebuildThread::none : RebuildThread::caller};
+  record.place.description +=
+      std::string(" | rebuilt by ") + std::string(name(options.method)) + " every " + std::to_string(every);
   RebuiltBody body(mesh, dice.chance(0.5) ? with_known_poses(mesh, home, dice, record) : home, options);
   const std::uint64_t rest_hash = body.body().hash();
   const Body other(mesh, home);
   const bool beside = dice.chance(0.5);
   std::optional<Collider> side;
   Collider still(mesh, other);
-  std::uint64_t seen = body.epoch();
+  std::uint64_t seen = body.tree_version();
   Pose pose{"at rest", mesh.positions};
   std::size_t swaps = 0;
   for (int frame = dice.between(4, 9); frame > 0; --frame) {
@@ -116,8 +116,8 @@ void rebuilt_body(const Source& source, Dice& dice, Record& record) {
     judge({mesh, now.rest_tree(), now.cover(), points_of(pose.positions), balls_of(spheres), all}, dice, record,
           {.cuts = 80}, "-rebuild");
     if (!beside) continue;
-    if (!side || body.epoch() != seen) side.emplace(mesh, now);
-    seen = body.epoch();
+    if (!side || body.tree_version() != seen) side.emplace(mesh, now);
+    seen = body.tree_version();
     side->set_positions(pose.positions);
     still.place(touching_placement(*side, still, dice));
     const PairJudge judge_of(*side, still, dice);

@@ -109,7 +109,7 @@ TEST(Allocation, no_update_of_k_dops_allocates_through_an_index_map) {
 TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   const test::Specimen& b = test::specimens()[2];
   std::function<void()> never_run;
-  RebuildOptions options{.check_every = 1, .look_ahead_frames = 1, .thread = RebuildThread::host};
+  RebuildOptions options{.check_every = 1, .thread = RebuildThread::host};
   options.executor = [&](std::function<void()> job) { never_run = std::move(job); };
   RebuiltBody body(b.mesh, b.built, options);
   const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.2, 1);
@@ -130,10 +130,10 @@ TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   EXPECT_GT(body.report().checks, 4u);
 }
 
-// Nor do patches that change hands, and leaves that are fitted to what they own.
-TEST(Allocation, reowning_allocates_nothing) {
+// Nor do leaves that are fitted.
+TEST(Allocation, high_effort_allocates_nothing) {
   for (const test::Specimen& b : test::specimens()) {
-    RebuiltBody body(b.mesh, b.built, {.reown_tests = 100'000, .fit_leaves = true, .thread = RebuildThread::none});
+    RebuiltBody body(b.mesh, b.built, {.effort = RebuildEffort::high, .thread = RebuildThread::none});
     std::vector<std::vector<Vec3>> frames;
     for (std::uint64_t frame = 0; frame < 12; ++frame)
       frames.push_back(frame == 8 ? b.mesh.positions
@@ -166,7 +166,7 @@ TEST(Allocation, known_poses_allocate_nothing) {
   const std::size_t after = allocations;
   EXPECT_TRUE(ok);
   EXPECT_EQ(after - before, 0u);
-  EXPECT_GT(body.report().recalled, 1u);
+  EXPECT_GT(body.report().pose_switches, 1u);
   EXPECT_GT(body.report().checks, 3u);
 }
 

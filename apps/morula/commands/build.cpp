@@ -45,8 +45,8 @@ struct BuildArguments {
   double balance_excess = BuildOptions{}.balance_excess;
   std::optional<double> time_limit;
   std::string poses;  // a motion, or strains; empty: none
-  double pose_looser_by = KnownPoseOptions{}.looser_by;
-  std::size_t most_poses = KnownPoseOptions{}.most;
+  double pose_threshold = KnownPoseOptions{}.pose_threshold;
+  std::size_t max_poses = KnownPoseOptions{}.max_trees;
   unsigned threads = 0;
   bool json = false;
   bool report = false;
@@ -75,8 +75,8 @@ void require_sense(const BuildArguments& o) {
     throw UsageError(
         fmt::format("{}: only .morula files hold trees for known poses; name one, or leave out --poses", o.output));
   }
-  if (!o.poses.empty() && !(o.pose_looser_by > 1)) {
-    throw UsageError(fmt::format("--pose-looser-by {}: give a number above 1", o.pose_looser_by));
+  if (!o.poses.empty() && !(o.pose_threshold > 1)) {
+    throw UsageError(fmt::format("--pose-threshold {}: give a number above 1", o.pose_threshold));
   }
   if (extension(o.output) != ".ply") return require_tree_output(o.output);
   if (!o.flat()) {
@@ -142,7 +142,7 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& b
   if (!o.poses.empty()) {
     std::vector<std::string> names;
     for (const KnownPose& pose : built.poses) names.push_back(pose.name);
-    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.built}, {"looser_by_at_most", poses.worst}};
+    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.built}, {"worst", poses.worst}};
   }
   if (o.report) json["seconds"]["report"] = seconds.report;
   return json;
@@ -203,8 +203,8 @@ KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, const std:
   KnownPoseOptions options{.method = parse_method(o.method),
                            .quality = parse_quality(o.quality),
                            .seed = o.seed,
-                           .looser_by = o.pose_looser_by,
-                           .most = o.most_poses,
+                           .pose_threshold = o.pose_threshold,
+                           .max_trees = o.max_poses,
                            .stop = interrupt.token(),
                            .progress = {}};
   const std::vector<NamedPose> poses = candidate_poses(motion, mesh);
@@ -344,12 +344,12 @@ void add_build(CLI::App& app, Run& run) {
       "Add trees for poses of a motion (as `morula update` takes them), or of \"strains\": stretched to twice its "
       "size along each axis")
       ->type_name("MOTION");
-  add_option(*command, "--pose-looser-by", o->pose_looser_by,
+  add_option(*command, "--pose-threshold", o->pose_threshold,
              "As many of --poses as it takes for no pose to be this many times as loose as a tree built for it")
       ->type_name("X")
       ->transform(real_number())
       ->capture_default_str();
-  add_option(*command, "--most-poses", o->most_poses, "Trees that --poses adds at most")
+  add_option(*command, "--max-poses", o->max_poses, "Trees that --poses adds at most")
       ->type_name("N")
       ->transform(whole_number(1, 64))
       ->capture_default_str();

@@ -62,7 +62,7 @@ class Mover {
     return posed_ ? posed_->update(positions, workers).update : frames.update(*body_, workers);
   }
   /// Changes from one tree to another; nothing where there is one.
-  std::optional<std::uint64_t> changes() const { return posed_ ? std::optional(posed_->epoch()) : std::nullopt; }
+  std::optional<std::uint64_t> changes() const { return posed_ ? std::optional(posed_->tree_version()) : std::nullopt; }
 
  private:
   std::optional<Body> body_;

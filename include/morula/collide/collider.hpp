@@ -31,7 +31,7 @@ struct ChangeCount {
 /// Borrows the mesh's arrays, and a pose and a cover of the caller's own: these must outlive it, and may be moved
 /// meanwhile, with whatever holds them. Of a Body or PosedSpheres it keeps what it needs: when that is destroyed, or
 /// another is assigned to it, queries refuse the collider with body_replaced. Made once per tree and cover: a
-/// rebuilding body needs another collider when its epoch changes.
+/// rebuilding body needs another collider when its tree_version() changes.
 ///
 /// A copy is another side over the same body, placed by itself. Queries borrow the collider that they were given: it
 /// must outlive them where it is, so colliders in a container that grows are to be held by pointers.
@@ -44,13 +44,6 @@ class Collider {
   Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose);
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
   explicit Collider(const PosedTree& pose);
-
-  /// Reads again what the leaves own, where patches have changed hands since (RebuildOptions::reown_tests): once a
-  /// frame then, after the update. Queries that look at facets refuse until that is done. Fronts go on. Nothing to do,
-  /// and nothing done, for other bodies. Cost: as making one, without allocation but for the first few times.
-  void follow_ownership();
-  /// Are facets() those that leaves own now?
-  bool has_current_ownership() const { return !has_surface() || dealing_ == pose_->dealing; }
 
   /// Where the body is from now on: x ↦ placement(x). A rotation of single precision becomes the nearest one. Throws
   /// std::invalid_argument where deviation_from_rigid() is above largest_float_deviation; nothing has changed then.
@@ -106,10 +99,8 @@ class Collider {
   RigidTransform placement_{};
   std::optional<PositionView> rest_{}, given_{};
   std::uint64_t given_frame_ = 0;
-  void list_facets();
-  std::uint64_t dealing_ = 0;
-  std::vector<std::uint32_t> facets_, facet_begin_, facet_end_, leaves_;
-  detail::ChangeCount changes_{};  // of the placement, of the positions given, of facets_
+  std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
+  detail::ChangeCount changes_{};  // of the placement and of the positions given
 };
 
 /// May queries that look at facets ask this body? ok, or one of the faults of bodies.

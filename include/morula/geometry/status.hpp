@@ -33,7 +33,6 @@ struct [[nodiscard]] Status {
     body_not_complete,      ///< a lazy update has left nodes behind, and there is no CollideOptions::reach
     no_surface,             ///< facets are asked for, and the collider has spheres alone
     positions_not_current,  ///< the spheres have moved, and nobody gave the positions: Collider::set_positions
-    ownership_not_current,  ///< patches have changed hands since facets were listed: Collider::follow_ownership
     placement_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
     surface_not_current,    ///< the body that a surface follows has moved: SurfaceTree::follow
     // Questions

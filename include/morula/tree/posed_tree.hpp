@@ -18,8 +18,7 @@ struct PosedTree {
   const SphereTree* tree = nullptr;  ///< levels and children; its own spheres are those of rest
   std::span<const Spheref> spheres;  ///< one per node of the tree, about `origin`, mesh units
   Vec3 origin{};                     ///< mesh units
-  std::uint64_t ownership = 0;       ///< equal for poses of one tree with one cover, whoever has what of it
-  std::uint64_t dealing = 0;         ///< tells what nodes own apart, where patches change hands; 0: what the tree says
+  std::uint64_t ownership = 0;       ///< equal for poses of one tree with one cover
   std::uint64_t frame = 0;           ///< tells one pose of a source from the next; 0 at rest
   bool covers = false;               ///< every level's spheres contain the surface, whatever the motion
   bool nested = false;               ///< every sphere contains its children's, whatever the motion

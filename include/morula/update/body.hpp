@@ -12,7 +12,7 @@
 
 namespace morula {
 namespace detail {
-struct ReownedBody;
+struct FittedBody;
 }
 
 /// Refused, or the work done: the same on every run; all 0 when nothing was changed.
@@ -169,11 +169,8 @@ class Body {
   std::size_t vertex_count() const;
 
  private:
-  friend struct detail::ReownedBody;
+  friend struct detail::FittedBody;
   struct State;
-  // reowns: patches may change hands.
-  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options, Workers& workers,
-       bool reowns);
   void end() noexcept;
 
   std::shared_ptr<State> state_;  // shared with the colliders

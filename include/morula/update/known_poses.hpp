@@ -24,8 +24,9 @@ struct KnownPoseOptions {
   std::uint64_t seed = 1;
   /// A pose gets a tree of its own when the tightest of those there are has a level that is this many times as loose
   /// there as that of a tree built for the pose; above 1.
-  double looser_by = 1.2;
-  std::size_t most = 24;  ///< trees added at most; principal_strains() up to twice the size has as many poses
+  double pose_threshold = 1.2;
+  std::size_t max_trees =
+      24;  ///< largest number of trees added; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
   /// At first, and after every tree that was built or added: KnownPosesReport::built and worst so far. May be empty.
   std::function<void(std::size_t built, double worst)> progress{};
@@ -50,8 +51,8 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
                                  const KnownPoseOptions& options = {}, Workers& workers = serial_workers());
 
 /// Candidates where no motion is known: the mesh stretched along each axis, at constant volume, by steps of a tenth up
-/// to `most` times. Axes along which the mesh has no extent are left out. Throws std::invalid_argument unless
-/// 1 < most ≤ 10.
-std::vector<NamedPose> principal_strains(const Mesh& mesh, double most = 2);
+/// to `max_stretch` times. Axes along which the mesh has no extent are left out. Throws std::invalid_argument unless
+/// 1 < max_stretch ≤ 10.
+std::vector<NamedPose> principal_strains(const Mesh& mesh, double max_stretch = 2);
 
 }  // namespace morula

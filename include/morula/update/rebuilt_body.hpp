@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A body that stays tight: when its fixed ownership has grown loose, another is built in the background and swapped in.
+// A body that stays tight: when its tree has grown loose, another is built in the background and swapped in.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/looseness_estimate.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,64 +23,61 @@ enum class RebuildThread : std::uint8_t {
   none,        ///< nothing is rebuilt: there are the home tree and those for known poses
 };
 
+/// Work per update.
+enum class RebuildEffort : std::uint8_t {
+  standard,  ///< the rule `exact`
+  high,      ///< then moves the centers of leaves to where they fit the surface better, for a third more time
+};
+
 struct RebuildOptions {
   // How to rebuild; branching and depth are those of the home tree.
   Method method = Method::morula;
-  Quality quality = Quality::draft;       ///< for Method::morula, while the body moves
-  Quality still_quality = Quality::fast;  ///< the same, once it has stopped
-  std::uint64_t seed = 1;
+  Quality quality = Quality::draft;      ///< of Method::morula, while the body moves
+  Quality rest_quality = Quality::fast;  ///< the same, once it has stopped
 
-  /// A rebuild is wanted when the estimated looseness of some level is this many times what it was when the present
-  /// ownership was built; above 1.
-  double looser_by = 1.25;
-  /// Frames between estimates; at least 1.
+  /// Looseness of some level, over that where the present tree was made, above which a rebuild is wanted; above 1.
+  double rebuild_threshold = 1.25;
+  /// Frames between estimates of looseness; at least 1.
   int check_every = 4;
-  /// Not 0: a rebuild every so many frames, whatever the looseness. With RebuildThread::caller, fixed frames.
-  int rebuild_every = 0;
-  /// A new ownership is taken over when it is expected to be better by at least this share, by the sum over levels of
-  /// looseness over looseness at home; below 1. Very negative: always, for tests.
-  double gain = 0.05;
-  /// Rebuild for where the motion will be when the result is in use, rather than for where it was. From three poses
-  /// `look_ahead_frames` apart, straight on or turning as it did; 0: never.
-  int look_ahead_frames = 1;
-  /// At most this share of wall time goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
+  /// Frames between rebuilds, whatever the looseness; at least 1. With RebuildThread::caller, fixed frames.
+  std::optional<int> rebuild_every{};
+  /// Share by which a new tree has to be expected to be better, by the sum over levels of looseness over looseness at
+  /// home; below 1. Very negative: always, for tests.
+  double min_improvement = 0.05;
+  /// Rebuilds for where the motion will be when the result is in use, extrapolated from three frames, straight on or
+  /// turning as it did, instead of for where it was.
+  bool look_ahead = true;
+  /// Largest share of wall time that goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
   /// RebuildThread::caller.
   double processor_share = 1.0;
 
-  /// Not 0: in every frame, patches change hands between neighbouring leaves where that makes spheres tighter, until so
-  /// many distances to corners were taken. Nodes keep their numbers, parents and children, so epoch() stays and fronts
-  /// go on; what leaves own changes, so that Collider::follow_ownership is due after each update.
-  std::size_t reown_tests = 0;
-
-  /// In every frame, the centres of leaves that fit the surface less closely than where their tree was made go on to
-  /// where they fit it better. Pays where leaves fit closely: others stay about as they are. Ownership, numbering and
-  /// the nodes above leaves are as without, and spheres depend on nothing else than without.
-  bool fit_leaves = false;
+  /// high: tighter leaves while the body is away from the poses that it has trees for. Cover, ownership, numbering, the
+  /// nodes above leaves, and the spheres at rest and after rigid motion are the same. Pays on smooth bodies of many
+  /// facets per leaf.
+  RebuildEffort effort = RebuildEffort::standard;
 
   RebuildThread thread = RebuildThread::background;
   /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
   /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
   std::function<void(std::function<void()> job)> executor{};
-
-  std::size_t sample_count = LoosenessEstimator::default_samples;
 };
 
 /// What has happened so far.
 struct RebuildReport {
-  std::size_t checks = 0;          ///< estimates made
-  std::size_t started = 0;         ///< rebuilds
-  std::size_t finished = 0;        ///< of these, to the end
-  std::size_t stopped = 0;         ///< given up because the body was at rest again
-  std::size_t failed = 0;          ///< ended by an exception; `failure` is the last one's message
-  std::size_t swapped = 0;         ///< taken over
-  std::size_t refused = 0;         ///< not better than what there was
-  std::size_t returned_home = 0;   ///< changes back to the home ownership, at rest or because it was tighter
-  std::size_t recalled = 0;        ///< changes to an ownership made for a known pose
-  std::size_t compared = 0;        ///< updates of ownerships that did not serve, to see whether they are tighter
-  double rebuild_seconds = 0;      ///< wall time of the last one finished
-  std::size_t rebuild_frames = 0;  ///< frames from the pose it was built for to its end
+  std::size_t checks = 0;                ///< estimates made
+  std::size_t started = 0;               ///< rebuilds
+  std::size_t finished = 0;              ///< of these, to the end
+  std::size_t stopped = 0;               ///< given up because the body was at rest again
+  std::size_t failed = 0;                ///< ended by an exception; `failure` is the last one's message
+  std::size_t swapped = 0;               ///< taken over
+  std::size_t refused = 0;               ///< not better than what there was
+  std::size_t returned_home = 0;         ///< changes back to the home tree, at rest or because it was tighter
+  std::size_t pose_switches = 0;         ///< changes to a tree made for a known pose
+  std::size_t candidates_evaluated = 0;  ///< updates of trees that did not serve, to see whether they are tighter
+  double rebuild_seconds = 0;            ///< wall time of the last one finished
+  std::size_t rebuild_frames = 0;        ///< frames from the pose it was built for to its end
   std::string failure;
-  /// Per level set, from the root: estimated at the last check, and when the present ownership was built.
+  /// Per level set, from the root: estimated at the last check, and when the present tree was built.
   std::vector<double> looseness, looseness_at_build;
 };
 
@@ -90,12 +88,11 @@ struct [[nodiscard]] RebuildStatus {
 };
 
 /// A Body by the rule `exact`, one for each known pose of the tree, and up to two more while it is away from rest: each
-/// an ownership ("epoch") of the same surface, each updated from the caller's positions before anyone sees it. So every
-/// level covers in every frame, whatever happens in the background; swaps change only how tightly.
+/// a tree of the same surface, each updated from the caller's positions before anyone sees it. So every level covers in
+/// every frame, whatever happens in the background; swaps change only how tightly.
 ///
-/// At rest exactly, the home ownership serves: the spheres are then those of rest bit for bit, whatever came before.
-/// Memory: mesh, and up to three bodies, and one for each known pose. With reown_tests spheres also depend on the
-/// frames since the last rest or change of trees.
+/// At rest exactly, the home tree serves: the spheres are then those of rest bit for bit, whatever came before.
+/// Memory: mesh, and up to three bodies, and one for each known pose.
 class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
@@ -110,14 +107,14 @@ class RebuiltBody {
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
   /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and one of
-  /// another ownership where that may be tighter, of up to eight others where the body is small. Cost beyond that: a
+  /// another tree where that may be tighter, of up to eight others where the body is small. Cost beyond that: a
   /// share of an estimate, which is over in `check_every` frames, and a copy of the positions when a rebuild starts.
   RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.
   const Body& body() const;
-  /// Counts swaps: as long as it stays the same, so does the numbering of nodes. Starts at 0.
-  std::uint64_t epoch() const;
+  /// Number of swaps so far: as long as it stays the same, so does the numbering of nodes.
+  std::uint64_t tree_version() const;
   bool is_home() const;
   bool is_rebuilding() const;
   const RebuildReport& report() const;

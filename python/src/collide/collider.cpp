@@ -83,20 +83,6 @@ void bind_collider(nb::module_& m) {
             }
           },
           nb::arg("positions"), doc::Collider_set_positions)
-      .def(
-          "follow_ownership",
-          [](Side& self) {
-            without_gil([&] {
-              const std::unique_lock lock(self.posed->mutex);
-              self.current();
-              self.collider->follow_ownership();
-            });
-          },
-          doc::Collider_follow_ownership)
-      .def_prop_ro(
-          "has_current_ownership",
-          [](const Side& self) { return read(self, [&] { return self.current().has_current_ownership(); }); },
-          doc::Collider_has_current_ownership)
       .def_prop_ro(
           "has_current_positions",
           [](const Side& self) { return read(self, [&] { return self.current().has_current_positions(); }); },

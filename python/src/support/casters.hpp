@@ -51,6 +51,7 @@ struct AxisName : Chosen {};
 struct SignMethodName : Chosen {};
 struct PriorityName : Chosen {};
 struct ClumpFormatName : Chosen {};
+struct RebuildEffortName : Chosen {};
 struct RebuildThreadName : Chosen {};
 
 /// A path: text, or what os.PathLike says.
@@ -129,6 +130,7 @@ MORULA_CHOSEN(AxisName, "morula.typing.Axis")
 MORULA_CHOSEN(SignMethodName, "morula.typing.SignMethod")
 MORULA_CHOSEN(PriorityName, "morula.typing.Priority")
 MORULA_CHOSEN(ClumpFormatName, "morula.typing.ClumpFormatName")
+MORULA_CHOSEN(RebuildEffortName, "morula.typing.RebuildEffort")
 MORULA_CHOSEN(RebuildThreadName, "morula.typing.RebuildThread")
 #undef MORULA_CHOSEN
 

@@ -23,6 +23,8 @@ inline constexpr Choices<ObstacleFeatures> feature_choices{{"vertices", Obstacle
                                                            {"facets", ObstacleFeatures::facets}};
 inline constexpr Choices<RebuildThread> rebuild_thread_choices{
     {"background", RebuildThread::background}, {"caller", RebuildThread::caller}, {"none", RebuildThread::none}};
+inline constexpr Choices<RebuildEffort> rebuild_effort_choices{{"standard", RebuildEffort::standard},
+                                                               {"high", RebuildEffort::high}};
 inline constexpr Choices<RuleOptions::Weights> weight_choices{
     {"uniform", RuleOptions::Weights::uniform},
     {"inverse_distance", RuleOptions::Weights::inverse_distance},

@@ -35,7 +35,7 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
     without_gil([&] {
       const std::shared_lock lock(body->mutex);
       side->collider = std::make_unique<Collider>(*body->mesh, body->owned->body());
-      side->epoch = body->epoch();
+      side->tree_version = body->tree_version();
     });
     side->mesh = again(body->mesh);
     side->posed = body;

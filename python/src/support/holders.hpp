@@ -97,12 +97,12 @@ struct Posed {
   /// The body whose spheres these are; nothing of spheres without one.
   virtual Body* body() { return nullptr; }
   /// Counts changes of the tree itself, whose colliders are then out of date.
-  virtual std::uint64_t epoch() const { return 0; }
+  virtual std::uint64_t tree_version() const { return 0; }
 
   /// The positions that the body borrows: none or one.
   virtual std::span<const Positions> borrowed() const { return {}; }
 
-  std::uint64_t frame() const { return pose().frame + (epoch() << 40); }
+  std::uint64_t frame() const { return pose().frame + (tree_version() << 40); }
 
   mutable std::shared_mutex mutex;
 };
@@ -131,7 +131,7 @@ struct PosedRebuilt : Posed {
   const PosedTree& pose() const override { return owned->body().pose(); }
   std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return const_cast<Body*>(&owned->body()); }
-  std::uint64_t epoch() const override { return owned->epoch(); }
+  std::uint64_t tree_version() const override { return owned->tree_version(); }
 };
 
 struct PosedRows : Posed {
@@ -145,7 +145,7 @@ struct Side {
   std::shared_ptr<const Mesh> mesh;          // or none
   std::shared_ptr<const CoveredTree> built;  // or none
   std::unique_ptr<Collider> collider;
-  std::uint64_t epoch = 0;
+  std::uint64_t tree_version = 0;
   std::vector<Positions> given;  // none or one
 
   void visit(References& references) const {
@@ -155,7 +155,7 @@ struct Side {
   }
   /// Throws RuntimeError when the body has another tree now.
   const Collider& current() const {
-    if (posed->epoch() != epoch) {
+    if (posed->tree_version() != tree_version) {
       throw std::runtime_error("the body was rebuilt and has another tree now: make another Collider");
     }
     return *collider;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <morula/morula.hpp>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -37,8 +38,8 @@ void bind_rebuilt_body(nb::module_& m) {
       .field("swapped", &RebuildReport::swapped, doc::RebuildReport_swapped)
       .field("refused", &RebuildReport::refused, doc::RebuildReport_refused)
       .field("returned_home", &RebuildReport::returned_home, doc::RebuildReport_returned_home)
-      .field("recalled", &RebuildReport::recalled, doc::RebuildReport_recalled)
-      .field("compared", &RebuildReport::compared, doc::RebuildReport_compared)
+      .field("pose_switches", &RebuildReport::pose_switches, doc::RebuildReport_pose_switches)
+      .field("candidates_evaluated", &RebuildReport::candidates_evaluated, doc::RebuildReport_candidates_evaluated)
       .field("rebuild_seconds", &RebuildReport::rebuild_seconds, doc::RebuildReport_rebuild_seconds)
       .field("rebuild_frames", &RebuildReport::rebuild_frames, doc::RebuildReport_rebuild_frames)
       .field("failure", &RebuildReport::failure)
@@ -53,24 +54,21 @@ void bind_rebuilt_body(nb::module_& m) {
   body.def(
           "__init__",
           [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, MethodName method, QualityName quality,
-             QualityName still_quality, std::uint64_t seed, double looser_by, int check_every, int rebuild_every,
-             double gain, int look_ahead_frames, double processor_share, std::size_t reown_tests, bool fit_leaves,
-             RebuildThreadName thread, std::size_t sample_count, Threads* workers) {
+             QualityName rest_quality, double rebuild_threshold, int check_every, std::optional<int> rebuild_every,
+             double min_improvement, bool look_ahead, double processor_share, RebuildEffortName effort,
+             RebuildThreadName thread, Threads* workers) {
             RebuildOptions options;
             options.method = method_of(method);
             options.quality = quality_of(quality);
-            options.still_quality = quality_of(still_quality, "still_quality");
-            options.seed = seed;
-            options.looser_by = looser_by;
+            options.rest_quality = quality_of(rest_quality, "rest_quality");
+            options.rebuild_threshold = rebuild_threshold;
             options.check_every = check_every;
             options.rebuild_every = rebuild_every;
-            options.gain = gain;
-            options.look_ahead_frames = look_ahead_frames;
+            options.min_improvement = min_improvement;
+            options.look_ahead = look_ahead;
             options.processor_share = processor_share;
-            options.reown_tests = reown_tests;
-            options.fit_leaves = fit_leaves;
+            options.effort = choice<RebuildEffort>(effort, "effort", rebuild_effort_choices);
             options.thread = choice<RebuildThread>(thread, "thread", rebuild_thread_choices);
-            options.sample_count = sample_count;
             auto mesh = mesh_of(given);
             auto owned =
                 without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, built, options, CallWorkers(workers)); });
@@ -79,21 +77,19 @@ void bind_rebuilt_body(nb::module_& m) {
             self->owned = std::move(owned);
           },
           nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("quality") = "draft",
-          nb::arg("still_quality") = "fast", nb::arg("seed") = 1, nb::arg("looser_by") = 1.25,
-          nb::arg("check_every") = 4, nb::arg("rebuild_every") = 0, nb::arg("gain") = 0.05,
-          nb::arg("look_ahead_frames") = 1, nb::arg("processor_share") = 1.0, nb::arg("reown_tests") = 0,
-          nb::arg("fit_leaves") = false, nb::arg("thread") = "background",
-          nb::arg("sample_count") = LoosenessEstimator::default_samples, nb::arg("workers") = nb::none(),
+          nb::arg("rest_quality") = "fast", nb::arg("rebuild_threshold") = 1.25, nb::arg("check_every") = 4,
+          nb::arg("rebuild_every") = nb::none(), nb::arg("min_improvement") = 0.05, nb::arg("look_ahead") = true,
+          nb::arg("processor_share") = 1.0, nb::arg("effort") = "standard", nb::arg("thread") = "background",
+          nb::arg("workers") = nb::none(),
           with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
-                                                        {"still_quality", doc::RebuildOptions_still_quality},
-                                                        {"looser_by", doc::RebuildOptions_looser_by},
+                                                        {"rest_quality", doc::RebuildOptions_rest_quality},
+                                                        {"rebuild_threshold", doc::RebuildOptions_rebuild_threshold},
                                                         {"check_every", doc::RebuildOptions_check_every},
                                                         {"rebuild_every", doc::RebuildOptions_rebuild_every},
-                                                        {"gain", doc::RebuildOptions_gain},
-                                                        {"look_ahead_frames", doc::RebuildOptions_look_ahead_frames},
+                                                        {"min_improvement", doc::RebuildOptions_min_improvement},
+                                                        {"look_ahead", doc::RebuildOptions_look_ahead},
                                                         {"processor_share", doc::RebuildOptions_processor_share},
-                                                        {"reown_tests", doc::RebuildOptions_reown_tests},
-                                                        {"fit_leaves", doc::RebuildOptions_fit_leaves},
+                                                        {"effort", doc::RebuildOptions_effort},
                                                         {"thread", "background, caller or none"}})
               .c_str())
       .def(
@@ -108,7 +104,8 @@ void bind_rebuilt_body(nb::module_& m) {
           },
           nb::arg("positions"), nb::arg("workers") = nb::none(), doc::RebuiltBody_update)
       .def_prop_ro(
-          "epoch", [](const PosedRebuilt& self) { return self.owned->epoch(); }, doc::RebuiltBody_epoch)
+          "tree_version", [](const PosedRebuilt& self) { return self.owned->tree_version(); },
+          doc::RebuiltBody_tree_version)
       .def_prop_ro("is_home", [](const PosedRebuilt& self) { return self.owned->is_home(); })
       .def_prop_ro("is_rebuilding", [](const PosedRebuilt& self) { return self.owned->is_rebuilding(); })
       .def_prop_ro(
@@ -121,8 +118,8 @@ void bind_rebuilt_body(nb::module_& m) {
       .def(
           "hash", [](const PosedRebuilt& self) { return self.owned->body().hash(); }, doc::Body_hash)
       .def("__repr__", [](const PosedRebuilt& self) {
-        return "<morula.RebuiltBody: " + std::to_string(self.pose().spheres.size()) + " nodes, epoch " +
-               std::to_string(self.owned->epoch()) + ">";
+        return "<morula.RebuiltBody: " + std::to_string(self.pose().spheres.size()) + " nodes, tree version " +
+               std::to_string(self.owned->tree_version()) + ">";
       });
 }
 

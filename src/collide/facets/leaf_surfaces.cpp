@@ -61,9 +61,7 @@ float largest(const FacetColumns& facets) {
 }  // namespace
 
 bool FacetShares::is_of(const Collider& collider) const {
-  // mutant reown-shares-of-before: `| dealing_ != collider.pose().dealing ||` -> `|`
-  return !(ownership_ != collider.pose().ownership || dealing_ != collider.pose().dealing ||
-           share_.size() != collider.facets(0).size());
+  return ownership_ == collider.pose().ownership && share_.size() == collider.facets(0).size();
 }
 
 void FacetShares::follow(const Collider& collider) {
@@ -83,7 +81,6 @@ void FacetShares::follow(const Collider& collider) {
     }
   }
   ownership_ = collider.pose().ownership;
-  dealing_ = collider.pose().dealing;
 }
 
 void LeafSurfaces::start(const Collider& collider, const FacetShares& shares) {

@@ -14,7 +14,7 @@
 namespace morula::detail {
 
 /// The share of each facet of each leaf that the leaf owns, in the order of the collider's lists. The same for all
-/// questions about a body, as long as its leaves own what they do.
+/// questions about a body.
 class FacetShares {
  public:
   bool is_of(const Collider& collider) const;
@@ -23,7 +23,7 @@ class FacetShares {
   const float* data() const { return share_.data(); }
 
  private:
-  std::uint64_t ownership_ = 0, dealing_ = 0;
+  std::uint64_t ownership_ = 0;
   std::vector<float> share_;
 };
 

@@ -26,7 +26,7 @@ struct FollowedBody {
 
 /// Which blocks have a facet of which a leaf owns a part; leaves by their nodes.
 struct BlocksOfLeaves {
-  std::uint64_t ownership = 0, dealing = 0;
+  std::uint64_t ownership = 0;
   std::vector<std::uint32_t> begin, blocks;
 
   std::span<const std::uint32_t> operator[](std::uint32_t node) const {

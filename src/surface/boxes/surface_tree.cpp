@@ -33,7 +33,6 @@ BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body)
   BlocksOfLeaves found;
   const SphereTree& tree = body.tree();
   found.ownership = body.pose().ownership;
-  found.dealing = body.pose().dealing;
   found.begin.push_back(0);
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const auto first = static_cast<std::ptrdiff_t>(found.blocks.size());
@@ -175,8 +174,7 @@ Status SurfaceTree::follow(const Collider& body) {
     for (std::uint32_t v = 0; v < s.rest.size(); ++v)
       if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
         return {.code = Status::Code::non_finite_position, .index = v};
-  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership ||
-      s.blocks_of_leaves.dealing != body.pose().dealing)
+  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership)
     s.blocks_of_leaves = blocks_of_leaves(s, body);
   s.followed = std::move(followed);
   s.from = body.positions();

@@ -16,22 +16,13 @@ namespace {
 constexpr std::size_t farthest_count = 4;
 }  // namespace
 
-OutermostRoom::OutermostRoom(std::size_t most_points, std::size_t core_size) {
-  for (const Vec3& d : fibonacci_directions(core_size - farthest_count)) directions.emplace_back(d);
-  x.reserve(most_points), y.reserve(most_points), z.reserve(most_points);
-}
-
 void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
                std::span<std::uint32_t> core) {
-  OutermostRoom room(owned.size(), core.size());
-  outermost(points, owned, center, core, room);
-}
-
-void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
-               std::span<std::uint32_t> core, OutermostRoom& room) noexcept {
   constexpr std::uint32_t none = 0xffffffffu;
-  auto& [directions, x, y, z] = room;
-  x.clear(), y.clear(), z.clear();
+  std::vector<Vec3f> directions;
+  for (const Vec3& d : fibonacci_directions(core.size() - farthest_count)) directions.emplace_back(d);
+  std::vector<float> x, y, z;
+  x.reserve(owned.size()), y.reserve(owned.size()), z.reserve(owned.size());
   std::array<float, farthest_count> farthest;
   farthest.fill(-std::numeric_limits<float>::infinity());
   const std::span<std::uint32_t> farthest_points = core.subspan(directions.size());

@@ -6,27 +6,14 @@
 #include <cstdint>
 #include <morula/geometry/vector.hpp>
 #include <span>
-#include <vector>
 
 #include "simd/float4.hpp"
 
 namespace morula::detail {
 
-/// Room for outermost(), so that it need not allocate.
-struct OutermostRoom {
-  /// For so many points at most, and cores of this size.
-  OutermostRoom(std::size_t most_points, std::size_t core_size);
-
-  std::vector<Vec3f> directions;
-  std::vector<float> x, y, z;
-};
-
 /// Fills `core` with those of the `owned` points that are farthest out in directions spread over the sphere, seen from
 /// `center`, and those that are farthest from it; some of them more than once. O(owned × core).
 void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
                std::span<std::uint32_t> core);
-/// The same, for a core of the room's size.
-void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
-               std::span<std::uint32_t> core, OutermostRoom& room) noexcept;
 
 }  // namespace morula::detail

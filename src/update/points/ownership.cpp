@@ -148,7 +148,7 @@ LeafOrder depth_first_leaves(const SphereTree& tree) {
 }
 
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points, double tolerance, bool all_cut_points) {
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   constexpr std::uint32_t none = 0xffffffffu;
   Ownership result;
   result.begin.push_back(0);
@@ -195,9 +195,6 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
       result.cut_points.push_back(c - cover.vertex_count);
     };
     for (const std::uint32_t c : cuts) give_number(c);
-    if (!all_cut_points) continue;
-    for (const std::uint32_t c : cover.corners)
-      if (c >= cover.vertex_count) give_number(c);
   }
 
   std::vector<std::uint32_t> merged, merged_begin{0};

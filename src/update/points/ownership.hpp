@@ -47,10 +47,9 @@ struct Ownership {
 };
 bool is_on_edge(const CutPoint& cut_point);
 /// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether. tolerance: of
-/// FacetHull::surround; whoever gives one has it in the error budget. all_cut_points: every one has a number, those
-/// that no leaf has to test behind the others of their kind.
+/// FacetHull::surround; whoever gives one has it in the error budget.
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
-                       std::span<const std::uint8_t> needs_cut_points, double tolerance, bool all_cut_points = false);
+                       std::span<const std::uint8_t> needs_cut_points, double tolerance);
 /// Fills tested_from: a node looks at each point once, in the first leaf below it that owns it, and only at those cut
 /// points that surround the others which its leaves look at, within the tolerance of FacetHull::surround. What it owns
 /// then lies within twice the tolerance of the hull of what it looks at: leaves leave out within one, this within

@@ -22,7 +22,7 @@ constexpr std::size_t most_side_by_side = 16;  // builds; each holds what a buil
 
 void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses,
                       const KnownPoseOptions& options) {
-  if (!(options.looser_by > 1)) throw std::invalid_argument("known poses: looser_by must be above 1");
+  if (!(options.pose_threshold > 1)) throw std::invalid_argument("known poses: pose_threshold must be above 1");
   if (built.cover.vertex_count != mesh.vertex_count())
     throw std::invalid_argument("known poses: the tree is for another number of vertices");
   for (const NamedPose& pose : poses)
@@ -45,11 +45,11 @@ class Service {
     Body body(mesh, CoveredTree{built.tree, built.cover, built.report}, {}, workers);
     home_ = looseness_of(body, mesh.positions);
     tightest_ = home_;
-    serve(body);
+    activate(body);
     for (const KnownPose& pose : built.poses) {
       Body known({pose.positions, mesh.facets}, pose.built, {}, workers);
       learn(looseness_of(known, pose.positions));
-      serve(known);
+      activate(known);
     }
   }
 
@@ -66,13 +66,13 @@ class Service {
   }
 
   /// Of the poses without a tree that may be served more than so many times looser than they could be, the worst.
-  std::vector<std::size_t> worst_without_tree(double looser_by, std::size_t most) const {
+  std::vector<std::size_t> worst_without_tree(double pose_threshold, std::size_t max_count) const {
     std::vector<Worst> found;
     for (std::size_t i = 0; i < poses_.size(); ++i)
-      if (const double its = growth(i); !has_tree(i) && its > looser_by) found.push_back({i, its});
+      if (const double its = growth(i); !has_tree(i) && its > pose_threshold) found.push_back({i, its});
     std::stable_sort(found.begin(), found.end(), [](const Worst& a, const Worst& b) { return a.growth > b.growth; });
     std::vector<std::size_t> poses;
-    for (std::size_t k = 0; k < std::min(most, found.size()); ++k) poses.push_back(found[k].pose);
+    for (std::size_t k = 0; k < std::min(max_count, found.size()); ++k) poses.push_back(found[k].pose);
     return poses;
   }
 
@@ -90,7 +90,7 @@ class Service {
   void let_serve(std::size_t pose, const Mesh& posed) {
     own_[pose].serves = true;
     Body body(posed, own_[pose].tree, {}, workers_);
-    serve(body);
+    activate(body);
   }
 
  private:
@@ -122,7 +122,7 @@ class Service {
       tightest_[level] = std::min(tightest_[level], looseness[level]);
   }
 
-  void serve(Body& body) {
+  void activate(Body& body) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (const UpdateStatus status = body.update(poses_[i].positions, workers_); !status)
         throw std::invalid_argument("known poses: \"" + poses_[i].name + "\": " + message(status));
@@ -165,7 +165,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
     const auto [pose, growth] = service.worst();
     report.worst = growth;
     tell();
-    if (!(growth > options.looser_by) || added.size() == options.most) break;
+    if (!(growth > options.pose_threshold) || added.size() == options.max_trees) break;
     if (service.has_tree(pose)) {
       service.let_serve(pose, posed(pose));
       added.push_back({poses[pose].name, poses[pose].positions, service.tree(pose)});
@@ -174,7 +174,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
     // Several side by side, since a build keeps few threads busy. Some may turn out not to be needed, where one that
     // comes to serve serves them, too: so no more than a quarter of those built before.
     const std::size_t count = std::clamp<std::size_t>(report.built / 4, 1, most_side_by_side);
-    const std::vector<std::size_t> next = service.worst_without_tree(options.looser_by, count);
+    const std::vector<std::size_t> next = service.worst_without_tree(options.pose_threshold, count);
     std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());
     workers.run(next.size(), [&](std::size_t i) {
       // mutant known-side-by-side-mixed: `next[i]` -> `next[0]`
@@ -191,9 +191,9 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
   return report;
 }
 
-std::vector<NamedPose> principal_strains(const Mesh& mesh, double most) {
+std::vector<NamedPose> principal_strains(const Mesh& mesh, double max_stretch) {
   const StandardFloats standard;
-  if (!(most > 1 && most <= 10)) throw std::invalid_argument("principal strains: 1 < most ≤ 10");
+  if (!(max_stretch > 1 && max_stretch <= 10)) throw std::invalid_argument("principal strains: 1 < max_stretch ≤ 10");
   constexpr double step = 1.1;
   const Box box = bounding_box(mesh);
   const std::array<Axis, 3> axes{Axis::x, Axis::y, Axis::z};
@@ -201,8 +201,8 @@ std::vector<NamedPose> principal_strains(const Mesh& mesh, double most) {
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     if (!(box.extent()[static_cast<int>(axis)] > 0)) continue;
     double factor = 1;
-    while (factor < most) {
-      factor = std::min(most, factor * step);
+    while (factor < max_stretch) {
+      factor = std::min(max_stretch, factor * step);
       const Deformation stretch = Stretch{.factor = factor, .axis = axes[axis]};
       poses.push_back({describe(stretch), deform(mesh, {stretch}, 1)});
     }

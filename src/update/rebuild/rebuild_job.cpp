@@ -14,6 +14,7 @@
 #endif
 
 #include "parallel/float_environment.hpp"
+#include "update/fitted_body.hpp"
 
 namespace morula::detail {
 namespace {
@@ -37,9 +38,8 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 
 }  // namespace
 
-RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-                       ReownedBody::Ways ways)
-    : snapshot_(home), build_(build), estimator_(home, sample_count), levels_(levels), ways_(ways) {
+RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t levels, bool fits_leaves)
+    : snapshot_(home), build_(build), estimator_(home), levels_(levels), fits_leaves_(fits_leaves) {
   earlier_.fill(home.positions);
   last_pose_ = home.positions;
 }
@@ -69,7 +69,7 @@ void RebuildJob::run() noexcept {
   retired_.reset();
   result_ = {};
   try {
-    result_.epoch = rebuilt();
+    result_.tree = rebuilt();
   } catch (const BuildStopped&) {
   } catch (const std::exception& error) {
     result_.failure = error.what();
@@ -78,7 +78,7 @@ void RebuildJob::run() noexcept {
   stage_.store(Stage::done, std::memory_order_release);
 }
 
-std::unique_ptr<Epoch> RebuildJob::rebuilt() {
+std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
   Workers one;  // the shared one may be at work on the caller's thread
   last_pose_ = snapshot_.positions;
   if (steps_ > 0)
@@ -86,17 +86,17 @@ std::unique_ptr<Epoch> RebuildJob::rebuilt() {
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
   auto built = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
   if (build_.stop.stop_requested()) throw BuildStopped();
-  auto epoch = std::make_unique<Epoch>(ReownedBody::make(snapshot_, std::move(built), one, ways_), snapshot_,
-                                       estimator_, levels_);
+  auto tree = std::make_unique<TreeVersion>(FittedBody::make(snapshot_, std::move(built), fits_leaves_, one), snapshot_,
+                                            estimator_, levels_);
   // The frame that takes it over lies between the pose it was asked for at and the one it was made for.
-  epoch->strain_elsewhere = epoch->gauge.strain(last_pose_);
-  if (epoch->strain_elsewhere > 0 && epoch->body.update(last_pose_, one)) {
+  tree->strain_elsewhere = tree->gauge.strain(last_pose_);
+  if (tree->strain_elsewhere > 0 && tree->body.update(last_pose_, one)) {
     estimator_.pose(last_pose_);
-    estimator_.estimate(epoch->body, epoch->looseness_elsewhere);
+    estimator_.estimate(tree->body, tree->looseness_elsewhere);
   } else {
-    epoch->strain_elsewhere = 0;
+    tree->strain_elsewhere = 0;
   }
-  return epoch;
+  return tree;
 }
 
 #ifdef MORULA_THREADS

@@ -14,8 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "update/rebuild/epoch.hpp"
-#include "update/reowned_body.hpp"
+#include "update/rebuild/tree_version.hpp"
 
 namespace morula::detail {
 
@@ -24,8 +23,7 @@ namespace morula::detail {
 class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
-  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t sample_count, std::size_t levels,
-             ReownedBody::Ways ways);
+  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -35,16 +33,16 @@ class RebuildJob {
   /// Poses of a motion, the last one the latest, equally far apart in time.
   void set_pose(std::size_t which, const PositionView& positions);
   /// The runner frees it: that takes as long as a frame.
-  void retire(std::unique_ptr<Epoch> old) { retired_ = std::move(old); }
+  void retire(std::unique_ptr<TreeVersion> old) { retired_ = std::move(old); }
   /// steps: how many such intervals after the last pose is the one to build for; 0: the last pose itself, the only one
   /// that has to be set.
   void queue(int steps, Quality quality);
   void request_stop() { stop_.request_stop(); }
   /// When done: what there is to take; nothing when stopped or failed.
-  Epoch* finished() { return result_.epoch.get(); }
+  TreeVersion* finished() { return result_.tree.get(); }
   struct Result {
-    std::unique_ptr<Epoch> epoch;  ///< nothing: stopped or failed
-    std::string failure{};         ///< empty: stopped
+    std::unique_ptr<TreeVersion> tree;  ///< nothing: stopped or failed
+    std::string failure{};              ///< empty: stopped
     double seconds = 0;
   };
   Result take();
@@ -53,7 +51,7 @@ class RebuildJob {
   void run() noexcept;
 
  private:
-  std::unique_ptr<Epoch> rebuilt();
+  std::unique_ptr<TreeVersion> rebuilt();
 
   Mesh snapshot_;                // the last pose, then the one to build for
   std::vector<Vec3> last_pose_;  // where that is another
@@ -62,9 +60,9 @@ class RebuildJob {
   BuildOptions build_;
   LoosenessEstimator estimator_;
   std::size_t levels_;
-  ReownedBody::Ways ways_;
+  bool fits_leaves_;
   std::stop_source stop_;
-  std::unique_ptr<Epoch> retired_{};
+  std::unique_ptr<TreeVersion> retired_{};
   Result result_{};
   std::atomic<Stage> stage_{Stage::idle};
 };

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Relative looseness: what ownerships of one surface are compared by.
+// Relative looseness: what trees of one surface are compared by.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace morula::detail {
 /// Looseness below this is tight enough: ratios of smaller figures say nothing.
 inline constexpr double negligible_looseness = 1e-3;
 
-/// The root is one ball whatever the ownership: it counts only where there is nothing else.
+/// The root is one ball whatever the tree: it counts only where there is nothing else.
 inline std::size_t first_counted_level(std::size_t levels) {
   return levels > 1 ? 1 : 0;
 }
@@ -25,7 +25,7 @@ inline double relative_looseness(std::span<const double> looseness, std::span<co
   return sum;
 }
 
-/// The largest E / E at the pose that the ownership was built for, over the levels that count.
+/// The largest E / E at the pose that the tree was built for, over the levels that count.
 inline double largest_growth(std::span<const double> looseness, std::span<const double> at_build) noexcept {
   double largest = 0;
   for (std::size_t level = first_counted_level(looseness.size()); level < looseness.size(); ++level)

@@ -11,11 +11,11 @@
 namespace morula::detail {
 namespace {
 
-// Per level that counts: by how much a unit of strain raises an ownership's score, before anything was measured, and at
+// Per level that counts: by how much a unit of strain raises a tree's score, before anything was measured, and at
 // least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
 constexpr double usual_cost = 10, least_cost = 2;
 
-double for_levels(const Epoch& home, double per_level) {
+double for_levels(const TreeVersion& home, double per_level) {
   const std::size_t levels = home.looseness_at_build.size();
   return per_level * static_cast<double>(levels - first_counted_level(levels));
 }
@@ -28,33 +28,33 @@ double middle(std::vector<double>& figures) {
 
 }  // namespace
 
-StrainCost::StrainCost(const Epoch& home) : home_(home), per_strain_(for_levels(home, usual_cost)) {}
+StrainCost::StrainCost(const TreeVersion& home) : home_(home), per_strain_(for_levels(home, usual_cost)) {}
 
 double StrainCost::least() const noexcept {
   return for_levels(home_, least_cost);
 }
 
 // By what was measured of it elsewhere, else by what strain costs in general.
-double StrainCost::of(const Epoch& ownership) const noexcept {
-  if (!(ownership.strain_elsewhere > least_strain)) return per_strain_;
-  return std::max(least(), of(ownership, ownership.looseness_elsewhere, ownership.strain_elsewhere));
+double StrainCost::of(const TreeVersion& tree) const noexcept {
+  if (!(tree.strain_elsewhere > least_strain)) return per_strain_;
+  return std::max(least(), of(tree, tree.looseness_elsewhere, tree.strain_elsewhere));
 }
 
-double StrainCost::of(const Epoch& ownership, std::span<const double> looseness, double strain) const noexcept {
+double StrainCost::of(const TreeVersion& tree, std::span<const double> looseness, double strain) const noexcept {
   return (relative_looseness(looseness, home_.looseness_at_build) -
-          relative_looseness(ownership.looseness_at_build, home_.looseness_at_build)) /
+          relative_looseness(tree.looseness_at_build, home_.looseness_at_build)) /
              strain -
          growth_ * strain;
 }
 
-// Looseness grows faster than strain does, and ownerships are chosen where strain is small: poses far apart alone would
+// Looseness grows faster than strain does, and trees are chosen where strain is small: poses far apart alone would
 // make it seem dear there, and so whatever was rebuilt for a pose ahead. So what a little costs is taken from how loose
-// every ownership is at the pose nearest to its own, and how that grows from how loose the home ownership is at all
-// known poses. The home ownership, which serves first, goes by its own figure until it is measured.
-void StrainCost::calibrate(Epoch& home, std::span<const Epoch> known, std::span<const PositionView> poses,
+// every tree is at the pose nearest to its own, and how that grows from how loose the home tree is at all
+// known poses. The home tree, which serves first, goes by its own figure until it is measured.
+void StrainCost::calibrate(TreeVersion& home, std::span<const TreeVersion> known, std::span<const PositionView> poses,
                            LoosenessEstimator& estimator, Workers& workers) {
-  const auto ownership = [&](std::size_t pose) -> const Epoch& { return pose == 0 ? home : known[pose - 1]; };
-  const auto strain_at = [&](const Epoch& of, std::size_t pose) { return of.gauge.strain(poses[pose]); };
+  const auto tree = [&](std::size_t pose) -> const TreeVersion& { return pose == 0 ? home : known[pose - 1]; };
+  const auto strain_at = [&](const TreeVersion& of, std::size_t pose) { return of.gauge.strain(poses[pose]); };
   std::vector<double> estimated(home.looseness_at_build.size());
   const auto is_estimated_at = [&](Body& probe, std::size_t pose) {
     if (!probe.update(poses[pose], workers)) return false;
@@ -64,7 +64,7 @@ void StrainCost::calibrate(Epoch& home, std::span<const Epoch> known, std::span<
   };
   std::vector<double> costs;
   for (std::size_t own = 0; own < poses.size(); ++own) {
-    const Epoch& made = ownership(own);
+    const TreeVersion& made = tree(own);
     std::optional<std::size_t> nearest;
     for (std::size_t pose = 0; pose < poses.size(); ++pose)
       if (const double strain = strain_at(made, pose);

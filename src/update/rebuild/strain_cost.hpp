@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What strain is expected to cost an ownership: by how much it raises its relative looseness.
+// What strain is expected to cost a tree: by how much it raises its relative looseness.
 #pragma once
 
 #include <morula/geometry/positions.hpp>
@@ -8,7 +8,7 @@
 #include <morula/update/looseness_estimate.hpp>
 #include <span>
 
-#include "update/rebuild/epoch.hpp"
+#include "update/rebuild/tree_version.hpp"
 
 namespace morula::detail {
 
@@ -18,27 +18,25 @@ inline constexpr double least_strain = 0.02;
 class StrainCost {
  public:
   /// Until something is measured: what is usual. home: borrowed.
-  explicit StrainCost(const Epoch& home);
+  explicit StrainCost(const TreeVersion& home);
 
-  /// From how loose ownerships are at each other's poses; poses[0] is rest, poses[k + 1] that of known[k].
-  void calibrate(Epoch& home, std::span<const Epoch> known, std::span<const PositionView> poses,
+  /// From how loose trees are at each other's poses; poses[0] is rest, poses[k + 1] that of known[k].
+  void calibrate(TreeVersion& home, std::span<const TreeVersion> known, std::span<const PositionView> poses,
                  LoosenessEstimator& estimator, Workers& workers);
   /// From what was measured last of this one, which strain_elsewhere tells.
-  void learn_from(const Epoch& ownership) noexcept { per_strain_ = of(ownership); }
+  void learn_from(const TreeVersion& tree) noexcept { per_strain_ = of(tree); }
 
   /// For a little strain, over that strain.
-  double of(const Epoch& ownership) const noexcept;
-  /// The same, where the ownership is as loose as that at a strain from the pose that it was built for.
-  double of(const Epoch& ownership, std::span<const double> looseness, double strain) const noexcept;
+  double of(const TreeVersion& tree) const noexcept;
+  /// The same, where the tree is as loose as that at a strain from the pose that it was built for.
+  double of(const TreeVersion& tree, std::span<const double> looseness, double strain) const noexcept;
   /// By how much so much strain raises its relative looseness.
-  double at(const Epoch& ownership, double strain) const noexcept {
-    return (of(ownership) + growth_ * strain) * strain;
-  }
+  double at(const TreeVersion& tree, double strain) const noexcept { return (of(tree) + growth_ * strain) * strain; }
 
  private:
   double least() const noexcept;
 
-  const Epoch& home_;
+  const TreeVersion& home_;
   double per_strain_;  // by how much a little strain raises it, over that strain
   double growth_ = 0;  // how much of this there is more for every unit of strain
 };

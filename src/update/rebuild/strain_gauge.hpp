@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Strain gauge: how far a pose is from another as spheres feel it, from lengths the size of leaves. It tells at once
-// which of several ownerships fits a pose, before any of them is updated.
+// which of several trees fits a pose, before any of them is updated.
 #pragma once
 
 #include <cstdint>

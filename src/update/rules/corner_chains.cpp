@@ -3,7 +3,6 @@
 #include "update/rules/corner_chains.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "update/points/point_runs.hpp"
 
@@ -105,46 +104,6 @@ void CornerChains::farthest_of_leaves(std::size_t begin, std::size_t end, std::s
   const LeafLists lists{l.runs.data(),     l.run_begin.data(), l.points.data(),     l.point_begin.data(),
                         point_end_.data(), chain_.data(),      chain_begin_.data(), nodes_.data()};
   kernels().farthest_of_leaves(points.data(), lists, begin, end, count, spheres.data(), squared.data());
-}
-
-void CornerChains::reserve(std::size_t max_points) {
-  const std::size_t padded = max_points + points_per_group * leaf_count();
-  lists_.points.reserve(padded), spare_.points.reserve(padded);
-  spare_.runs.reserve(lists_.runs.size());
-  spare_.run_begin.reserve(lists_.run_begin.size()), spare_.point_begin.reserve(lists_.point_begin.size());
-}
-
-void CornerChains::keep_list(std::size_t leaf) noexcept {
-  const auto append = [&](auto& to, const auto& from, const std::vector<std::uint32_t>& begin) {
-    to.insert(to.end(), from.begin() + begin[leaf], from.begin() + begin[leaf + 1]);
-  };
-  append(spare_.runs, lists_.runs, lists_.run_begin);
-  append(spare_.points, lists_.points, lists_.point_begin);
-  end_list(leaf);
-}
-
-void CornerChains::write_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept {
-  spare_.points.insert(spare_.points.end(), owned.begin(), owned.end());
-  while (spare_.points.size() % points_per_group != 0) spare_.points.push_back(owned.back());
-  end_list(leaf);
-  const auto count = static_cast<std::uint32_t>(owned.size());
-  for (std::uint32_t entry = begin(leaf); entry < end(leaf); ++entry) {
-    const std::uint32_t before = std::exchange(test_count_[entry], count);
-    tested_points_ += count - std::size_t{before};  // modulo 2^64, where it becomes less
-    if (entry == begin(leaf)) owned_points_ += count - std::size_t{before};
-  }
-}
-
-// All of the chain test all of the leaf.
-void CornerChains::end_list(std::size_t leaf) noexcept {
-  spare_.end_leaf();
-  std::fill(point_end_.begin() + begin(leaf), point_end_.begin() + end(leaf), spare_.point_begin.back());
-}
-
-void CornerChains::take_lists(const CornerChains& other) noexcept {
-  lists_ = other.lists_;
-  point_end_ = other.point_end_, test_count_ = other.test_count_;
-  owned_points_ = other.owned_points_, tested_points_ = other.tested_points_;
 }
 
 }  // namespace morula::detail

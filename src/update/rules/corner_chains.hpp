@@ -12,7 +12,7 @@
 //   chain_         A  B  D |  A  B  E |  A  C       the node of an entry, as a place in nodes_
 //   chain_begin_   0          3          6       8
 //
-//   points_ of D:  [ A tests these | and B these as well | and D these ]    point_end_ has the three ends
+//   points of D:   [ A tests these | and B these as well | and D these ]    point_end_ has the three ends
 #pragma once
 
 #include <morula/geometry/sphere.hpp>
@@ -31,10 +31,6 @@ struct PointLists {
   std::vector<PointRun> runs;
   std::vector<std::uint32_t> run_begin{0}, points, point_begin{0};  ///< per leaf, and the end
 
-  void clear() noexcept {
-    runs.clear(), points.clear();
-    run_begin.assign(1, 0), point_begin.assign(1, 0);
-  }
   void end_leaf() {
     run_begin.push_back(static_cast<std::uint32_t>(runs.size()));
     point_begin.push_back(static_cast<std::uint32_t>(points.size()));
@@ -100,44 +96,18 @@ class CornerChains {
     farthest_of_leaves(leaf, leaf + 1, nodes_.size(), points, spheres, squared);
   }
 
-  /// Makes room for deal(): so many points in all. Of an ownership in which all nodes test all that their leaves own.
-  void reserve(std::size_t max_points);
-  /// The leaves, ascending, own something else from here on: points_of(leaf), each once, in any order. No allocation
-  /// after reserve().
-  template <class PointsOf>
-  void deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of) noexcept;
-  /// The point lists of another layout of the same tree.
-  void take_lists(const CornerChains& other) noexcept;
-
  private:
   void append_chain(const SphereTree& tree, std::uint32_t leaf_node, std::span<const std::uint32_t> number);
   void list_points(std::span<const std::uint32_t> owned, std::span<const std::uint32_t> tested_from,
                    std::span<const std::uint32_t> levels);
-  void keep_list(std::size_t leaf) noexcept;
-  void write_list(std::size_t leaf, std::span<const std::uint32_t> owned) noexcept;
-  void end_list(std::size_t leaf) noexcept;
 
   std::vector<std::uint32_t> nodes_;
   std::vector<Below> below_;  // of each node
   std::vector<std::uint32_t> chain_begin_{0}, chain_;
-  PointLists lists_, spare_;  // spare_: the lists that deal() writes
+  PointLists lists_;
   // By entry: where the points end in lists_.points that the node tests, and how many points it tests.
   std::vector<std::uint32_t> point_end_, test_count_;
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };
-
-template <class PointsOf>
-void CornerChains::deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of) noexcept {
-  spare_.clear();
-  auto next = leaves.begin();
-  for (std::uint32_t leaf = 0; leaf < leaf_count(); ++leaf) {
-    // mutant reown-leaf-lists-kept: `next == leaves.end() || *next != leaf` -> `true`
-    if (next == leaves.end() || *next != leaf)
-      keep_list(leaf);
-    else
-      write_list(leaf, points_of(*next++));
-  }
-  std::swap(lists_, spare_);
-}
 
 }  // namespace morula::detail

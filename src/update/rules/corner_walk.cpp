@@ -86,14 +86,4 @@ void CornerWalk::measure_one(std::uint32_t k, std::span<const LocalPoint> points
   reaches_.of_node[k] = reaches_.farthest_entry(chains_, k);
 }
 
-void CornerWalk::measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
-                                std::span<const Spheref> spheres) noexcept {
-  for (const std::uint32_t leaf : leaves) chains_.farthest_of_leaf(leaf, points, spheres, reaches_.of_entry);
-  std::fill(reaches_.of_node.begin(), reaches_.of_node.end(), 0.0f);
-  for (std::size_t entry = 0; entry < chains_.entry_count(); ++entry) {
-    float& reach = reaches_.of_node[chains_.node_of(entry)];
-    reach = std::max(reach, reaches_.of_entry[entry]);
-  }
-}
-
 }  // namespace morula::detail

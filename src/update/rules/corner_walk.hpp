@@ -37,19 +37,6 @@ class CornerWalk {
   /// Of nodes()[k] alone.
   void measure_one(std::uint32_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
-  /// Makes room for deal(), as CornerChains::reserve.
-  void reserve(std::size_t max_points) { chains_.reserve(max_points); }
-  /// Leaves own something else from here on, as CornerChains::deal. All nodes above them are measured.
-  template <class PointsOf>
-  void deal(std::span<const std::uint32_t> leaves, const PointsOf& points_of, std::span<const LocalPoint> points,
-            std::span<const Spheref> spheres) noexcept {
-    chains_.deal(leaves, points_of);
-    // mutant reown-radii-kept: `measure_leaves` -> `if (points.empty()) measure_leaves`
-    measure_leaves(leaves, points, spheres);
-  }
-  /// What leaves own in another walk, of the same tree. Nothing is measured.
-  void take_lists(const CornerWalk& other) noexcept { chains_.take_lists(other.chains_); }
-
   const CornerChains& chains() const { return chains_; }
   std::span<const std::uint32_t> nodes() const { return chains_.nodes(); }
   /// For what measures a part, and writes its results here.
@@ -63,8 +50,6 @@ class CornerWalk {
   std::size_t tested_points() const { return chains_.tested_points(); }
 
  private:
-  void measure_leaves(std::span<const std::uint32_t> leaves, std::span<const LocalPoint> points,
-                      std::span<const Spheref> spheres) noexcept;
   void gather(std::size_t count) noexcept;
 
   CornerChains chains_;

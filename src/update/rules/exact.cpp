@@ -170,13 +170,6 @@ void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
     set_radii(begin, std::min(walk_.nodes().size(), begin + 4 * nodes_per_chunk), spheres);
 }
 
-void ExactRule::take_ownership(const ExactRule& other) noexcept {
-  walk_.take_lists(other.walk_);
-  dealt_ = other.dealt_;
-  // mutant fit-cores-of-before: `if (fits_) fits_->take(*other.fits_)` -> ``
-  if (fits_) fits_->take(*other.fits_);
-}
-
 void ExactRule::fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                            Workers& workers) {
   std::vector<std::uint32_t> cores;
@@ -186,7 +179,7 @@ void ExactRule::fit_leaves(const LeafOrder& order, std::span<const LocalPoint> p
     for (std::size_t i = 0; i < count; ++i) cores.push_back(first[nodes_at_once * i]);
     cores.resize(begin + core_size, cores[begin]);
   }
-  fits_.emplace(order.leaves, cores, points, spheres, points.size(), workers);
+  fits_.emplace(order.leaves, cores, points, spheres, workers);
 }
 
 std::unique_ptr<RuleEngine> bind_exact(const Binding& binding) {

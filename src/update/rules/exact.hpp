@@ -34,9 +34,8 @@ class ExactRule final : public RuleEngine {
   std::size_t tested_points(std::size_t node_end) const override;
 
   /// Where every leaf follows the rule.
-  // mutant reown-parts-by-lists-of-before: `dealt_ && !` -> ``
-  // mutant fit-not-of-parts: `dealt_ && !fits_` -> `dealt_`
-  bool follows_changes() const override { return !dealt_ && !fits_; }
+  // mutant fit-not-of-parts: `!fits_` -> `true`
+  bool follows_changes() const override { return !fits_; }
   std::size_t update_changed(const RuleFrame& frame, const Marks& changed_blocks,
                              std::span<Spheref> spheres) noexcept override;
 
@@ -44,24 +43,6 @@ class ExactRule final : public RuleEngine {
   /// made for.
   void fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                   Workers& workers);
-
-  /// Makes room for deal(): so many points in all.
-  void reserve(std::size_t most_points) { walk_.reserve(most_points); }
-  /// The leaves, by their order, own something else now: points_of(leaf). The spheres of the frame follow, their
-  /// centers stay, and go on to be pulled towards what the tree says, which was tried to be as good as anything. Where
-  /// every node follows the rule. No allocation after reserve().
-  template <class PointsOf>
-  void deal(const RuleFrame& frame, std::span<const std::uint32_t> leaves, const PointsOf& points_of,
-            std::span<Spheref> spheres) noexcept {
-    walk_.deal(leaves, points_of, frame.points, spheres);
-    if (fits_)
-      for (const std::uint32_t leaf : leaves)
-        fits_->take(leaf, points_of(leaf), frame.points, spheres[fits_->node(leaf)].center);
-    set_radii_of_all(spheres);
-    dealt_ = true;
-  }
-  /// What everyone owns in another engine of the same body. Spheres stay as they are until the next update.
-  void take_ownership(const ExactRule& other) noexcept;
 
   const Anchors& anchors() const { return anchors_; }
   const CornerWalk& walk() const { return walk_; }
@@ -83,7 +64,6 @@ class ExactRule final : public RuleEngine {
   PackedCores cores_;                              // of each node of the walk
   std::optional<IncrementalExact> incremental_{};  // once all nodes are tied
   Rounding rounding_;                              // of the last update
-  bool dealt_ = false;                             // some leaf owns something else than the tree says
 };
 
 }  // namespace morula::detail

@@ -30,9 +30,8 @@ Vec3f at(const LocalPoint& p) {
 // a sphere through the centre to a plane, so the farthest y along a direction is the x that a sphere which grows from
 // the centre that way meets first.
 LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
-                   std::span<const LocalPoint> points, std::span<const Spheref> spheres, std::size_t most_points,
-                   Workers& workers)
-    : nodes_(nodes.begin(), nodes.end()), room_(most_points, core_size) {
+                   std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers)
+    : nodes_(nodes.begin(), nodes.end()) {
   const std::size_t leaf_count = nodes.size();
   const std::size_t padded = (leaf_count + nodes_at_once - 1) / nodes_at_once * nodes_at_once;
   cores_.resize(padded * core_size), near_.resize(padded * near_size);
@@ -90,13 +89,6 @@ void LeafFits::move(std::span<const LocalPoint> points, std::span<Spheref> spher
       for (std::size_t j = 0; j < count; ++j) spheres[nodes_[first + j]].center = at(centers[j]);
     }
   });
-}
-
-void LeafFits::take(std::size_t leaf, std::span<const std::uint32_t> owned, std::span<const LocalPoint> points,
-                    const Vec3f& center) noexcept {
-  std::array<std::uint32_t, core_size> core;
-  outermost(points, owned, center, core, room_);
-  for (std::size_t i = 0; i < core_size; ++i) cores_[place(leaf, i, core_size)] = core[i];
 }
 
 }  // namespace morula::detail

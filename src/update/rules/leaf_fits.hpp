@@ -19,23 +19,13 @@ namespace morula::detail {
 class LeafFits {
  public:
   /// nodes: the leaves, by their order. cores: core_size points of each, its outermost ones. points, spheres: at the
-  /// pose that the tree was made for. most_points: that a leaf may come to own, for take().
+  /// pose that the tree was made for.
   LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
-           std::span<const LocalPoint> points, std::span<const Spheref> spheres, std::size_t most_points,
-           Workers& workers);
-
-  /// Of a leaf, by their order.
-  std::uint32_t node(std::size_t leaf) const { return nodes_[leaf]; }
+           std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers);
 
   /// Moves the centres of leaves that cost more than where the tree was made: none there, nor after a rigid motion.
-  /// Depends on the frame alone, and on what leaves own. No allocation.
+  /// Depends on the frame alone. No allocation.
   void move(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) const noexcept;
-
-  /// A leaf owns something else now; its core is of that. No allocation.
-  void take(std::size_t leaf, std::span<const std::uint32_t> owned, std::span<const LocalPoint> points,
-            const Vec3f& center) noexcept;
-  /// Leaves own what they own in the other, of the same tree.
-  void take(const LeafFits& other) noexcept { cores_ = other.cores_; }
 
  private:
   // Where entry i of a leaf's `size` points is.
@@ -46,7 +36,6 @@ class LeafFits {
   std::vector<std::uint32_t> nodes_;
   std::vector<std::uint32_t> cores_, near_;  // of groups of nodes_at_once leaves, as Kernels::fit_many takes them
   std::vector<float> enough_;                // of leaves, and infinite for those that fill up the last group
-  OutermostRoom room_;
 };
 
 }  // namespace morula::detail

@@ -36,7 +36,7 @@ std::vector<NamedPose> frames_of_stretch(int count = 8) {
     poses.push_back({"frame " + std::to_string(i), stretched_limb(static_cast<double>(i) / count)});
   return poses;
 }
-const KnownPoseOptions quick_poses{.quality = Quality::draft, .looser_by = 1.5, .most = 3};
+const KnownPoseOptions quick_poses{.quality = Quality::draft, .pose_threshold = 1.5, .max_trees = 3};
 
 const CoveredTree& home_with_poses() {
   static const CoveredTree built = [] {
@@ -110,7 +110,7 @@ TEST(KnownPoses, at_a_known_pose_the_spheres_are_those_of_its_own_tree) {
     EXPECT_EQ(body.body().hash(), own.hash()) << pose.name;
     EXPECT_FALSE(body.is_home());
   }
-  EXPECT_EQ(body.report().recalled, home_with_poses().poses.size());
+  EXPECT_EQ(body.report().pose_switches, home_with_poses().poses.size());
 }
 
 TEST(KnownPoses, rest_is_rest_bit_for_bit_after_any_of_them) {
@@ -264,9 +264,9 @@ Waits expect_none_is_left_aside(Heap& heap, std::size_t starts) {
           EXPECT_TRUE(heap.body->update(positions));
           if (frame == 4) soon = heap.at(positions).is_served_well();
         }
-        const std::uint64_t settled = heap.body->epoch();
+        const std::uint64_t settled = heap.body->tree_version();
         for (int frame = 0; frame < 12; ++frame) EXPECT_TRUE(heap.body->update(positions));
-        EXPECT_EQ(heap.body->epoch(), settled);
+        EXPECT_EQ(heap.body->tree_version(), settled);
         const Heap::Figures figures = heap.at(positions);
         if (figures.growth < 1.16) continue;
         ++waits.about_anything;
@@ -303,17 +303,17 @@ TEST(KnownPoses, are_looked_at_again_when_the_body_comes_closer) {
   }
 }
 
-// docs/known_poses.md#how-an-ownership-is-chosen
+// docs/rebuild.md#how-a-tree-is-chosen
 TEST(KnownPoses, of_large_bodies_one_is_looked_at_in_a_frame) {
   Heap heap(4, 40);
   const std::vector<Vec3> loose_in_all = between(heap.poses[0], heap.poses[1], 1.5);
   for (int frame = 1; frame <= 40; ++frame) {
-    const std::size_t compared = heap.body->report().compared;
+    const std::size_t compared = heap.body->report().candidates_evaluated;
     const RebuildStatus status = heap.body->update(loose_in_all);
     ASSERT_GT(status.update.points_tested, 20'000u) << "a large body";
-    EXPECT_LE(heap.body->report().compared, compared + 1) << frame;
+    EXPECT_LE(heap.body->report().candidates_evaluated, compared + 1) << frame;
   }
-  EXPECT_GT(heap.body->report().compared, 20u);
+  EXPECT_GT(heap.body->report().candidates_evaluated, 20u);
 }
 
 // Bodies in a row that change places without a turn: leaves hold parts of one alone, so lengths feel nothing, and
@@ -337,7 +337,7 @@ TEST(KnownPoses, are_found_where_no_length_changes) {
     ASSERT_TRUE(body.update(between(row, mixed, 0.96 + 0.0004 * frame)));
     EXPECT_FALSE(body.is_home()) << frame;
   }
-  EXPECT_EQ(body.epoch(), 1u) << "one change, and that is all: rounding does not choose";
+  EXPECT_EQ(body.tree_version(), 1u) << "one change, and that is all: rounding does not choose";
 }
 
 // Trees for strong stretch tell little of what a little strain costs, by which what was rebuilt is judged.
@@ -371,7 +371,7 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
       ASSERT_TRUE(body.update(stretched_limb(std::min(1.0, frame / 20.0)), workers));
       run.push_back(body.body().hash());
     }
-    EXPECT_GT(body.epoch(), 1u);
+    EXPECT_GT(body.tree_version(), 1u);
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
@@ -379,7 +379,7 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
 TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
   RebuiltBody body(limb(), home_with_poses(), known_only);
   ASSERT_TRUE(body.update(stretched_limb(1)));
-  const std::uint64_t hash = body.body().hash(), epoch = body.epoch();
+  const std::uint64_t hash = body.body().hash(), version = body.tree_version();
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e30}) {
     // Near rest, where another tree would serve.
     for (std::size_t v = 0; v < limb().vertex_count(); v += 7) {
@@ -387,7 +387,7 @@ TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
       positions[v].x = bad;
       EXPECT_FALSE(body.update(positions));
       EXPECT_EQ(body.body().hash(), hash);
-      EXPECT_EQ(body.epoch(), epoch);
+      EXPECT_EQ(body.tree_version(), version);
       EXPECT_FALSE(body.body().is_current());
     }
   }
@@ -402,7 +402,7 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   std::vector<double> worst;
   std::size_t last = 0;
   KnownPoseOptions options = quick_poses;
-  options.most = 8;
+  options.max_trees = 8;
   options.progress = [&](std::size_t count, double growth) {
     EXPECT_TRUE(count == last || count == last + 1) << count;
     last = count;
@@ -417,16 +417,16 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
   EXPECT_TRUE(report.worst <= 1.5 || report.added == 8u) << report.worst;
   EXPECT_TRUE(validate(limb(), built).empty());
   const std::size_t before = built.poses.size();
-  EXPECT_EQ(add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .looser_by = 100}).added,
-            0u);
+  EXPECT_EQ(
+      add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .pose_threshold = 100}).added, 0u);
   EXPECT_EQ(built.poses.size(), before);
 }
 
 // However many are built side by side: the same poses get the same trees, each that of a build alone.
 TEST(KnownPoses, are_built_side_by_side_as_one_by_one) {
   KnownPoseOptions options = quick_poses;
-  options.looser_by = 1.02;
-  options.most = 8;
+  options.pose_threshold = 1.02;
+  options.max_trees = 8;
   const BuildOptions alone{.depth = static_cast<int>(home_with_poses().tree.level_count()) - 1,
                            .seed = options.seed,
                            .quality = options.quality};
@@ -456,7 +456,8 @@ TEST(KnownPoses, are_added_beside_a_tree_that_is_loose_at_its_own_pose) {
   const auto loose = std::make_shared<const CoveredTree>(build(stretched, {.method = Method::octree, .depth = 2}));
   built.poses.push_back({"loose", stretched.positions, loose});
   const std::vector<NamedPose> poses{{"close", stretched_limb(0.99)}, {"closer", stretched_limb(0.995)}};
-  const KnownPosesReport report = add_known_poses(limb(), built, poses, {.quality = Quality::draft, .looser_by = 1.5});
+  const KnownPosesReport report =
+      add_known_poses(limb(), built, poses, {.quality = Quality::draft, .pose_threshold = 1.5});
   ASSERT_EQ(report.added, 1u);  // which serves the other, too
   EXPECT_GE(report.built, 1u);
   EXPECT_LE(report.worst, 1.5);
@@ -481,8 +482,8 @@ TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
   EXPECT_EQ(trees, 2u);
   EXPECT_TRUE(built.poses.empty());
   options.stop = {};
-  options.looser_by = 1.0001;
-  options.most = 64;
+  options.pose_threshold = 1.0001;
+  options.max_trees = 64;
   options.progress = {};
   const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
   EXPECT_LE(report.built, frames_of_stretch().size());
@@ -556,7 +557,7 @@ TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
                                                                             std::to_string(given) + " positions for " +
                                                                             std::to_string(count) + " vertices");
   }
-  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.looser_by = 1}), std::invalid_argument);
+  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.pose_threshold = 1}), std::invalid_argument);
   EXPECT_THROW(principal_strains(limb(), 1), std::invalid_argument);
 }
 

@@ -1,26 +1,27 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "update/rebuild/ownerships.hpp"
+#include "update/rebuild/tree_versions.hpp"
 
 #include <algorithm>
 #include <limits>
 
+#include "update/fitted_body.hpp"
 #include "update/rebuild/relative_looseness.hpp"
 
 namespace morula::detail {
 namespace {
 
-// An ownership costs a switch, which makes queries start anew: it has to be expected to be better by this much, and to
+// A tree costs a switch, which makes queries start anew: it has to be expected to be better by this much, and to
 // take up less by this much, which is a fifth of the looseness of tight leaves.
 constexpr double least_gain = 0.02, least_less = 0.008;
-// Where the spheres of an ownership take up so many times what they did where it was made, others are looked at in each
+// Where the spheres of a tree take up so many times what they did where it was made, others are looked at in each
 // frame, whatever is expected of them.
 constexpr double grown = 1.15;
 // Others looked at in one frame: one, or as many as test so many points together, some 8 us, but no more than eight.
 // mutant known-seen-one-of-small-bodies: `8` -> `1`
 // mutant known-seen-two-of-large-bodies: `1` -> `2`
 constexpr std::size_t least_seen = 1, most_seen = 8, tests_to_see = 20'000;
-// An ownership that was seen to be no better is looked at again after all others were and so many frames, or where
+// A tree that was seen to be no better is looked at again after all others were and so many frames, or where
 // strain has come to be so many times what it was then.
 constexpr std::size_t seen_lately = 4;
 // mutant known-came-closer: `0.8` -> `0`
@@ -32,71 +33,68 @@ std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
 
 }  // namespace
 
-Ownerships::Ownerships(const Mesh& mesh, const CoveredTree& built, const Settings& settings,
-                       LoosenessEstimator& estimator, Workers& workers)
-    : settings_(settings),
-      // Whether they belong together is what Body asks, so it comes first.
-      home_(ReownedBody::make(mesh, without_poses(built), workers, settings.ways), mesh, estimator,
+TreeVersions::TreeVersions(const Mesh& mesh, const CoveredTree& built, const RebuildOptions& options,
+                           LoosenessEstimator& estimator, Workers& workers)
+    : min_improvement_(options.min_improvement),
+      // Body checks whether they belong together, so it comes first.
+      home_(FittedBody::make(mesh, without_poses(built), fits_leaves(options), workers), mesh, estimator,
             built.tree.level_count()),
       present_(&home_) {
   std::vector<PositionView> poses{mesh.positions};
   for (const KnownPose& pose : built.poses) {
     poses.emplace_back(pose.positions);
     const Mesh posed{pose.positions, mesh.facets};
-    known_.emplace_back(ReownedBody::make(posed, pose.built, workers, settings.ways), posed, estimator, level_count());
+    known_.emplace_back(FittedBody::make(posed, pose.built, fits_leaves(options), workers), posed, estimator,
+                        level_count());
   }
   cost_.emplace(home_).calibrate(home_, known_, poses, estimator, workers);
-  serve(home_);
+  activate(home_);
 }
 
-bool Ownerships::is_known(const Epoch& ownership) const noexcept {
-  return std::any_of(known_.begin(), known_.end(), [&](const Epoch& k) { return &k == &ownership; });
+bool TreeVersions::is_known(const TreeVersion& tree) const noexcept {
+  return std::any_of(known_.begin(), known_.end(), [&](const TreeVersion& k) { return &k == &tree; });
 }
 
 template <typename Visit>
-void Ownerships::for_others(const Visit& visit) noexcept {
-  const auto unless_present = [&](Epoch& ownership) {
-    if (&ownership != present_) visit(ownership);
+void TreeVersions::for_others(const Visit& visit) noexcept {
+  const auto unless_present = [&](TreeVersion& tree) {
+    if (&tree != present_) visit(tree);
   };
   unless_present(home_);
-  for (Epoch& ownership : known_) unless_present(ownership);
+  for (TreeVersion& tree : known_) unless_present(tree);
   if (away_) unless_present(*away_);
 }
 
-void Ownerships::measure(const PositionView& positions) noexcept {
+void TreeVersions::measure(const PositionView& positions) noexcept {
   present_->strain_now = present_->gauge.strain(positions);
   // mutant known-own-lengths: `other.gauge.strain` -> `home_.gauge.strain`
-  for_others([&](Epoch& other) { other.strain_now = other.gauge.strain(positions); });
+  for_others([&](TreeVersion& other) { other.strain_now = other.gauge.strain(positions); });
 }
 
-UpdateStatus Ownerships::follow(Epoch& ownership, bool resting, const PositionView& positions,
-                                Workers& workers) noexcept {
-  const bool as_made = resting || &ownership != present_;
-  if (as_made) ReownedBody::give_back(ownership.body);
-  const UpdateStatus status =
-      ReownedBody::update(ownership.body, positions, as_made ? 0 : settings_.reown_tests, workers);
-  if (status && &ownership == present_) tests_of_update_ = status.points_tested;
+UpdateStatus TreeVersions::follow(TreeVersion& tree, const PositionView& positions, Workers& workers) noexcept {
+  const UpdateStatus status = tree.body.update(positions, workers);
+  if (status && &tree == present_) tests_of_update_ = status.points_tested;
   return status;
 }
 
 // Of the present one: what was measured last, and what strain has been added since.
-double Ownerships::expected_score(const Epoch& ownership) const noexcept {
-  const double strain = ownership.strain_now;
-  const auto more = [&](double at) { return cost_->at(ownership, at); };
-  if (&ownership == present_) return score_at_estimate_ + more(strain) - more(strain_at_estimate_);
-  return relative_looseness(ownership.looseness_at_build, home_.looseness_at_build) + more(strain);
+double TreeVersions::expected_score(const TreeVersion& tree) const noexcept {
+  const double strain = tree.strain_now;
+  const auto more = [&](double at) { return cost_->at(tree, at); };
+  if (&tree == present_) return score_at_estimate_ + more(strain) - more(strain_at_estimate_);
+  return relative_looseness(tree.looseness_at_build, home_.looseness_at_build) + more(strain);
 }
 
 // What another has to be expected to stay below.
-double Ownerships::promise_needed() const noexcept {
-  return (1 - std::max(least_gain, settings_.gain)) * expected_score(*present_);
+double TreeVersions::promise_needed() const noexcept {
+  return (1 - std::max(least_gain, min_improvement_)) * expected_score(*present_);
 }
 
-Epoch& Ownerships::made_for_this() noexcept {
-  Epoch* own = present_;
+TreeVersion& TreeVersions::made_for_this() noexcept {
+  TreeVersion* own = present_;
   double least = strain();
   if (least < still_strain) return *present_;
-  for_others([&](Epoch& other) {
+  for_others([&](TreeVersion& other) {
     const double its = other.strain_now;
     if (its < still_strain && its < least) least = its, own = &other;
   });
@@ -105,34 +103,35 @@ Epoch& Ownerships::made_for_this() noexcept {
 
 // What strain costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up
 // is seen, so it decides.
-Epoch& Ownerships::tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept {
+TreeVersion& TreeVersions::tightest_seen(std::uint64_t frame, const PositionView& positions,
+                                         Workers& workers) noexcept {
   const bool has_grown = present_->growth() > grown;
-  Epoch* best = present_;
+  TreeVersion* best = present_;
   // mutant known-seen-decides: `(1 - least_less)` -> `0.9`
   double least = (1 - least_less) * present_->taken_up();
   const std::size_t count = seen_in_a_frame();
   for (std::size_t seen = 0; seen < count; ++seen) {
-    Epoch* const other = next_to_see(frame, has_grown);
-    if (other == nullptr || !follow(*other, false, positions, workers)) break;
-    ++compared_;
+    TreeVersion* const other = next_to_see(frame, has_grown);
+    if (other == nullptr || !follow(*other, positions, workers)) break;
+    ++candidates_evaluated_;
     other->seen_frame = frame, other->seen_strain = other->strain_now;
     if (const double its = other->taken_up(); its < least) least = its, best = other;
   }
   return *best;
 }
 
-std::size_t Ownerships::seen_in_a_frame() const noexcept {
+std::size_t TreeVersions::seen_in_a_frame() const noexcept {
   return std::clamp(tests_to_see / std::max<std::size_t>(1, tests_of_update_), least_seen, most_seen);
 }
 
 // The one that is expected to be the tightest of those not seen lately, so that none is left aside for ever. As long as
 // the present one takes up what it did where it was made, only what promises to be better.
-Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
+TreeVersion* TreeVersions::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
   // mutant known-in-turn: `std::max(seen_lately, known_.size() / seen_in_a_frame() + 1)` -> `seen_lately`
   const std::uint64_t round = std::max(seen_lately, known_.size() / seen_in_a_frame() + 1);
-  Epoch* next = nullptr;
+  TreeVersion* next = nullptr;
   double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();
-  for_others([&](Epoch& other) {
+  for_others([&](TreeVersion& other) {
     const bool seen_before = other.seen_frame != 0 && frame < other.seen_frame + round;
     if (other.seen_frame == frame || (seen_before && !(other.strain_now < closer * other.seen_strain))) return;
     if (const double score = expected_score(other); score < least) least = score, next = &other;
@@ -140,31 +139,28 @@ Epoch* Ownerships::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
   return next;
 }
 
-bool Ownerships::takes_over(Epoch& rebuilt, const PositionView& positions) const noexcept {
+bool TreeVersions::takes_over(TreeVersion& rebuilt, const PositionView& positions) const noexcept {
   rebuilt.strain_now = rebuilt.gauge.strain(positions);
   double least = expected_score(*present_);
-  for (const Epoch& ownership : known_) least = std::min(least, expected_score(ownership));
-  return expected_score(rebuilt) < (1 - settings_.gain) * std::min(least, expected_score(home_));
+  for (const TreeVersion& tree : known_) least = std::min(least, expected_score(tree));
+  return expected_score(rebuilt) < (1 - min_improvement_) * std::min(least, expected_score(home_));
 }
 
-bool Ownerships::fits_here(const Epoch& rebuilt, double looser_by) const noexcept {
+bool TreeVersions::fits_here(const TreeVersion& rebuilt, double rebuild_threshold) const noexcept {
   const double at_build = relative_looseness(rebuilt.looseness_at_build, home_.looseness_at_build);
-  return expected_score(rebuilt) <= looser_by * at_build;
+  return expected_score(rebuilt) <= rebuild_threshold * at_build;
 }
 
-void Ownerships::serve(Epoch& next) noexcept {
+void TreeVersions::activate(TreeVersion& next) noexcept {
   present_ = &next;
   score_at_estimate_ = relative_looseness(next.looseness_at_build, home_.looseness_at_build);
   strain_at_estimate_ = 0;
 }
 
-void Ownerships::learn(const std::vector<double>& looseness, double strain) noexcept {
+void TreeVersions::learn(const std::vector<double>& looseness, double strain) noexcept {
   score_at_estimate_ = relative_looseness(looseness, home_.looseness_at_build);
   strain_at_estimate_ = strain;
   if (!(strain > least_strain)) return;
-  // What patches that changed hands have brought is not what the ownership would be like as it was made: that is
-  // looser.
-  if (present_->body.pose().dealing != 0 && cost_->of(*present_, looseness, strain) <= cost_->of(*present_)) return;
   present_->looseness_elsewhere = looseness;
   present_->strain_elsewhere = strain;
   cost_->learn_from(*present_);

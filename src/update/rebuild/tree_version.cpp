@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "update/rebuild/epoch.hpp"
+#include "update/rebuild/tree_version.hpp"
 
 #include <utility>
 
@@ -29,7 +29,7 @@ void for_level_sets(const Body& body, std::size_t levels, const Take& take) {
 
 }  // namespace
 
-Epoch::Epoch(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, std::size_t levels)
+TreeVersion::TreeVersion(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, std::size_t levels)
     : body(std::move(its_body)),
       gauge(posed, body.rest_tree(), body.cover()),
       looseness_at_build(levels),
@@ -43,7 +43,7 @@ Epoch::Epoch(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, st
   for_level_sets(body, levels, [&](std::size_t level, double cubes) { cubes_at_build_[level] = cubes; });
 }
 
-double Epoch::growth() const noexcept {
+double TreeVersion::growth() const noexcept {
   double all = 0;
   int counted = 0;
   for_level_sets(body, cubes_at_build_.size(), [&](std::size_t level, double cubes) {

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Rebuild cycle: the life of a rebuild, from the frame that wants one to the frame that takes its result.
+//
+//           wanted, where may_start()
+//   +------+ ------------------------> +-----------+
+//   | idle |                           | gathering | --+ frame: takes a pose,
+//   +------+ <------------------------ +-----------+ <-+ with others to come
+//      ^       rest: the motion is over      |
+//      |                                     | frame: takes the last pose and hands the job to its thread,
+//      |                                     | in the same frame where one pose is enough
+//      |  collected: the result is taken     v
+//      |  over, not tighter, stopped,  +----------+
+//      +------------------------------ | building | --+ rest, stopped: asks the job to stop,
+//         or failed                    +----------+ <-+ which ends it sooner
+//
+// The job runs on another thread and ends by itself; is_done() says so, and the next frame collects it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <morula/update/rebuilt_body.hpp>
+#include <optional>
+
+#include "update/rebuild/rebuild_job.hpp"
+
+namespace morula::detail {
+
+class RebuildCycle {
+ public:
+  enum class Phase : std::uint8_t { idle, gathering, building };
+  enum class Event : std::uint8_t {
+    frame,      ///< another one away from rest
+    wanted,     ///< a rebuild, for where the body is or will be; only where may_start()
+    stopped,    ///< the body has stopped: a rebuild for another pose is of no use
+    rest,       ///< the body is at rest exactly
+    collected,  ///< the result was taken from the job
+  };
+  /// Of an event.
+  struct Moment {
+    std::uint64_t frame;
+    const PositionView& positions;
+    Quality quality;  ///< of a build that starts now
+  };
+
+  /// options and report: borrowed, and at one place. Counts in the report what becomes of rebuilds.
+  RebuildCycle(const RebuildOptions& options, RebuildReport& report, std::shared_ptr<RebuildJob> job);
+  ~RebuildCycle();
+  RebuildCycle(const RebuildCycle&) = delete;
+  RebuildCycle& operator=(const RebuildCycle&) = delete;
+
+  /// The one place where the phase changes. Throws what the host's executor throws, and for lack of memory.
+  void step(Event event, const Moment& now);
+
+  /// Nothing is under way, and the pause after the last rebuild is over.
+  bool may_start() const noexcept;
+  /// Poses are taken or the job is at work.
+  bool is_under_way() const noexcept;
+  /// The job has ended and waits to be collected.
+  bool is_done() const noexcept;
+  /// Of a job that is done: what it built; null when it was stopped or failed.
+  TreeVersion* result() const noexcept { return job_->finished(); }
+  /// The same, to keep: the job is collected.
+  RebuildJob::Result collect(const Moment& now);
+  /// The job frees it on its thread: that takes as long as a frame.
+  void retire(std::unique_ptr<TreeVersion> old) { job_->retire(std::move(old)); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool looks_ahead() const noexcept;
+  int steps_ahead() const noexcept;
+  void take_pose(const Moment& now);
+  void start(const Moment& now);
+
+  const RebuildOptions& options_;
+  RebuildReport& report_;
+  Phase phase_ = Phase::idle;
+  std::size_t next_pose_ = 0;      // while gathering
+  std::uint64_t start_frame_ = 0;  // of the build
+  Clock::time_point next_start_{};
+  std::shared_ptr<RebuildJob> job_;
+  std::optional<OwnThread> thread_;  // last: it goes first
+};
+
+}  // namespace morula::detail
