@@ -21,7 +21,7 @@ WORDS = {
     "`true`": "True",
     "`false`": "False",
 }
-SCOPE = re.compile(r"^\s*(?:template <[^>]*>\s*)?(struct|class|enum class)\s+(\w+)[^;(]*\{")
+SCOPE = re.compile(r"^\s*(?:template <[^>]*>\s*)?(struct|class|enum class)\s+(?:\[\[nodiscard\]\]\s+)?(\w+)[^;(]*\{")
 
 
 def declared_name(code: str) -> str:

@@ -28,9 +28,12 @@ Outcome run(Response response, const Model& below, const Model& above) {
   Soft lower(world, below, response), upper(world, above, response);
   morula::ContactQuery query({.margin = skin, .surfaces = true, .exact = true, .containment = true});
   query.add(upper.collider(), lower.collider());
-  query.start();
 
   Outcome outcome;
+  if (!query.start()) {
+    ++outcome.differ;
+    return outcome;
+  }
   outcome.energy_begin = outcome.energy_most = upper.energy() + lower.energy();
   std::vector<double> times;
   for (int step = 1; step <= steps; ++step) {

@@ -26,7 +26,7 @@ int main() {
 
   // The proof, and positions to draw, from the same coordinates.
   const double q[]{1.0, -0.5};
-  body.update_modal(q);
+  if (!body.update_modal(q)) return 1;
   std::vector<morula::Vec3> positions(mesh.vertex_count());
   morula::move_by_modes(modes, mesh.positions, q, positions);
   std::vector<morula::Sphere> spheres;

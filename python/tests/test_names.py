@@ -72,7 +72,7 @@ def declared(header):
     text = re.sub(r"namespace (detail|brute_force) \{.*?\n\} *\n", "", text, flags=re.S)
     names = []
     for line in text.splitlines():
-        if scope := re.match(r"(?:template <[^>]*>\s*)?(?:struct|class|enum class)\s+(\w+)[^;]*\{", line):
+        if scope := re.match(r"(?:template <[^>]*>\s*)?(?:struct|class|enum class)\s+(?:\[\[nodiscard\]\]\s+)?(\w+)[^;]*\{", line):
             names.append(scope.group(1))
         elif constant := re.match(r"inline constexpr [\w:]+ (\w+)", line):
             names.append(constant.group(1))

@@ -1,6 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What a scene knows between two updates.
+//
+// Where a front is:
+//
+//   new ──> in use: Near::front ── end() ──> parted ── give_back_parted() ──> spare
+//            ^  ^     │                        │                              ^  │
+//            │  └─────│── the same two bodies ─┘ (others: of too many parted) │  │
+//            │        └── end(), a body was removed ──────────────────────────┘  │
+//            └── any two bodies ─────────────────────────────────────────────────┘
 #pragma once
 
 #include <memory>

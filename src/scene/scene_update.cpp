@@ -74,7 +74,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     if (!read.has_moved) continue;
     body.stamp = read.stamp;
     body.around = read.around;
-    broad.move(place, box_around(body.around));
+    static_cast<void>(broad.move(place, box_around(body.around)));  // good: the box is finite where usable() says ok
   }
   return {};
 }
@@ -288,9 +288,8 @@ void SceneState::choose_by_importance(std::size_t count) {
   work_.swap(chosen_);
 }
 
-// Each gets a quantum, then all of them again twice as much.
-/// One long wait for the processor must not keep all pairs from being begun in later updates: what is noted grows by a
-/// factor of four at most, and falls by an eighth where no pair was begun for it.
+// One long wait for the processor must not keep all pairs from being begun in later updates: what is noted grows by a
+// factor of four at most, and falls by an eighth where no pair was begun for it.
 void SceneState::note_first_round(std::int64_t spent, std::int64_t pairs) {
   if (pairs == 0) {
     // mutant scene-long-wait: `0.875` -> `1`
@@ -301,6 +300,7 @@ void SceneState::note_first_round(std::int64_t spent, std::int64_t pairs) {
   first_round_of_pair_ = first_round_of_pair_ > 0 ? std::min(of_pair, 4 * first_round_of_pair_) : of_pair;
 }
 
+// Each gets a quantum, then all of them again twice as much.
 void SceneState::refine_by_time(std::chrono::nanoseconds deadline, Workers& workers) {
   // A clock of the caller's is read from this thread alone.
   Workers& used_workers = options.clock ? serial_workers() : workers;

@@ -52,7 +52,7 @@ struct ProximityQuery::State {
     own.finish(status);
     return status;
   }
-  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
     return ask(CallKind::begins, [&](const auto& narrow) {
       return query.run(a, b, {.reach = options.distance}, options, workers, narrow);
     });
@@ -105,10 +105,10 @@ const ProximityOptions& ProximityQuery::options() const {
 }
 
 SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), nullptr, workers);
+  return state_->run(surface.state(), surface.state(), workers);
 }
 SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), &b.state(), workers);
+  return state_->run(a.state(), b.state(), workers);
 }
 SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
   const ProximityOptions& options = state_->options;

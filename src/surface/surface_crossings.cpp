@@ -29,7 +29,7 @@ struct SurfaceCrossingQuery::State {
   FeatureQuery<FeaturePair> query;
 
   void forget() noexcept { query.forget(); }
-  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
     ObjectCall own(*this, CallKind::begins);
     if (!own.status()) return {own.status()};
     const SurfaceQueryStatus status = query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
@@ -63,10 +63,10 @@ const SurfaceCrossingOptions& SurfaceCrossingQuery::options() const {
 }
 
 SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), nullptr, workers);
+  return state_->run(surface.state(), surface.state(), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), &b.state(), workers);
+  return state_->run(a.state(), b.state(), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
   return state_->resume(workers);

@@ -44,7 +44,7 @@ struct SweptQuery::State {
     candidates.forget();
     has_candidates = false;
   }
-  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, Workers& workers) {
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
     ObjectCall own(*this, CallKind::begins);
     if (!own.status()) return {own.status()};
     const SurfaceQueryStatus status =
@@ -89,10 +89,10 @@ const SweptOptions& SweptQuery::options() const {
 }
 
 SurfaceQueryStatus SweptQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), nullptr, workers);
+  return state_->run(surface.state(), surface.state(), workers);
 }
 SurfaceQueryStatus SweptQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), &b.state(), workers);
+  return state_->run(a.state(), b.state(), workers);
 }
 SurfaceQueryStatus SweptQuery::resume(Workers& workers) {
   return state_->resume(workers);

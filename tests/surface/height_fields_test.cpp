@@ -458,7 +458,7 @@ TEST(HeightFields, of_a_surface_that_follows_a_placed_body_are_those_of_where_it
       collider.place(RigidTransform::from_axis(axis, angle, {3, 2, 1}));
       ASSERT_TRUE(surface.follow(collider));
       detail::QueryBoxes boxes;
-      boxes.start(surface.state(), nullptr, 0, false, serial_workers());
+      boxes.start(surface.state(), surface.state(), 0, false, serial_workers());
       HeightFields fields;
       fields.start(surface.state(), boxes.a());
       fields.find_all(serial_workers());

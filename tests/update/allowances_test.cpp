@@ -15,6 +15,7 @@
 #include "bodies.hpp"
 #include "update/points/rounding.hpp"
 #include "update/rules/corner_walk.hpp"
+#include "update/rules/incremental_walk.hpp"
 
 namespace morula {
 using namespace detail;
@@ -45,14 +46,15 @@ class TwoLeaves {
   void measure() {
     place();
     walk_.measure(points_, spheres_, serial_workers());
+    incremental_.forget();
   }
   // The root has gone `moved`, negative for not at all; the second leaf's point has changed or not.
-  float measure_again(float moved, bool changed) {
+  float measure_incremental(float moved, bool changed) {
     place();
-    Marks leaves(2), touched(3);
+    Marks leaves(2), dirty(3);
     if (changed) leaves.add(1);
-    const std::vector<CornerWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
-    walk_.measure_again(points_, spheres_, leaves, nodes, touched);
+    const std::vector<IncrementalWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
+    incremental_.measure({walk_.chains(), walk_.reaches(), points_, spheres_}, leaves, nodes, dirty);
     return walk_.squared_reach(0);
   }
   // By itself, from the beginning.
@@ -83,6 +85,7 @@ class TwoLeaves {
 
   SphereTree tree_ = make_tree();
   CornerWalk walk_{tree_, depth_first_leaves(tree_), make_ownership(), std::vector<std::uint8_t>{1, 1, 1}};
+  IncrementalWalk incremental_{walk_.chains()};
   std::vector<Spheref> spheres_;
   std::vector<LocalPoint> points_;
 };
@@ -110,7 +113,7 @@ void expect_farthest_beyond_the_way(double size, int trials, std::uint64_t seed)
     const Vec3 other = to + random_direction(random) * reach;
     two.point[1] = local(other);
     two.leaf[1] = Vec3f(other + random_direction(random) * size);
-    const float found = two.measure_again(static_cast<float>(distance(to, from)), true);
+    const float found = two.measure_incremental(static_cast<float>(distance(to, from)), true);
     ASSERT_EQ(found, two.measured_anew()) << "trial " << trial << " of size " << size;
   }
 }
@@ -137,6 +140,7 @@ class ManyPoints {
     ownership.begin = {0, static_cast<std::uint32_t>(count)};
     for (std::uint32_t i = 0; i < count; ++i) ownership.points.push_back(i);
     walk_.emplace(tree, depth_first_leaves(tree), ownership, std::vector<std::uint8_t>{1, 1});
+    incremental_.emplace(walk_->chains());
   }
   // All from the beginning, then by groups: the centre is where all other points are.
   void measure(const Vec3f& center) {
@@ -144,11 +148,12 @@ class ManyPoints {
     points_[20] = point[0], points_[count - 20] = point[1];
     spheres_ = {{center, 0}, {center, 0}};
     walk_->measure(points_, spheres_, serial_workers());
-    measure_again(0);
+    incremental_->forget();
+    measure_incremental(0);
   }
-  float measure_again(const Vec3f& center, float way) {
+  float measure_incremental(const Vec3f& center, float way) {
     spheres_[1].center = center;
-    measure_again(way);
+    measure_incremental(way);
     return walk_->squared_reach(1);
   }
   float measured_anew() const {
@@ -159,12 +164,14 @@ class ManyPoints {
 
  private:
   static constexpr std::size_t count = 40 * points_per_group;
-  void measure_again(float way) {
-    Marks none(1), touched(2);
-    tested_ = walk_->measure_again(points_, spheres_, none, std::vector<CornerWalk::MovedNode>{{1, way}}, touched);
+  void measure_incremental(float way) {
+    Marks none(1), dirty(2);
+    const std::vector<IncrementalWalk::MovedNode> moved{{1, way}};
+    tested_ = incremental_->measure({walk_->chains(), walk_->reaches(), points_, spheres_}, none, moved, dirty);
   }
 
   std::optional<CornerWalk> walk_;
+  std::optional<IncrementalWalk> incremental_;
   std::vector<LocalPoint> points_;
   std::vector<Spheref> spheres_;
   std::size_t tested_ = 0;
@@ -185,7 +192,7 @@ std::size_t expect_farthest_of_groups(double size, double share, int trials, std
     const double now = distance(Vec3(to), {many.point[0].x, many.point[0].y, many.point[0].z});
     many.point[1] = local(Vec3(to) - along * (now * (1 - random.uniform(-share, share))));
     many.measure(from);
-    const float found = many.measure_again(to, static_cast<float>(distance(Vec3(to), Vec3(from))));
+    const float found = many.measure_incremental(to, static_cast<float>(distance(Vec3(to), Vec3(from))));
     EXPECT_EQ(found, many.measured_anew()) << "trial " << trial << " of size " << size;
     if (found != many.measured_anew()) break;
     tested += many.tested();
@@ -212,7 +219,7 @@ TEST(CornerWalkAllowance, sees_every_step_of_a_long_way) {
   for (const float step : {0x1p40f, -0x1p40f, 0x1p-14f, 0x1p-15f, 0x1p-14f}) {
     x += step;
     two.root = {x, 0, 0};
-    EXPECT_EQ(two.measure_again(std::abs(step), false), two.measured_anew()) << x;
+    EXPECT_EQ(two.measure_incremental(std::abs(step), false), two.measured_anew()) << x;
   }
 }
 

@@ -10,7 +10,7 @@
 
 namespace morula {
 
-struct Coverage {
+struct [[nodiscard]] Coverage {
   /// The certificate: every corner of every power cell lies in the cell's sphere, within `tolerance`. Where rounding
   /// misplaced a cell, smaller pieces of it are held against whichever sphere contains them.
   bool covered = false;

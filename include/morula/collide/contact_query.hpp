@@ -11,7 +11,7 @@
 namespace morula {
 
 /// Refused, or how far it came.
-struct ContactStatus : Status {
+struct [[nodiscard]] ContactStatus : Status {
   bool finished = false;       ///< as Contacts::finished
   std::size_t pair_tests = 0;  ///< done by this call
 };

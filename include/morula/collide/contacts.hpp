@@ -76,7 +76,7 @@ struct CollideOptions {
   std::function<bool(const Collider& collider, std::uint32_t node)> reach{};
 };
 
-struct Contacts {
+struct [[nodiscard]] Contacts {
   /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
   std::vector<Contact> contacts;
   /// When asked for: of the first contacts. That is all of them without a budget, else the finished ones, of a budget

@@ -9,7 +9,7 @@
 
 namespace morula {
 
-struct PointLocation {
+struct [[nodiscard]] PointLocation {
   Status status;
   bool inside = false;      ///< the solid contains the point; its surface belongs to it
   bool on_surface = false;  ///< exactly on a facet
@@ -21,7 +21,7 @@ struct PointLocation {
 };
 
 /// A ball that knows its side of the surface.
-struct Probe {
+struct [[nodiscard]] Probe {
   Status status;
   bool inside = false;     ///< the centre is inside
   bool touches = false;    ///< depth is 0 or more
@@ -32,7 +32,7 @@ struct Probe {
 };
 
 /// How many components of a body are in another.
-struct Containment {
+struct [[nodiscard]] Containment {
   Status status;
   std::vector<std::uint8_t> inside;  ///< per component: 1 inside (or on the surface), 0 outside
   std::size_t inside_count = 0;

@@ -31,7 +31,7 @@ struct DistanceOptions {
   Clock clock{};  ///< of a budget of time; none: std::chrono::steady_clock
 };
 
-struct DistanceBounds {
+struct [[nodiscard]] DistanceBounds {
   Status status;
   /// lower <= distance <= upper, in real numbers, of the surfaces with the vertices of Collider::vertex. Both 0 when a
   /// facet of one meets a facet of the other (exact verdict).

@@ -20,7 +20,7 @@ struct PenetrationOptions {
   Clock clock{};  ///< of a budget of time
 };
 
-struct Penetration {
+struct [[nodiscard]] Penetration {
   Status status;
   double lower = 0, upper = 0;  ///< the volume is between them
   double estimate = 0;          ///< between them, too: as if surfaces were planes where it is undecided

@@ -44,7 +44,7 @@ struct TouchingFacet {
   Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's centre, into the body
 };
 
-struct Touch {
+struct [[nodiscard]] Touch {
   Status status;
   bool touches = false;  ///< the depth found, in double, is -margin or more
   /// Proof that no point of the surface is within the margin. Where the surface only just touches, up to rounding, both
@@ -94,7 +94,7 @@ struct RayPoint {
   Vec3 normal{};         ///< of the facet, unit, outward; against the direction where the ray enters; 0 without area
 };
 
-struct RayHit {
+struct [[nodiscard]] RayHit {
   Status status;
   std::optional<RayPoint> first;  ///< nothing: proof that the ray misses, when `certified`
   bool certified = false;         ///< PosedTree::covers of the body

@@ -9,7 +9,7 @@
 namespace morula {
 
 /// Facets with a repeated index are counted as degenerate and otherwise ignored: they have no edges.
-struct MeshReport {
+struct [[nodiscard]] MeshReport {
   std::size_t vertex_count = 0;
   std::size_t facet_count = 0;
   std::size_t component_count = 0;       ///< pieces of surface connected by shared vertices

@@ -12,7 +12,7 @@ namespace morula {
 
 /// Calls that are made every frame return one, alone or as the base of a result with counters; calls that are made once
 /// throw std::invalid_argument with its message instead. A call that is refused changes nothing.
-struct Status {
+struct [[nodiscard]] Status {
   enum class Code : std::uint8_t {
     ok,
     // Updates

@@ -71,7 +71,7 @@ struct EndedPair {
 };
 
 /// Refused, or how far it came.
-struct SceneStatus : Status {
+struct [[nodiscard]] SceneStatus : Status {
   std::optional<BodyId> offender{};  ///< what a refusal is about
   bool finished = false;             ///< every contact is final
   std::size_t near_pairs = 0;        ///< of bodies whose boxes overlap and that may meet
@@ -81,7 +81,7 @@ struct SceneStatus : Status {
 /// In words, with the remedy; empty for ok.
 std::string message(const SceneStatus& status);
 
-struct SceneRayHit {
+struct [[nodiscard]] SceneRayHit {
   SceneStatus status;
   std::optional<BodyId> body{};  ///< the nearest; of several at the same t the first by place
   std::optional<RayPoint> first{};

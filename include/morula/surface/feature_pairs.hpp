@@ -56,7 +56,7 @@ struct PairFilter {
 };
 
 /// Refused, or how far it came. Whatever has been found so far stays found; what was not looked at is open().
-struct SurfaceQueryStatus : Status {
+struct [[nodiscard]] SurfaceQueryStatus : Status {
   bool finished = false;
   std::size_t box_tests = 0;   ///< done by this call
   std::size_t candidates = 0;  ///< pairs of features whose boxes are near, of all calls since the start

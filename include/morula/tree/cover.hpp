@@ -126,7 +126,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.
 Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers = serial_workers());
 
-struct Certificate {
+struct [[nodiscard]] Certificate {
   bool covered = true;
   double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
   std::uint32_t worst_node = no_node;

@@ -9,7 +9,7 @@
 namespace morula {
 
 /// The certificate of nesting.
-struct Nesting {
+struct [[nodiscard]] Nesting {
   bool nested = true;
   std::size_t outside = 0;  ///< spheres that stick out of their parent's
   double worst_excess = 0;  ///< largest |c - c'| + r' - r of those asked, rounded; at most 0 exactly when nested

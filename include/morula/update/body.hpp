@@ -16,7 +16,7 @@ struct FittedBody;
 }
 
 /// Refused, or the work done: the same on every run; all 0 when nothing was changed.
-struct UpdateStatus : Status {
+struct [[nodiscard]] UpdateStatus : Status {
   std::size_t nodes_updated = 0;
   std::size_t vertices_read = 0;  ///< 0 when no level looks at points
   std::size_t cut_points_moved = 0;

@@ -81,7 +81,7 @@ struct RebuildReport {
   std::vector<double> looseness, looseness_at_build;
 };
 
-struct RebuildStatus {
+struct [[nodiscard]] RebuildStatus {
   UpdateStatus update;   ///< of the spheres that are current now
   bool swapped = false;  ///< body() is another one than before: nodes have other numbers
   explicit operator bool() const { return static_cast<bool>(update); }

@@ -19,14 +19,13 @@ namespace {
 
 /// Asks a query once, and throws ValueError for what is refused.
 template <class Query>
-SurfaceQueryStatus ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
+void ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
   const SurfaceQueryStatus status = without_gil([&] {
     CallWorkers call(workers);
     const SurfaceReading reading(&a, b);
     return run_on(query, a, b, call);
   });
   require(status);
-  return status;
 }
 
 constexpr const char* filter_arguments = R"(

@@ -61,7 +61,8 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
     for (std::size_t k = 0; k < result.finished_count; ++k)
       if (const Contact& c = result.contacts[k]; c.pair == i) nodes_.push_back({c.node_a, c.node_b});
     if (nodes_.empty()) continue;
-    crossings_.run(*pairs[i].a, *pairs[i].b, nodes_);  // checked by the query that this is part of
+    // The query that this is part of has checked both bodies.
+    static_cast<void>(crossings_.run(*pairs[i].a, *pairs[i].b, nodes_));
     const auto found = crossings_.pairs();
     result.crossings.insert(result.crossings.end(), found.begin(), found.end());
   }

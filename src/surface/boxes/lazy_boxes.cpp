@@ -88,20 +88,20 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
   return boxes_;
 }
 
-void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, bool by_spheres,
+void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, bool by_spheres,
                        Workers& workers) {
-  if (b == &a) b = nullptr;
-  for (const auto& [boxes, surface] : {std::pair(&lazy_a_, &a), std::pair(&lazy_b_, b)})
-    if (surface != nullptr && surface->followed) boxes->start(*surface);
+  const bool are_two = &a != &b;
+  if (a.followed) lazy_a_.start(a);
+  if (are_two && b.followed) lazy_b_.start(b);
   const bool asks_spheres =
-      // mutant follow-covers: `a.followed->covers() && b->followed->covers()` -> `true`
-      by_spheres && b != nullptr && a.followed && b->followed && a.followed->covers() && b->followed->covers();
+      // mutant follow-covers: `a.followed->covers() && b.followed->covers()` -> `true`
+      by_spheres && are_two && a.followed && b.followed && a.followed->covers() && b.followed->covers();
   if (asks_spheres) {
-    const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b->farthest_of_spheres(*b->followed);
+    const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b.farthest_of_spheres(*b.followed);
     // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);
     // mutant follow-reach: `reach` -> `0 * reach`
-    const TreePair trees(a.followed->spheres, b->followed->spheres, reach + rounding, leaf_level);
+    const TreePair trees(a.followed->spheres, b.followed->spheres, reach + rounding, leaf_level);
     each_overlapping(trees, [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
       lazy_a_.want(leaf_a);
       // mutant follow-both: `lazy_b_.want` -> `if (leaf_b % 2 == 0) lazy_b_.want`
@@ -117,7 +117,7 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState* b, dou
     return &boxes.make(workers);
   };
   a_ = all(lazy_a_, a);
-  b_ = b != nullptr ? all(lazy_b_, *b) : a_;
+  b_ = are_two ? all(lazy_b_, b) : a_;
 }
 
 }  // namespace morula::detail

@@ -43,8 +43,8 @@ class LazyBoxes {
 /// The boxes of two surfaces, or of one with itself, for a query of features that are no farther apart than the reach.
 class QueryBoxes {
  public:
-  /// b: nothing for a with itself. by_spheres: leave out what spheres say is farther apart.
-  void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, bool by_spheres, Workers& workers);
+  /// Of one surface with itself where b is a. by_spheres: leave out what spheres say is farther apart.
+  void start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, bool by_spheres, Workers& workers);
   const SurfaceBoxes& a() const { return *a_; }
   const SurfaceBoxes& b() const { return *b_; }
 

@@ -116,7 +116,7 @@ Status SurfaceTreeState::move(Workers& workers) {
 SurfaceTree::SurfaceTree(const MeshView& rest) {
   const StandardFloats standard;
   state_ = std::make_shared<SurfaceTreeState>(make_surface_tree(rest));
-  state_->move(serial_workers());
+  static_cast<void>(state_->move(serial_workers()));  // good: make_surface_tree() has checked the positions at rest
 }
 // Queries that stand at it see another frame.
 SurfaceTree::~SurfaceTree() {
@@ -214,7 +214,7 @@ std::uint64_t SurfaceTree::hash() const {
   if (const Status status = state_->askable(0); !status) throw std::invalid_argument(message(status));
   Hasher hasher;
   QueryBoxes boxes;
-  boxes.start(*state_, nullptr, 0, false, serial_workers());
+  boxes.start(*state_, *state_, 0, false, serial_workers());
   for (const std::vector<BoxGroup>& level : boxes.a().levels)
     for (const BoxGroup& group : level)
       for (const auto& column : group.bound)

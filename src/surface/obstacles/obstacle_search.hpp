@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "surface/boxes/box_node.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
 #include "surface/boxes/tree_state.hpp"
 #include "surface/pairs/pair_search.hpp"
 
 namespace morula::detail {
 
-/// Keeps its memory. What is not yet looked at is a list of entries: groups of boxes, or blocks.
+/// Keeps its memory. What is not yet looked at is a list of nodes.
 template <class Found>
 class ObstacleSearch {
  public:
@@ -25,10 +26,10 @@ class ObstacleSearch {
     surface_ = &surface;
     kept_ = surface.weak_from_this().lock();
     frame_ = surface.frame;
-    boxes_.start(surface, nullptr, 0, false, workers);
+    boxes_.start(surface, surface, 0, false, workers);
     candidates_ = 0;
     found_.clear();
-    open_.assign(1, {0, static_cast<std::int16_t>(surface.boxes.levels.size() - 1)});
+    open_.assign(1, BoxNode::root(surface));
   }
   /// As if new.
   void forget() noexcept { *this = ObstacleSearch(); }
@@ -43,59 +44,10 @@ class ObstacleSearch {
   template <class IsFar, class Narrow>
   SurfaceQueryStatus run(const ObstacleOptions& options, Workers& workers, const IsFar& is_far, const Narrow& narrow) {
     SurfaceMeter meter(options.budget, options.clock, tests);
-    if (!meter.is_unlimited()) {
-      // One after the other, so that what a budget in tests reaches is always the same.
-      if (chunks_.empty()) chunks_.resize(1);
-      chunks_[0].clear();
-      while (!open_.empty() && meter.takes(1)) {
-        const Entry entry = open_.back();
-        open_.pop_back();
-        if (entry.level == block_level) {
-          look(entry.number, options, narrow, chunks_[0]);
-        } else {
-          const std::uint32_t near = near_boxes(entry, is_far);
-          for (std::uint32_t bits = near; bits != 0;) {
-            const auto i = static_cast<std::uint32_t>(std::bit_width(bits)) - 1;
-            bits ^= 1u << i;
-            open_.push_back(below(entry, i));
-          }
-        }
-      }
-      gather(1);
-    } else {
-      // Level by level; each entry by itself.
-      entries_.clear();
-      blocks_.clear();
-      for (const Entry& entry : open_) (entry.level == block_level ? blocks_ : entries_).push_back(entry);
-      open_.clear();
-      while (!entries_.empty()) {
-        near_.resize(entries_.size());
-        parallel_for(workers, entries_.size(), 64, [&](std::size_t begin, std::size_t end) {
-          const StandardFloats standard;
-          for (std::size_t e = begin; e < end; ++e)
-            near_[e] = static_cast<std::uint8_t>(near_boxes(entries_[e], is_far));
-        });
-        meter.groups_tested += entries_.size();
-        next_.clear();
-        for (std::size_t e = 0; e < entries_.size(); ++e)
-          for (std::uint32_t bits = near_[e]; bits != 0; bits &= bits - 1) {
-            const Entry entry = below(entries_[e], static_cast<std::uint32_t>(std::countr_zero(bits)));
-            (entry.level == block_level ? blocks_ : next_).push_back(entry);
-          }
-        entries_.swap(next_);
-      }
-      meter.groups_tested += blocks_.size();
-      constexpr std::size_t blocks_at_once = 32;
-      const std::size_t count = (blocks_.size() + blocks_at_once - 1) / blocks_at_once;
-      if (chunks_.size() < count) chunks_.resize(count);
-      parallel_for(workers, blocks_.size(), blocks_at_once, [&](std::size_t begin, std::size_t end) {
-        const StandardFloats standard;
-        Chunk& chunk = chunks_[begin / blocks_at_once];
-        chunk.clear();
-        for (std::size_t b = begin; b < end; ++b) look(blocks_[b].number, options, narrow, chunk);
-      });
-      gather(count);
-    }
+    if (meter.is_unlimited())
+      run_all(meter, options, workers, is_far, narrow);
+    else
+      run_within_budget(meter, options, is_far, narrow);
     std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) { return p.feature < q.feature; });
     list_open();
     // mutant surface-before-obstacle-moved: `if ... ()) return {{.code = Status::Code::changed_during_call}}` -> ``
@@ -111,26 +63,75 @@ class ObstacleSearch {
   const std::vector<std::span<const std::uint32_t>>& open() const { return open_facets_; }
 
  private:
-  static constexpr std::int16_t block_level = -1;
   static constexpr std::size_t tests = 8;
-  struct Entry {
-    std::uint32_t number;
-    std::int16_t level;  // of the box group; block_level: the number is that of a block
-  };
   struct alignas(64) Chunk {
     std::vector<Found> found;
     std::size_t candidates = 0;
     void clear() { found.clear(), candidates = 0; }
   };
 
-  static Entry below(const Entry& entry, std::uint32_t i) {
-    return {8 * entry.number + i, static_cast<std::int16_t>(entry.level - 1)};
+  // One after the other, so that what a budget in tests reaches is always the same.
+  template <class IsFar, class Narrow>
+  void run_within_budget(SurfaceMeter& meter, const ObstacleOptions& options, const IsFar& is_far,
+                         const Narrow& narrow) {
+    if (chunks_.empty()) chunks_.resize(1);
+    chunks_[0].clear();
+    while (!open_.empty() && meter.takes(1)) {
+      const BoxNode node = open_.back();
+      open_.pop_back();
+      if (node.is_block()) {
+        look(node.number, options, narrow, chunks_[0]);
+        continue;
+      }
+      for (std::uint32_t bits = near_boxes(node, is_far); bits != 0;) {
+        const auto i = static_cast<std::uint32_t>(std::bit_width(bits)) - 1;
+        bits ^= 1u << i;
+        open_.push_back(node.child(i));
+      }
+    }
+    gather(1);
+  }
+
+  // Level by level; each node by itself.
+  template <class IsFar, class Narrow>
+  void run_all(SurfaceMeter& meter, const ObstacleOptions& options, Workers& workers, const IsFar& is_far,
+               const Narrow& narrow) {
+    nodes_.clear();
+    blocks_.clear();
+    for (const BoxNode& node : open_) (node.is_block() ? blocks_ : nodes_).push_back(node);
+    open_.clear();
+    while (!nodes_.empty()) {
+      near_.resize(nodes_.size());
+      parallel_for(workers, nodes_.size(), 64, [&](std::size_t begin, std::size_t end) {
+        const StandardFloats standard;
+        for (std::size_t e = begin; e < end; ++e) near_[e] = static_cast<std::uint8_t>(near_boxes(nodes_[e], is_far));
+      });
+      meter.groups_tested += nodes_.size();
+      next_.clear();
+      for (std::size_t e = 0; e < nodes_.size(); ++e)
+        for (std::uint32_t bits = near_[e]; bits != 0; bits &= bits - 1) {
+          const BoxNode node = nodes_[e].child(static_cast<std::uint32_t>(std::countr_zero(bits)));
+          (node.is_block() ? blocks_ : next_).push_back(node);
+        }
+      nodes_.swap(next_);
+    }
+    meter.groups_tested += blocks_.size();
+    constexpr std::size_t blocks_at_once = 32;
+    const std::size_t count = (blocks_.size() + blocks_at_once - 1) / blocks_at_once;
+    if (chunks_.size() < count) chunks_.resize(count);
+    parallel_for(workers, blocks_.size(), blocks_at_once, [&](std::size_t begin, std::size_t end) {
+      const StandardFloats standard;
+      Chunk& chunk = chunks_[begin / blocks_at_once];
+      chunk.clear();
+      for (std::size_t b = begin; b < end; ++b) look(blocks_[b].number, options, narrow, chunk);
+    });
+    gather(count);
   }
 
   /// Bit i: box i of the group is not far.
   template <class IsFar>
-  std::uint32_t near_boxes(const Entry& entry, const IsFar& is_far) const {
-    const BoxGroup& group = boxes_.a().levels[static_cast<std::size_t>(entry.level)][entry.number];
+  std::uint32_t near_boxes(const BoxNode& node, const IsFar& is_far) const {
+    const BoxGroup& group = node.boxes(boxes_.a());
     // Bounds are floats about the origin, rounded outwards; added to it in double they are off by 2^-53 of the result.
     const double pad = 0x1p-50 * (max_norm(surface_->origin) + boxes_.a().extent);
     std::uint32_t near = 0;
@@ -177,19 +178,14 @@ class ObstacleSearch {
 
   void list_open() {
     open_facets_.clear();
-    for (const Entry& entry : open_) {
-      const std::size_t size = std::size_t{1} << (3 * (entry.level + 2));
-      const std::size_t begin = std::min(surface_->order.size(), entry.number * size);
-      const std::size_t end = std::min(surface_->order.size(), begin + size);
-      open_facets_.push_back(std::span<const std::uint32_t>(surface_->order).subspan(begin, end - begin));
-    }
+    for (const BoxNode& node : open_) open_facets_.push_back(facets_below(*surface_, node.number, node.height));
   }
 
   const SurfaceTreeState* surface_ = nullptr;
   std::shared_ptr<const SurfaceTreeState> kept_;  // the same, of a SurfaceTree
   std::uint64_t frame_ = 0;
   QueryBoxes boxes_;
-  std::vector<Entry> open_, entries_, next_, blocks_;
+  std::vector<BoxNode> open_, nodes_, next_, blocks_;
   std::vector<std::uint8_t> near_;
   std::vector<Chunk> chunks_;
   std::vector<Found> found_;

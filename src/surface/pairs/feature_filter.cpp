@@ -60,29 +60,29 @@ std::uint32_t FeatureFilter::Masks::with(Feature feature, std::uint32_t number) 
                                     : facet_with[number];
 }
 
-Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b,
+Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b,
                             Features features, Workers& workers) {
   if (!fits(filter.masks_a, a)) return {.code = Status::Code::bad_option};
-  if (b != nullptr && !fits(filter.masks_b, *b)) return {.code = Status::Code::bad_option, .body = 1};
+  const bool is_one = &a == &b;
+  if (!is_one && !fits(filter.masks_b, b)) return {.code = Status::Code::bad_option, .body = 1};
   filter_ = &filter;
-  a_ = &a, b_ = b;
+  a_ = &a, b_ = &b;
   masks_a_.start(filter.masks_a, a);
-  if (b != nullptr) {
-    masks_b_.start(filter.masks_b, *b);
-  } else {
+  if (is_one)
     masks_b_ = masks_a_;
-  }
+  else
+    masks_b_.start(filter.masks_b, b);
   const ExclusionRule rule{filter.rings, filter.rest_distance, features};
-  excluded_ = b == nullptr && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
+  excluded_ = is_one && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
   tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
-  const bool within = b == nullptr && (filter.same_component || tests_each_);
+  const bool within = is_one && (filter.same_component || tests_each_);
   keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;
   return {};
 }
 
 bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
   const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
-  if (b_ == nullptr) {
+  if (b_ == a_) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
     if (filter_->same_component && a_->component[in_a[0]] == a_->component[in_b[0]]) return false;
     if (tests_each_ && ExclusionTest(*a_, excluded_->rule()).excludes(pair)) return false;

@@ -53,8 +53,9 @@ class FeatureFilter {
  public:
   /// Throws std::invalid_argument, naming the option, for one that is out of range by itself.
   static void require_usable(const PairFilter& filter);
-  /// ok, or bad_option for masks that do not fit the surfaces. Makes the table of excluded pairs where there is none.
-  Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState* b, Features features,
+  /// Of one surface with itself where b is a. ok, or bad_option for masks that do not fit the surfaces. Makes the table
+  /// of excluded pairs where there is none.
+  Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b, Features features,
                Workers& workers);
   /// What the search is to drop by itself: pairs that keeps() is not asked about. Null: nothing.
   const ExcludedPairs* excluded() const {

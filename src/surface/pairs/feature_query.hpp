@@ -69,15 +69,15 @@ class FeatureQuery {
     bool by_spheres = true;  ///< pairs whose features are farther apart than that are not asked for
   };
 
-  /// narrow(a, b, pairs, found): adds what is found of pairs of features whose boxes are near; called by workers.
+  /// Of one surface with itself where b is a. narrow(a, b, pairs, found): adds what is found of pairs of features whose
+  /// boxes are near; called by workers.
   template <class Options, class Narrow>
-  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState* b, const Ask& ask, const Options& options,
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, const Ask& ask, const Options& options,
                          Workers& workers, const Narrow& narrow) {
     const StandardFloats standard;
-    if (b == &a) b = nullptr;
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = a.askable(0);
-    if (status && b != nullptr) static_cast<Status&>(status) = b->askable(1);
+    if (status && &a != &b) static_cast<Status&>(status) = b.askable(1);
     if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, ask.features, workers);
     if (!status) return status;
     search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
@@ -85,8 +85,7 @@ class FeatureQuery {
     const auto coordinate = [](const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
       return max_norm(s.origin) + boxes.extent;
     };
-    largest_coordinate_ =
-        std::max(coordinate(a, search_.boxes().a()), b != nullptr ? coordinate(*b, search_.boxes().b()) : 0.0);
+    largest_coordinate_ = std::max(coordinate(a, search_.boxes().a()), coordinate(b, search_.boxes().b()));
     found_.clear();
     candidates_ = 0;
     return go_on(options, workers, narrow);
@@ -101,8 +100,7 @@ class FeatureQuery {
     // mutant resume-other-distance: `reach != ask_.reach` -> `false`
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) = filter_.start(
-        options.filter, search_.a(), search_.is_with_itself() ? nullptr : &search_.b(), ask_.features, workers);
+    static_cast<Status&>(status) = filter_.start(options.filter, search_.a(), search_.b(), ask_.features, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }

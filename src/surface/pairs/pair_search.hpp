@@ -1,6 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Pair search: down two surface trees, or one against itself, to pairs of features whose boxes are near.
+//
+//   open pair of nodes        is replaced by
+//   a, b of equal height      pairs of their children whose boxes are near
+//   a higher than b           children of a whose boxes are near b's, each with b; and the other way round
+//   a with itself             each child with itself, and pairs of two children as above; nothing where a is found to
+//                             be a height field
+//   two blocks                pairs of features, which are compared group by group
 #pragma once
 
 #include <bit>
@@ -11,6 +18,7 @@
 #include <vector>
 
 #include "parallel/float_environment.hpp"
+#include "surface/boxes/box_node.hpp"
 #include "surface/boxes/feature_boxes.hpp"
 #include "surface/boxes/lazy_boxes.hpp"
 #include "surface/pairs/excluded_pairs.hpp"
@@ -39,12 +47,13 @@ class SurfaceMeter {
   bool is_over_ = false;
 };
 
-/// Keeps its memory. What is not yet compared is a list of entries: pairs of nodes, of blocks, or of one with itself.
+/// Keeps its memory. What is not yet compared is a list of open pairs of nodes.
 class PairSearch {
  public:
-  /// b: nothing for a with itself. reach: pairs of boxes so far apart along each axis are still near, mesh units.
+  /// Of one surface with itself where b is a. reach: pairs of boxes so far apart along each axis are still near, mesh
+  /// units.
   /// by_spheres: of surfaces that follow bodies, pairs whose features are farther apart than that may be missing.
-  void start(const SurfaceTreeState& a, const SurfaceTreeState* b, double reach, Features features, bool by_spheres,
+  void start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, Features features, bool by_spheres,
              Workers& workers);
   /// Of one surface with itself: what is not to be found. It has to live until the last run(). Null: nothing.
   void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
@@ -54,13 +63,13 @@ class PairSearch {
   /// ok, or `code` with the number of the first one that has moved since.
   Status moved(Status::Code code) const {
     if (a_->frame != frame_a_ || !a_->askable(0)) return {code, 0};
-    if (b_ != nullptr && (b_->frame != frame_b_ || !b_->askable(1))) return {code, 1};
+    if (!is_with_itself() && (b_->frame != frame_b_ || !b_->askable(1))) return {code, 1};
     return {};
   }
-  bool is_with_itself() const { return b_ == nullptr; }
+  bool is_with_itself() const { return b_ == a_; }
   const QueryBoxes& boxes() const { return boxes_; }
   const SurfaceTreeState& a() const { return *a_; }
-  const SurfaceTreeState& b() const { return b_ != nullptr ? *b_ : *a_; }
+  const SurfaceTreeState& b() const { return *b_; }
 
   /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
   /// vertex, and look(chunk) after some of them, the last ones at least: those of one chunk one after the other, of
@@ -72,39 +81,57 @@ class PairSearch {
   void open(std::vector<OpenFacets>& facets) const;
 
  private:
-  static constexpr int block_level = -1;
-  struct Entry {
-    std::uint32_t a, b;
-    std::int16_t level_a, level_b;  // of the box group; block_level: the numbers are those of blocks
-    bool is_pair_of_blocks() const { return level_a == block_level && level_b == block_level; }
+  struct NodePair {
+    BoxNode a, b;
+    bool is_pair_of_blocks() const { return a.is_block() && b.is_block(); }
   };
   struct BlockPair {
     std::uint32_t a, b;
   };
 
+  bool is_node_with_itself(const NodePair& pair) const { return is_with_itself() && pair.a == pair.b; }
   /// Are crossings of these facets with each other sought, and do they have a border that can be looked at?
-  bool may_be_height_field(const Entry& entry) const {
-    return b_ == nullptr && features_ == Features::facets && entry.a == entry.b && entry.level_a != block_level;
+  bool may_be_height_field(const NodePair& pair) const {
+    return is_node_with_itself(pair) && features_ == Features::facets && !pair.a.is_block();
   }
-  bool is_height_field(const Entry& entry) const {
-    return may_be_height_field(entry) && fields_.is_one(static_cast<std::size_t>(entry.level_a) + 1, entry.a);
+  bool is_height_field(const NodePair& pair) const {
+    return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
   }
   /// Where a budget bounds the work, only the smallest regions are looked at.
-  bool is_sought_now(const Entry& entry) const { return may_be_height_field(entry) && entry.level_a == 0; }
-  /// Groups to be tested for an entry.
-  std::size_t cost(const Entry& entry) const {
+  bool is_sought_now(const NodePair& pair) const { return may_be_height_field(pair) && pair.a.height == 1; }
+  /// Groups to be tested for a pair of nodes.
+  std::size_t cost(const NodePair& pair) const {
     // Looking at 64 facets and their border takes as long.
     constexpr std::size_t of_field = 32;
-    return entry.is_pair_of_blocks() ? cost(BlockPair{entry.a, entry.b}) : is_sought_now(entry) ? 1 + of_field : 1;
+    if (pair.is_pair_of_blocks()) return cost(BlockPair{pair.a.number, pair.b.number});
+    return is_sought_now(pair) ? 1 + of_field : 1;
   }
   std::size_t cost(const BlockPair& pair) const;
-  /// What is below an entry that is no pair of blocks, last first; nothing below one that is a height field.
-  void expand(const Entry& entry, std::vector<Entry>& below) const;
+  /// What replaces a pair that is no pair of blocks, last first.
+  void expand(const NodePair& pair, std::vector<NodePair>& below) const;
   void find_block_pairs(SurfaceMeter& meter, Workers& workers);
-  FeatureBoxes& boxes_b() { return b_ != nullptr ? boxes_b_ : boxes_a_; }
-  const FeatureBoxes& boxes_b() const { return b_ != nullptr ? boxes_b_ : boxes_a_; }
+  template <class Find, class Look>
+  void run_within_budget(SurfaceMeter& meter, const Find& find, const Look& look);
+  FeatureBoxes& boxes_b() { return is_with_itself() ? boxes_a_ : boxes_b_; }
+  const FeatureBoxes& boxes_b() const { return is_with_itself() ? boxes_a_ : boxes_b_; }
+  void want(const BlockPair& pair) {
+    boxes_a_.want(pair.a);
+    boxes_b().want(pair.b);
+  }
+  void fill_boxes(Workers& workers) {
+    boxes_a_.fill(workers);
+    if (!is_with_itself()) boxes_b_.fill(workers);
+  }
+
+  /// find(pair) for pairs of features of two blocks whose boxes are near.
   template <class Find>
-  void compare(const BlockPair& pair, std::size_t chunk, const Find& find) const;
+  void compare(const BlockPair& pair, const Find& find) const;
+  template <class Find>
+  void compare_facets(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
+  template <class Find>
+  void compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
+  template <class Find>
+  void compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
   /// All groups of i against all of j. excluded: 64 bits for each i and j, and where they end for all of them.
   template <class GroupA, class GroupB, class Found>
   void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
@@ -117,8 +144,8 @@ class PairSearch {
         }
   }
 
-  const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
-  std::shared_ptr<const SurfaceTreeState> kept_a_, kept_b_;  // the same, of a SurfaceTree
+  const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;       // the same of one surface with itself
+  std::shared_ptr<const SurfaceTreeState> kept_a_, kept_b_;  // of a SurfaceTree: keeps the state
   std::uint64_t frame_a_ = 0, frame_b_ = 0;
   Features features_ = Features::all;
   BoxReach reach_{};
@@ -127,12 +154,12 @@ class PairSearch {
   FeatureBoxes boxes_a_, boxes_b_;
   const ExcludedPairs* excluded_ = nullptr;
   HeightFields fields_;
-  std::vector<Entry> open_;
+  std::vector<NodePair> open_;
 
   // Memory for the next call.
-  std::vector<Entry> entries_, below_;
+  std::vector<NodePair> level_, below_;
   struct Task {
-    std::vector<Entry> stack;
+    std::vector<NodePair> stack;
     std::vector<BlockPair> pairs;
     std::size_t tests = 0;
   };
@@ -149,36 +176,50 @@ inline bool share_a_vertex(const Facet& f, const Facet& g) {
 }
 
 template <class Find>
-void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& find) const {
+void PairSearch::compare(const BlockPair& pair, const Find& find) const {
+  const std::uint64_t* const excluded = excluded_ != nullptr ? excluded_->of(pair.a, pair.b) : ExcludedPairs::none();
+  if (ExcludedPairs::are_all(excluded)) return;
+  if (features_ == Features::facets)
+    compare_facets(pair, excluded, find);
+  else
+    compare_vertices_and_edges(pair, excluded, find);
+}
+
+template <class Find>
+void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
-  const bool with_itself = b_ == nullptr, one_block = with_itself && a == b;
-  const std::uint64_t* excluded = excluded_ != nullptr ? excluded_->of(a, b) : ExcludedPairs::none();
-  if (ExcludedPairs::are_all(excluded)) return;
+  const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
+  const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
+  const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
+  compare_groups(1, facets_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
+    if (one_block && i >= j) return;
+    std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
+    if (with_itself) {
+      const Facet &of_a = in_a.facet_corners(a, i), &of_b = in_b.facet_corners(b, j);
+      if (share_a_vertex(of_a, of_b)) return;
+      if (f > g) std::swap(f, g);
+    }
+    find(FeaturePair{PairKind::facet_facet, f, g});
+  });
+}
+
+// Vertices of a with facets of b, facets of a with vertices of b, edges with edges: in the order of ExcludedPairs.
+template <class Find>
+void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded,
+                                            const Find& find) const {
+  const std::uint32_t a = pair.a, b = pair.b;
+  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
-  if (features_ == Features::facets) {
-    compare_groups(1, facets_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
-      if (one_block && i >= j) return;
-      std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
-      if (with_itself) {
-        const Facet &of_a = in_a.facet_corners(a, i), &of_b = in_b.facet_corners(b, j);
-        if (share_a_vertex(of_a, of_b)) return;
-        if (f > g) std::swap(f, g);
-      }
-      find(chunk, FeaturePair{PairKind::facet_facet, f, g});
-    });
-    return;
-  }
   const auto vertices_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.vertices(a, i); };
   const auto vertices_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.vertices(b, i); };
-  const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
-  const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
   compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
     const std::uint32_t vertex = in_a.vertex(a, i);
     if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
-    find(chunk, FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
+    find(FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
   });
   if (!one_block) {
     compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, excluded,
@@ -186,12 +227,22 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
                      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
                      if (with_itself) {
                        if (has(in_a.facet_corners(a, i), vertex)) return;
-                       find(chunk, FeaturePair{PairKind::vertex_facet, vertex, facet});
+                       find(FeaturePair{PairKind::vertex_facet, vertex, facet});
                      } else {
-                       find(chunk, FeaturePair{PairKind::facet_vertex, facet, vertex});
+                       find(FeaturePair{PairKind::facet_vertex, facet, vertex});
                      }
                    });
   }
+  compare_edges(pair, excluded, find);
+}
+
+template <class Find>
+void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
+  const std::uint32_t a = pair.a, b = pair.b;
+  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
+  const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
+  const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
   compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, excluded,
                  [&](std::uint32_t i, std::uint32_t j) {
                    if (one_block && i >= j) return;
@@ -201,41 +252,43 @@ void PairSearch::compare(const BlockPair& pair, std::size_t chunk, const Find& f
                      if (of_a[0] == of_b[0] || of_a[0] == of_b[1] || of_a[1] == of_b[0] || of_a[1] == of_b[1]) return;
                      if (e > f) std::swap(e, f);
                    }
-                   find(chunk, FeaturePair{PairKind::edge_edge, e, f});
+                   find(FeaturePair{PairKind::edge_edge, e, f});
                  });
+}
+
+// One pair after the other, so that what a budget in tests reaches is always the same.
+template <class Find, class Look>
+void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const Look& look) {
+  while (!open_.empty() && meter.takes(cost(open_.back()))) {
+    const NodePair pair = open_.back();
+    open_.pop_back();
+    if (!pair.is_pair_of_blocks()) {
+      if (is_sought_now(pair)) fields_.find(1, pair.a.number);
+      expand(pair, open_);
+      continue;
+    }
+    const BlockPair blocks{pair.a.number, pair.b.number};
+    want(blocks);
+    fill_boxes(serial_workers());
+    compare(blocks, [&](const FeaturePair& found) { find(0, found); });
+    look(0);
+  }
 }
 
 template <class Chunks, class Find, class Look>
 bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& look) {
   if (!meter.is_unlimited()) {
     chunks(1);
-    // One after the other, so that what a budget in tests reaches is always the same.
-    while (!open_.empty() && meter.takes(cost(open_.back()))) {
-      const Entry entry = open_.back();
-      open_.pop_back();
-      if (!entry.is_pair_of_blocks()) {
-        if (is_sought_now(entry)) fields_.find(1, entry.a);
-        expand(entry, open_);
-        continue;
-      }
-      boxes_a_.want(entry.a);
-      boxes_b().want(entry.b);
-      boxes_a_.fill(serial_workers());
-      if (b_ != nullptr) boxes_b_.fill(serial_workers());
-      compare({entry.a, entry.b}, 0, find);
-      look(0);
-    }
+    run_within_budget(meter, find, look);
     return open_.empty();
   }
-  if (b_ == nullptr && features_ == Features::facets) fields_.find_all(workers);
+  if (is_with_itself() && features_ == Features::facets) fields_.find_all(workers);
   find_block_pairs(meter, workers);
   for (const BlockPair& pair : pairs_) {
-    boxes_a_.want(pair.a);
-    boxes_b().want(pair.b);
+    want(pair);
     meter.groups_tested += cost(pair);
   }
-  boxes_a_.fill(workers);
-  if (b_ != nullptr) boxes_b_.fill(workers);
+  fill_boxes(workers);
   constexpr std::size_t pairs_at_once = 256;
   chunks((pairs_.size() + pairs_at_once - 1) / pairs_at_once);
   parallel_for(workers, pairs_.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
@@ -244,7 +297,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     constexpr std::size_t pairs_at_a_look = 32;
     const std::size_t chunk = begin / pairs_at_once;
     for (std::size_t i = begin; i < end; ++i) {
-      compare(pairs_[i], chunk, find);
+      compare(pairs_[i], [&](const FeaturePair& found) { find(chunk, found); });
       if (i % pairs_at_a_look == 0 || i + 1 == end) look(chunk);
     }
   });

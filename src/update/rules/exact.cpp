@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 
 #include "parallel/interruption.hpp"
 #include "update/points/kernels.hpp"
@@ -17,7 +15,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 64;
+constexpr std::size_t nodes_per_chunk = PackedCores::nodes_per_chunk;
 
 // One flag per node.
 std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule rule) {
@@ -26,91 +24,65 @@ std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule ru
   return flags;
 }
 
+// The points that a node owns, those of one leaf after the other.
+std::span<const std::uint32_t> owned_points(const Binding& binding, std::uint32_t node) {
+  const std::vector<std::uint32_t>& begin = binding.ownership.begin;
+  const std::uint32_t first = begin[binding.order.begin[node]], last = begin[binding.order.end[node]];
+  return std::span(binding.ownership.points).subspan(first, last - first);
+}
+
+// The outermost points that the node owns, some of them more than once. Returns how far they are at rest.
+float find_core(const Binding& binding, std::uint32_t node, std::span<std::uint32_t> core) {
+  const Vec3f& center = binding.tree_spheres[node].center;
+  outermost(binding.local.points(), owned_points(binding, node), center, core);
+  float squared = 0;
+  kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
+  return std::sqrt(squared);
+}
+
+// To what the node owns, and to vertices not much farther off than its sphere reaches, so that a center inside the body
+// finds anchors on all sides. scratch: empty before and after.
+void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& nearby, Marks& scratch,
+                Anchors& anchors) {
+  constexpr double reach = 1.3;
+  const Sphere& at_rest = binding.built.tree.spheres[node];
+  for (const std::uint32_t p : owned_points(binding, node)) scratch.add(p);
+  nearby.add({at_rest.center, reach * at_rest.radius}, scratch);
+  std::vector<std::uint32_t> candidates;
+  scratch.each([&](std::uint32_t p) { candidates.push_back(p); });
+  scratch.clear();
+  const Spheref& rest = binding.tree_spheres[node];
+  anchors.tie(rest.center, rest.radius, binding.local.points(), candidates);
+}
+
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding)
     : walk_(binding.built.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
-  const SphereTree& tree = binding.built.tree;
-  const LeafOrder& order = binding.order;
-  const Ownership& ownership = binding.ownership;
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
-  std::vector<std::uint32_t> cores(core_size * node_count);
+  std::vector<std::uint32_t> cores(core_size * node_count), levels;
   std::vector<float> radii(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
-  const NearbyPoints nearby(binding.mesh, tree, order, ownership);
+  const NearbyPoints nearby(binding.mesh, binding.built.tree, binding.order, binding.ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    Marks points(binding.local.points().size());
-    std::vector<std::uint32_t> candidates;
+    Marks scratch(binding.local.points().size());
     for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t node = walk_.nodes()[k];
-      const std::uint32_t first = ownership.begin[order.begin[node]], last = ownership.begin[order.end[node]];
-      const auto owned = std::span(ownership.points).subspan(first, last - first);
-      const std::span<std::uint32_t> core = std::span(cores).subspan(core_size * k, core_size);
-      const Vec3f& center = binding.tree_spheres[node].center;
-      outermost(binding.local.points(), owned, center, core);
-      float squared = 0;
-      kernels().farthest(binding.local.points().data(), {}, core, std::span(&center, 1), &squared);
-      radii[k] = std::sqrt(squared);
-      // What the node owns, and vertices not much farther off than its sphere reaches, so that a centre inside the body
-      // finds anchors on all sides.
-      constexpr double reach = 1.3;
-      const Sphere& at_rest = tree.spheres[node];
-      for (const std::uint32_t p : owned) points.add(p);
-      nearby.add({at_rest.center, reach * at_rest.radius}, points);
-      candidates.clear();
-      points.each([&](std::uint32_t p) { candidates.push_back(p); });
-      points.clear();
-      const Spheref& rest = binding.tree_spheres[node];
-      chunks[begin / nodes_per_chunk].tie(rest.center, rest.radius, binding.local.points(), candidates);
+      radii[k] = find_core(binding, walk_.nodes()[k], std::span(cores).subspan(core_size * k, core_size));
+      tie_center(binding, walk_.nodes()[k], nearby, scratch, chunks[begin / nodes_per_chunk]);
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
   anchors_.pack();
-  pack_cores(binding, cores, radii);
-  find_dependents(binding);
+  for (const std::uint32_t node : walk_.nodes())
+    levels.push_back(static_cast<std::uint32_t>(binding.built.tree.level_of(node)));
+  cores_ = PackedCores(cores, radii, levels);
+  incremental_.emplace(binding, walk_.chains(), anchors_, cores_);
 }
 
-// cores: core_size points of each node, some of them more than once.
-void ExactRule::pack_cores(const Binding& binding, std::span<const std::uint32_t> cores, std::span<const float> radii) {
-  const std::size_t node_count = radii.size();
-  // Once each, in the order of the list, which is what counts among equals.
-  std::vector<std::vector<std::uint32_t>> core_of(node_count);
-  for (std::size_t k = 0; k < node_count; ++k)
-    for (const std::uint32_t p : cores.subspan(core_size * k, core_size))
-      if (std::find(core_of[k].begin(), core_of[k].end(), p) == core_of[k].end()) core_of[k].push_back(p);
-
-  lane_.resize(node_count);
-  core_begin_.push_back(0);
-  std::vector<std::uint32_t> order;
-  for (std::size_t begin = 0; begin < node_count; begin += nodes_per_chunk) {
-    order.resize(std::min(nodes_per_chunk, node_count - begin));
-    std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
-    // By levels first: whoever asks for upper levels alone asks for the first groups.
-    const auto key = [&](std::uint32_t k) {
-      return std::tuple(binding.built.tree.level_of(walk_.nodes()[k]), core_of[k].size(), k);
-    };
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    for (std::size_t first = 0; first < order.size(); first += nodes_at_once) {
-      std::size_t count = 0;
-      for (std::size_t j = 0; j < nodes_at_once; ++j) {
-        const std::uint32_t k = order[std::min(first + j, order.size() - 1)];
-        if (first + j < order.size()) lane_[k] = static_cast<std::uint32_t>(node_of_lane_.size());
-        node_of_lane_.push_back(k);
-        core_radius_.push_back(radii[k]);
-        count = std::max(count, core_of[k].size());
-      }
-      const auto nodes = std::span(node_of_lane_).last(nodes_at_once);
-      for (std::size_t i = 0; i < count; ++i)
-        for (const std::uint32_t k : nodes) core_.push_back(core_of[k][i < core_of[k].size() ? i : 0]);
-      core_begin_.push_back(static_cast<std::uint32_t>(core_.size()));
-    }
-  }
-}
-
-std::size_t ExactRule::place_of(std::size_t node) const noexcept {
+std::uint32_t ExactRule::place_of(std::size_t node) const noexcept {
   const std::span<const std::uint32_t> nodes = walk_.nodes();
-  return static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
+  return static_cast<std::uint32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
 }
 
 void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
@@ -121,13 +93,14 @@ void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<S
                [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });
   if (fits_) fits_->move(frame.points, spheres, workers);
   walk_.measure_first(count, frame.points, spheres, workers);
+  incremental_->forget();
   rounding_ = frame.rounding;
   parallel_for(workers, count, 4 * nodes_per_chunk,
                [&](std::size_t begin, std::size_t end) { set_radii(begin, end, spheres); });
 }
 
 void ExactRule::update_one(std::uint32_t node, const RuleFrame& frame, std::span<Spheref> spheres) noexcept {
-  const std::size_t k = place_of(node);
+  const std::uint32_t k = place_of(node);
   spheres[node].center = center(k, frame.points);
   walk_.measure_one(k, frame.points, spheres);
   set_radius(k, rounding_, spheres);
@@ -135,34 +108,30 @@ void ExactRule::update_one(std::uint32_t node, const RuleFrame& frame, std::span
 
 std::size_t ExactRule::tested_points(std::size_t node_end) const {
   std::size_t count = 0;
-  for (std::size_t k = 0; k < place_of(node_end); ++k) count += walk_.points_of(k);
+  for (std::uint32_t k = 0; k < place_of(node_end); ++k) count += walk_.points_of(k);
   return count;
 }
 
-// Carried along by the anchors; pulled to where the sphere grows less if it grew. Centres of spheres that are nearly as
+// Carried along by the anchors; pulled to where the sphere grows less if it grew. Centers of spheres that are nearly as
 // they were at rest are good already.
-Vec3f ExactRule::center(std::size_t k, std::span<const LocalPoint> points) const noexcept {
+Vec3f ExactRule::center(std::uint32_t k, std::span<const LocalPoint> points) const noexcept {
   std::array<std::uint32_t, core_size> core{};
-  const auto [first, count] = core_of(k);
+  const auto [first, count] = cores_.of(k);
   for (std::size_t i = 0; i < core_size; ++i) core[i] = first[i < count ? nodes_at_once * i : 0];
-  const float rest = core_radius_[lane_[k]], enough = most_growth * rest;
+  const float rest = cores_.rest_radius(k), enough = most_growth * rest;
   return kernels().pull(points.data(), {core.data(), enough * enough, rest}, anchors_.center(k, points));
 }
 
 void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
                              std::span<Spheref> spheres) const noexcept {
-  static_assert(nodes_per_chunk % nodes_at_once == 0 && nodes_at_once % nodes_per_group == 0);
   std::array<LocalPoint, nodes_per_chunk> centers{};
   anchors_.centers(begin, end, points, centers.data());
   for (std::size_t lane = begin; lane < end; lane += nodes_at_once) {
-    const std::size_t group = lane / nodes_at_once;
-    const std::uint32_t* const nodes = &node_of_lane_[lane];
+    const PackedCores::Group group = cores_.group(lane / nodes_at_once);
     std::array<LocalPoint, nodes_at_once> pulled;
-    for (std::size_t j = 0; j < nodes_at_once; ++j) pulled[j] = centers[nodes[j] - begin];
-    kernels().pull_many(points.data(), &core_[core_begin_[group]],
-                        (core_begin_[group + 1] - core_begin_[group]) / nodes_at_once, &core_radius_[lane],
-                        pulled.data());
-    for (std::size_t j = 0; j < nodes_at_once; ++j) centers[nodes[j] - begin] = pulled[j];
+    for (std::size_t j = 0; j < nodes_at_once; ++j) pulled[j] = centers[group.nodes[j] - begin];
+    kernels().pull_many(points.data(), group.points, group.count, group.rest_radii, pulled.data());
+    for (std::size_t j = 0; j < nodes_at_once; ++j) centers[group.nodes[j] - begin] = pulled[j];
   }
   for (std::size_t k = begin; k < end; ++k) {
     const LocalPoint& at = centers[k - begin];
@@ -183,6 +152,19 @@ void ExactRule::set_radius(std::size_t k, const Rounding& rounding, std::span<Sp
   sphere.radius = rounding.covering_radius(walk_.squared_reach(k), sphere.center);
 }
 
+std::size_t ExactRule::update_changed(const RuleFrame& frame, const Marks& changed_blocks,
+                                      std::span<Spheref> spheres) noexcept {
+  const std::size_t tested = incremental_->update({walk_, anchors_, cores_, frame.points, spheres}, changed_blocks);
+  const bool rounding_changed = frame.rounding != rounding_;
+  rounding_ = frame.rounding;
+  // mutant changed-rounding-ignored: `rounding_changed` -> `false`
+  if (rounding_changed)
+    set_radii_of_all(spheres);
+  else
+    incremental_->dirty().each([&](std::uint32_t k) { set_radius(k, rounding_, spheres); });
+  return tested;
+}
+
 void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
   for (std::size_t begin = 0; begin < walk_.nodes().size(); begin += 4 * nodes_per_chunk)
     set_radii(begin, std::min(walk_.nodes().size(), begin + 4 * nodes_per_chunk), spheres);
@@ -193,7 +175,7 @@ void ExactRule::fit_leaves(const LeafOrder& order, std::span<const LocalPoint> p
   std::vector<std::uint32_t> cores;
   for (const std::uint32_t leaf : order.leaves) {
     const std::size_t begin = cores.size();
-    const auto [first, count] = core_of(place_of(leaf));
+    const auto [first, count] = cores_.of(place_of(leaf));
     for (std::size_t i = 0; i < count; ++i) cores.push_back(first[nodes_at_once * i]);
     cores.resize(begin + core_size, cores[begin]);
   }

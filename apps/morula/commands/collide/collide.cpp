@@ -83,7 +83,7 @@ ContactQuery make_query(const CollideArguments& o) {
   return ContactQuery(query_options(o));
 }
 
-void require_good(const ContactStatus& status) {
+void require_good(const Status& status) {
   if (!status) throw UsageError(message(status));
 }
 
@@ -105,7 +105,7 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   result.pair_tests = found.pair_tests;
   result.achieved_level = found.achieved_level.front();
   if (o.exact) {
-    crossed.run(a.collider(), b.collider());
+    require_good(crossed.run(a.collider(), b.collider()));
     result.exact_microseconds = 1e6 * watch.lap();
     result.crossings.assign(crossed.pairs().begin(), crossed.pairs().end());
   }

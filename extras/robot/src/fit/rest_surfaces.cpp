@@ -10,6 +10,7 @@
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <optional>
+#include <stdexcept>
 
 namespace morula::robot {
 
@@ -59,16 +60,20 @@ double vertex_distance(const Mesh& a, const TriangleBvh& b, double most) {
   return most;
 }
 
+void require_good(const Status& status) {
+  if (!status) throw std::invalid_argument(message(status));
+}
+
 double mesh_distance(const Mesh& mesh_a, const SurfaceTree& tree_a, const TriangleBvh& index_a, const Mesh& mesh_b,
                      const SurfaceTree& tree_b, const TriangleBvh& index_b) {
   SurfaceCrossingQuery crossings;
-  crossings.run(tree_a, tree_b);
+  require_good(crossings.run(tree_a, tree_b));
   if (!crossings.pairs().empty()) return 0;
   double least = vertex_distance(mesh_a, index_b, std::numeric_limits<double>::infinity());
   least = vertex_distance(mesh_b, index_a, least);
   // Edges may be nearer.
   ProximityQuery near({.distance = least, .nearest_features_once = true});
-  near.run(tree_a, tree_b);
+  require_good(near.run(tree_a, tree_b));
   // mutant robot-pairs-edges: `min(least, pair.distance)` -> `max(least, 0 * pair.distance)`
   for (const ProximityPair& pair : near.pairs()) least = std::min(least, pair.distance);
   return least;

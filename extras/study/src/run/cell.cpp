@@ -195,8 +195,9 @@ std::optional<double> time_cell(const Plan& plan, const CellKey& key, const Cove
   for (const std::vector<Vec3>& positions : poses.motion.frames) {
     for (int repeat = 0; repeat < plan.measures.timed_updates; ++repeat) {
       Stopwatch watch;
-      body.update(positions);
+      const UpdateStatus status = body.update(positions);
       times.push_back(watch.lap());
+      if (!status) throw std::invalid_argument(message(status));
     }
   }
   return median(times);

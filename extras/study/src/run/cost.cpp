@@ -9,6 +9,7 @@
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/version.hpp>
+#include <stdexcept>
 #include <toolbox/numbers.hpp>
 #include <toolbox/stopwatch.hpp>
 
@@ -40,8 +41,9 @@ UpdateCost time_updates(const std::string& name, Updated&& body, const std::vect
     cost.points_per_vertex = static_cast<double>(body.update(positions).points_tested) / vertices;
     for (int i = 0; i < repeats; ++i) {
       Stopwatch watch;
-      body.update(positions);
+      const UpdateStatus status = body.update(positions);
       times.push_back(1e9 * watch.lap() / vertices);
+      if (!status) throw std::invalid_argument(message(status));
     }
   }
   cost.nanoseconds_per_vertex = times.empty() ? 0 : median(times);

@@ -202,7 +202,7 @@ PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, cons
       if (queries[q].budget) options.budget = *queries[q].budget;
       ContactQuery query(options);
       query.add(a, b);
-      query.run();
+      if (const ContactStatus status = query.run(); !status) throw std::invalid_argument(message(status));
       found = query.contacts();
       for (std::size_t i = found.surfaces.size(); i < found.contacts.size(); ++i)
         found.surfaces.push_back(query.surface(i));

@@ -45,7 +45,7 @@ class Pair {
 
   std::span<const Crossing> crossings(const RigidTransform& placement) {
     b_.place(placement);
-    found_.run(a_, b_);
+    if (const Status status = found_.run(a_, b_); !status) throw std::invalid_argument(message(status));
     return found_.pairs();
   }
   double distance_above(const RigidTransform& placement) {

@@ -111,8 +111,9 @@ Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& buil
       query.set_options(options);
       for (int repeat = 0; repeat < plan.timed_queries; ++repeat) {
         Stopwatch watch;
-        query.run();
+        const ContactStatus status = query.run();
         times[i].push_back(watch.lap());
+        if (!status) throw std::invalid_argument(message(status));
       }
       const Contacts& found = query.contacts();
       contacts[i] += found.contacts.size();

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Measures the reaches of a corner walk again where a part of the points and centers has moved, with the bits of a
+// walk over all.
+//
+//   changed leaf    is walked for its whole chain. A node above whose farthest point it had, and has no more, is
+//                   searched.
+//   moved leaf      (only its center has moved) is walked for its own node, without the groups of points that were
+//                   nearer than the farthest by more than twice the way.
+//   moved node      is searched: of the leaves below, those are walked whose bound is not below the reach. A leaf's
+//                   bound is its reach when it was walked last, plus the node's path since.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "update/points/marks.hpp"
+#include "update/rules/corner_walk.hpp"
+
+namespace morula::detail {
+
+class IncrementalWalk {
+ public:
+  /// Every leaf of the layout is measured.
+  explicit IncrementalWalk(const CornerChains& chains);
+
+  /// A place in CornerChains::nodes(), and how far its center has moved.
+  struct MovedNode {
+    std::uint32_t k;
+    float way;
+  };
+  /// What is measured, and where results go.
+  struct Frame {
+    const CornerChains& chains;
+    SquaredReaches& reaches;  ///< of the frame before; in and out
+    std::span<const LocalPoint> points;
+    std::span<const Spheref> spheres;
+  };
+  /// changed_leaves: leaves that own points which moved. moved: each node once whose center has moved. dirty: gets the
+  /// nodes whose reach or center may differ. Returns how many points were tested.
+  std::size_t measure(const Frame& frame, const Marks& changed_leaves, std::span<const MovedNode> moved,
+                      Marks& dirty) noexcept;
+  /// All reaches have been measured by a walk over all.
+  void forget() noexcept;
+
+ private:
+  std::size_t measure_changed(const Frame& frame, std::uint32_t leaf, Marks& dirty) noexcept;
+  std::size_t measure_moved(const Frame& frame, std::uint32_t leaf) noexcept;
+  std::size_t search(const Frame& frame, std::uint32_t k) noexcept;
+  std::size_t walk(const Frame& frame, std::size_t leaf, std::size_t entry) noexcept;
+
+  // Paths add up the ways of a node's center since forget(). By entry: the node's path when the leaf was walked for it
+  // last. A leaf's own node is always measured.
+  std::vector<double> path_, path_when_walked_;
+  bool is_fresh_ = true;  // all paths are 0, no groups are known
+
+  // Of leaves with many points that were walked for their own node alone and whose points have not moved since.
+  struct PointGroups {
+    Marks known;                          // leaves
+    std::vector<std::uint32_t> begin{0};  // per leaf, and the end; other leaves have no groups
+    std::vector<float> squared;           // of each group: the largest squared distance to center
+    std::vector<Vec3f> center;            // of the leaf's node, then
+  } groups_;
+
+  // Memory of one call.
+  Marks searched_;                     // nodes whose leaves have to be looked at
+  std::vector<float> bounds_;          // of leaves, in one search
+  std::vector<float> squared_before_;  // of a chain, while its leaf is measured again
+};
+
+}  // namespace morula::detail
