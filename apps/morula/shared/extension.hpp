@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Extension: what the command gains by a product beside the library. The command is built with or without each.
+// Extension: the subcommands, options and texts that an extra (robot, grains, study, page) adds to the command.
 #pragma once
 
 #include <filesystem>
