@@ -6,8 +6,8 @@
 #include <atomic>
 #include <memory>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 
 #include "baseline.hpp"

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <morula/collide/contact_query.hpp>
-#include <morula/collide/overlap.hpp>
-#include <morula/collide/pair_tests.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/geometry/random.hpp>
 #include <numbers>
 #include <set>
@@ -43,30 +42,6 @@ std::vector<double> timed_calls(const Settings& settings, const F& f) {
 
 Result result_of(std::string item, const Input& input) {
   return {.scenario = "collide", .item = std::move(item), .mesh = input.name};
-}
-
-Result pair_tests(std::size_t kind, const Input& input, const Body& body, const RigidTransform& placement,
-                  const Settings& settings) {
-  Result result = result_of("pair tests, " + std::string(pair_test_kind_name(kind)), input);
-  const SphereTree& tree = body.rest_tree();
-  const auto leaves = body.spheres().subspan(tree.level_begin[tree.level_count() - 1]);
-  const std::size_t expected = count_overlapping(leaves, leaves, placement, 0);
-  std::size_t found = 0;
-  for (int i = 0; i < 200; ++i) found = count_overlapping(leaves, leaves, placement, kind);
-  result.seconds.clear();
-  const double tests = static_cast<double>(leaves.size()) * static_cast<double>(leaves.size());
-  timed(settings, [&] {
-    for (int batch = 0; batch < 20; ++batch) {
-      const double start = thread_seconds();
-      for (int i = 0; i < 4; ++i) found = count_overlapping(leaves, leaves, placement, kind);
-      result.seconds.push_back((thread_seconds() - start) / 4);
-    }
-  });
-  result.expect(found == expected, "other pairs than by plain loops");
-  result.figures = {{"million tests/s", 1e-6 * tests / median(result.seconds)},
-                    {"tests", tests},
-                    {"overlapping", static_cast<double>(found)}};
-  return result;
 }
 
 // In double: leaves that overlap with all pairs above them. Those nearer to touching than `unsure` may go either way.
@@ -252,9 +227,6 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
     query.run();
     if (contacts.contacts.size() <= built.tree.leaf_count()) break;
   }
-
-  for (std::size_t kind = 0; kind < pair_test_kinds(); ++kind)
-    results.push_back(pair_tests(kind, input, body_a, placement, settings));
 
   const auto all_leaves = [&](std::string item) {
     Result leaves = result_of(std::move(item), input);

@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/random.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/signed_distance.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <scenes/brute_force.hpp>
 
 #include "scenario.hpp"
 

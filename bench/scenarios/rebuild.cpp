@@ -7,8 +7,8 @@
 // one.
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/update/known_poses.hpp>
 #include <morula/update/rebuilt_body.hpp>

@@ -6,8 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <morula/morula.hpp>
-#include <morula/query/brute_force.hpp>
+#include <numbers>
 
 using morula::Vec3;
 
@@ -41,8 +42,14 @@ Vec3 penalty(const morula::Probe& probe, const Vec3& relative_velocity) {
 
 // The same answer from all facets of the limb as it is now?
 bool agrees(const morula::Probe& probe, const morula::Mesh& limb, const Vec3& center) {
-  const double distance = std::sqrt(morula::brute_force::closest_point(limb, center).squared_distance);
-  const bool inside = morula::brute_force::winding_number(limb, center) > 0.5;
+  double squared_distance = std::numeric_limits<double>::infinity(), solid_angle = 0;
+  for (std::size_t facet = 0; facet < limb.facet_count(); ++facet) {
+    const morula::Triangle corners = limb.corners(facet);
+    squared_distance = std::min(squared_distance, closest_point(corners, center).squared_distance);
+    solid_angle += morula::solid_angle(corners, center);
+  }
+  const double distance = std::sqrt(squared_distance);
+  const bool inside = solid_angle > 2 * std::numbers::pi;  // of 4π: half a turn of the winding number
   return std::abs(std::abs(probe.distance) - distance) < 1e-9 && probe.inside == inside;
 }
 

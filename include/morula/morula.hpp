@@ -10,14 +10,12 @@
 #endif
 
 #include <morula/accuracy/measure.hpp>
-#include <morula/accuracy/union_mass.hpp>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>
@@ -49,7 +47,7 @@
 #include <morula/medial/inner_balls.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/parallel/interrupt.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
 #include <morula/surface/modal_certificate.hpp>

@@ -54,8 +54,8 @@ LEFT_OUT = {
     "geometry/scale.hpp": "checks that every function makes", "geometry/status.hpp": "a refusal is an exception",
     "io/file_reference.hpp": "readers ask it", "io/whole_output.hpp": "every writer of the package writes whole files",
     "parallel/interrupt.hpp": "Ctrl-C", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
-    "collide/pair_tests.hpp": "a kernel, for benchmarks", "collide/budget.hpp": "an int, a timedelta or a text",
-    "query/brute_force.hpp": "oracles of tests, slower than NumPy is", "tree/walk.hpp": "a template over functions: each step would call Python",
+    "collide/budget.hpp": "an int, a timedelta or a text",
+    "tree/walk.hpp": "a template over functions: each step would call Python",
 }
 LEFT_OUT_NAMES = {
     "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "place() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",

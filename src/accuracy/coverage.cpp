@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/coverage.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/query/power_diagram.hpp>
 
 #include "accuracy/bare_polygon.hpp"

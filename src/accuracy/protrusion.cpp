@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/protrusion.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <stdexcept>
 #include <string>

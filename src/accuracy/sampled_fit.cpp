@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <morula/accuracy/sampled_fit.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sampling.hpp>

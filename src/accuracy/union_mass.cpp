@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/union_mass.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/box.hpp>
 #include <vector>
 

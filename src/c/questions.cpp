@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Questions of the C interface about two bodies.
 #include <chrono>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 
 #include "c/handles.hpp"
 

@@ -19,7 +19,7 @@
 #include <limits>
 #include <morula/geometry/scale.hpp>
 #include <morula/geometry/trigonometry.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <numbers>
 #include <stdexcept>
 

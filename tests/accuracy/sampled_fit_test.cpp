@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/measure.hpp>
-#include <morula/accuracy/sampled_fit.hpp>
 #include <numbers>
 #include <stdexcept>
 #include <support/meshes.hpp>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <morula/accuracy/union_mass.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/random.hpp>
 #include <numbers>
 #include <vector>

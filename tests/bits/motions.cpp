@@ -4,8 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>

@@ -7,7 +7,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/trigonometry.hpp>
 #include <morula/medial/medial_balls.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 
 #include "claims.hpp"
 #include "samples.hpp"

@@ -10,7 +10,6 @@
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/body.hpp>

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <morula/collide/contact_query.hpp>
-#include <morula/collide/overlap.hpp>
+#include <morula/collide/contacts.hpp>
 #include <support/allocations.hpp>
 
 #include "specimens.hpp"

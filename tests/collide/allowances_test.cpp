@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/collide/contact_query.hpp>
-#include <morula/collide/overlap.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/geometry/random.hpp>
 #include <set>
 #include <string>

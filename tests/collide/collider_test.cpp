@@ -7,8 +7,8 @@
 #include <limits>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/generators/build.hpp>

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <morula/collide/contact_query.hpp>
-#include <morula/collide/overlap.hpp>
+#include <morula/collide/contacts.hpp>
 #include <set>
 #include <tuple>
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 #include <morula/collide/contact_query.hpp>
-#include <morula/collide/overlap.hpp>
+#include <morula/collide/contacts.hpp>
 #include <numbers>
 #include <set>
 

@@ -5,8 +5,8 @@
 
 #include <map>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/rebuilt_body.hpp>

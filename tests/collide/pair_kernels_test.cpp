@@ -7,7 +7,6 @@
 
 #include <bit>
 #include <cmath>
-#include <morula/collide/pair_tests.hpp>
 #include <morula/geometry/random.hpp>
 #include <vector>
 
@@ -87,26 +86,6 @@ TEST(PairKernels, what_is_measured_is_below_the_least_difference) {
       }
     EXPECT_LE(std::sqrt(0.5 * least), expected + 1e-5);
     EXPECT_GE(std::sqrt(least), 0.7 * expected - 1e-5) << "of use";
-  }
-}
-
-TEST(PairKernels, lists_are_counted_as_by_doubles_by_every_kind) {
-  Random random(5);
-  const auto a = random_spheres(83, random, 1), b = random_spheres(61, random, 1);
-  const RigidTransform place = test::random_placement(random, 1);
-  std::size_t surely = 0, perhaps = 0;
-  for (const Spheref& s : a)
-    for (const Spheref& t : b) {
-      const double gap = distance(Vec3(s.center), place(Vec3(t.center))) - static_cast<double>(s.radius) -
-                         static_cast<double>(t.radius);
-      surely += gap <= 0, perhaps += gap <= 1e-5;
-    }
-  EXPECT_GT(surely, 100u);
-  for (std::size_t kind = 0; kind < pair_test_kinds(); ++kind) {
-    EXPECT_FALSE(pair_test_kind_name(kind).empty());
-    const std::size_t count = count_overlapping(a, b, place, kind);
-    EXPECT_TRUE(surely <= count && count <= perhaps) << count;
-    EXPECT_EQ(count, count_overlapping(a, b, place));
   }
 }
 

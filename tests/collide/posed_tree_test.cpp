@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <limits>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/collide/pair_walk.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/kdop_tree.hpp>

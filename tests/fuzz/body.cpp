@@ -8,8 +8,8 @@
 #include <limits>
 #include <memory>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/generators/build.hpp>
 #include <set>
 #include <stdexcept>

@@ -4,9 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
-#include <morula/accuracy/protrusion.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>

@@ -5,7 +5,7 @@
 
 #include <generators/fit/free_space.hpp>
 #include <generators/fit/union_lines.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 
 #include "on_capsule.hpp"
 

@@ -10,7 +10,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/query/brute_force.hpp>
+#include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>
 #include <tree/region.hpp>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <generators/fit/union_lines.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 
 #include "on_capsule.hpp"
 

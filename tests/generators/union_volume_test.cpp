@@ -7,7 +7,7 @@
 #include <generators/driver/union_volume.hpp>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <support/meshes.hpp>
 
 #include "on_capsule.hpp"

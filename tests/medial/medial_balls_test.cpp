@@ -10,7 +10,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/medial/medial_balls.hpp>
-#include <morula/query/brute_force.hpp>
+#include <scenes/brute_force.hpp>
 #include <set>
 #include <string>
 

@@ -3,8 +3,8 @@
 #include "contacts.hpp"
 
 #include <limits>
+#include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <set>

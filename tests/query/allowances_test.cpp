@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <morula/geometry/random.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <morula/query/triangle_bvh.hpp>
+#include <scenes/brute_force.hpp>
 
 namespace morula {
 namespace {

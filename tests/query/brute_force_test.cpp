@@ -3,7 +3,7 @@
 // The oracles themselves, where the answer is known by hand.
 #include <gtest/gtest.h>
 
-#include <morula/query/brute_force.hpp>
+#include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>
 
 namespace morula {

@@ -7,8 +7,8 @@
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>
 
 #include "points.hpp"

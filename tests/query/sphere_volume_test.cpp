@@ -4,9 +4,9 @@
 
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/query/brute_force.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <numbers>
+#include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>
 
 #include "points.hpp"

@@ -4,8 +4,8 @@
 
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/triangle_bvh.hpp>
+#include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>
 #include <support/numbers.hpp>
 

@@ -8,7 +8,6 @@
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
-#include <morula/collide/overlap.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/generators/build.hpp>
 #include <support/meshes.hpp>

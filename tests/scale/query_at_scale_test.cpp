@@ -5,7 +5,7 @@
 
 #include <cmath>
 #include <morula/medial/medial_balls.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 
 #include "bodies_at_scale.hpp"
 

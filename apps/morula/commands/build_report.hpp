@@ -3,7 +3,7 @@
 // Build report: the tree that `morula build` made, level by level.
 #pragma once
 
-#include <morula/accuracy/protrusion.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
 #include <optional>
 #include <stop_token>

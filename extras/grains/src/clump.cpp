@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/grains/clump.hpp>
 #include <morula/medial/inner_balls.hpp>

@@ -4,7 +4,7 @@
 
 #include <morula/geometry/inspect.hpp>
 #include <morula/page/page.hpp>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/rule_levels.hpp>
 #include <numbers>

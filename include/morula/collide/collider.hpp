@@ -3,6 +3,7 @@
 // Collider: one side of a collision query. A posed tree, where it is, and the surface that its nodes own.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/rigid_transform.hpp>
@@ -101,6 +102,12 @@ class Collider {
   std::uint64_t given_frame_ = 0;
   std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
   detail::ChangeCount changes_{};  // of the placement and of the positions given
+};
+
+/// A node of one body and a node of another.
+struct NodePair {
+  std::uint32_t a, b;
+  constexpr bool operator==(const NodePair&) const = default;
 };
 
 /// May queries that look at facets ask this body? ok, or one of the faults of bodies.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contacts of two bodies: pairs of spheres, at the leaves or at a level, at once or as far as a budget reaches.
+// Contacts of two bodies: pairs of spheres, at the leaves or at a level, at once or as far as a budget reaches; and
+// whether there are any.
 #pragma once
 
 #include <cstdint>
@@ -105,5 +106,13 @@ struct [[nodiscard]] Contacts {
 /// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or surfaces,
 /// crossings or containment are asked for without current positions.
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
+
+/// Does a leaf sphere of a overlap a leaf sphere of b, and all spheres above them? False is a proof, whatever the
+/// rounding: the surfaces have no point in common, where the spheres cover (rules exact and modal, wrapped over those,
+/// or conservative). True says that they are near each other: nearer than the leaves are wide.
+///
+/// Surfaces: a body wholly inside another one is not an overlap by itself. Allocates nothing.
+/// Throws std::invalid_argument when the last update of a body was refused.
+bool overlap(const Collider& a, const Collider& b);
 
 }  // namespace morula

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <memory>
 #include <morula/collide/collider.hpp>
-#include <morula/collide/node_pair.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
 #include <span>
 #include <vector>

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <memory>
 #include <morula/collide/collider.hpp>
-#include <morula/collide/node_pair.hpp>
 #include <optional>
 
 namespace morula {

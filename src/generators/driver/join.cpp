@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <morula/query/sphere_volume.hpp>
+#include <morula/query/signed_distance.hpp>
 #include <tuple>
 
 #include "generators/fit/sphere_fit.hpp"

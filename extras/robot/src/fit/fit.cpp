@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>

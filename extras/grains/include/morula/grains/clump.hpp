@@ -4,7 +4,7 @@
 #pragma once
 
 #include <functional>
-#include <morula/accuracy/union_mass.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <string>

@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <morula/accuracy/union_mass.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/robot/robot.hpp>
 #include <set>

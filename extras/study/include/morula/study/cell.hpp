@@ -3,9 +3,8 @@
 // Cell of a study: one tree of one body follows one motion by one rule, measured at the samples of the plan.
 #pragma once
 
-#include <morula/accuracy/coverage.hpp>
 #include <morula/accuracy/looseness.hpp>
-#include <morula/accuracy/protrusion.hpp>
+#include <morula/accuracy/measure.hpp>
 #include <morula/study/plan.hpp>
 #include <morula/tree/cover.hpp>
 #include <optional>

@@ -1,18 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include "brute_force.hpp"
+
 #include <cmath>
 #include <morula/geometry/random.hpp>
 #include <morula/geometry/trigonometry.hpp>
-#include <morula/query/brute_force.hpp>
 #include <numbers>
 
-#include "parallel/float_environment.hpp"
-
 namespace morula::brute_force {
-using namespace detail;
 
 ClosestFacetPoint closest_point(const Mesh& mesh, const Vec3& p) {
-  const StandardFloats standard;
   std::uint32_t nearest = 0;
   TrianglePoint best = morula::closest_point(mesh.corners(0), p);
   for (std::uint32_t f = 1; f < mesh.facet_count(); ++f) {
@@ -23,7 +20,6 @@ ClosestFacetPoint closest_point(const Mesh& mesh, const Vec3& p) {
 }
 
 std::vector<std::uint32_t> facets_touching(const Mesh& mesh, const Sphere& ball) {
-  const StandardFloats standard;
   std::vector<std::uint32_t> facets;
   if (!(ball.radius >= 0)) return facets;
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f)
@@ -33,14 +29,12 @@ std::vector<std::uint32_t> facets_touching(const Mesh& mesh, const Sphere& ball)
 }
 
 double winding_number(const Mesh& mesh, const Vec3& p) {
-  const StandardFloats standard;
   double sum = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) sum += solid_angle(mesh.corners(f), p);
   return sum / (4 * std::numbers::pi);
 }
 
 double inside_volume(const Mesh& mesh, const Sphere& ball, std::size_t samples, std::uint64_t seed) {
-  const StandardFloats standard;
   // One point in each cell of a cube of n³ cells, carried to the ball by a map that keeps volume: cube root of the
   // first coordinate for the radius, height and longitude on the sphere from the others.
   const auto n = std::max<std::size_t>(1, static_cast<std::size_t>(std::cbrt(static_cast<double>(samples)) + 0.5));
