@@ -1,18 +1,217 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <morula/accuracy/measure.hpp>
+#include <morula/geometry/sphere.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <morula/geometry/trigonometry.hpp>
 #include <morula/query/power_diagram.hpp>
+#include <span>
+#include <vector>
 
-#include "accuracy/bare_polygon.hpp"
-#include "accuracy/largest_gap.hpp"
 #include "accuracy/usable_spheres.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
+
+struct Vec2 {
+  double x, y;
+};
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+double dot(const Vec2& a, const Vec2& b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+// Triangle (origin, a, b) less the disc's sector between the same rays, for a segment that lies outside the disc.
+double triangle_less_sector(const Vec2& a, const Vec2& b, double radius) {
+  const double twice_triangle = cross(a, b);
+  return 0.5 * (twice_triangle - radius * radius * angle_of(twice_triangle, dot(a, b)));
+}
+
+/// Area of a convex polygon (counter-clockwise) outside the disc about the origin. Error: a few ulps of the triangles
+/// between the origin and those parts of the border that lie outside the disc; what lies inside cancels exactly.
+double area_outside_disc(std::span<const Vec2> polygon, double radius) {
+  // Green's theorem about the disc's centre: a piece of border inside the disc adds a triangle to the polygon's area
+  // and the same triangle to the area covered, so only pieces outside remain.
+  double sum = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+    const Vec2 along{b.x - a.x, b.y - a.y};
+    const double length = std::sqrt(dot(along, along));
+    if (length == 0) continue;
+    const double height = std::abs(cross(a, along)) / length;
+    if (height >= radius) {
+      sum += triangle_less_sector(a, b, radius);
+      continue;
+    }
+    const double half_chord = std::sqrt((radius - height) * (radius + height));
+    const double foot = -dot(a, along) / length;
+    const double enters = (foot - half_chord) / length, leaves = (foot + half_chord) / length;
+    const auto at = [&](double t) { return Vec2{a.x + t * along.x, a.y + t * along.y}; };
+    if (enters >= 1 || leaves <= 0) {
+      sum += triangle_less_sector(a, b, radius);
+      continue;
+    }
+    if (enters > 0) sum += triangle_less_sector(a, at(enters), radius);
+    if (leaves < 1) sum += triangle_less_sector(at(leaves), b, radius);
+  }
+  return std::max(0.0, sum);
+}
+
+/// Axes in the plane of a facet that has an area.
+struct FacetPlane {
+  explicit FacetPlane(const Triangle& facet);
+
+  Vec3 first, second, normal;
+};
+
+FacetPlane::FacetPlane(const Triangle& facet) {
+  const std::array<Vec3, 3> edges{facet[1] - facet[0], facet[2] - facet[1], facet[0] - facet[2]};
+  const auto longest = std::max_element(
+      edges.begin(), edges.end(), [](const Vec3& a, const Vec3& b) { return squared_length(a) < squared_length(b); });
+  first = normalized(*longest);
+  normal = normalized(area_vector(facet));
+  second = morula::cross(normal, first);
+}
+
+/// Area of the part of a convex polygon in that plane, counter-clockwise about its normal, that lies outside the
+/// sphere. scratch: anything.
+double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygon, const Sphere& sphere,
+                           std::vector<Vec2>& scratch) {
+  // From the sphere's centre, so that far from the origin nothing cancels. A corner's own height differs from the
+  // plane's by rounding alone; the first will do.
+  const double height = morula::dot(polygon[0] - sphere.center, plane.normal);
+  scratch.clear();
+  for (const Vec3& p : polygon) {
+    const Vec3 from_center = p - sphere.center;
+    scratch.push_back({morula::dot(from_center, plane.first), morula::dot(from_center, plane.second)});
+  }
+  const double squared = (sphere.radius - height) * (sphere.radius + height);
+  return area_outside_disc(scratch, squared > 0 ? std::sqrt(squared) : 0.0);
+}
+
+/// Collects convex pieces of the surface and finds the largest gap(x) = min_i |x − c_i| − r_i on them.
+///
+/// Each |x − c_i| is convex, so on a triangle it is largest at a corner, and min_i max_corners |x − c_i| − r_i bounds
+/// the gap from above: exactly so where one sphere is the nearest at all of the triangle. Triangles are halved along
+/// their longest edge, the one with the highest bound first.
+class LargestGap {
+ public:
+  /// diagram: borrowed. tolerance: distances are not told apart below it.
+  LargestGap(const PowerDiagram& diagram, double tolerance) : diagram_(&diagram), tolerance_(tolerance) {}
+
+  /// upper: the least growth that lets one sphere contain the polygon.
+  void add(std::span<const Vec3> polygon, std::uint32_t facet, double upper);
+  /// What another search found and still has to look at.
+  void add(const LargestGap& other);
+  /// Until the bounds are within relative 5e-7 (or a quarter of the tolerance) of each other, or the budget of
+  /// 2²⁰ halvings is spent; the bounds hold in either case.
+  void refine();
+
+  double lower() const { return best_; }  ///< attained; minus infinity before anything was added
+  double upper() const;
+  std::uint32_t facet() const { return best_facet_; }  ///< where lower() is attained
+
+ private:
+  struct Piece {
+    Triangle corners;
+    std::uint32_t facet;
+    double upper;
+  };
+  double wanted() const;  // pieces bounded by this need no further look
+  void look_at(const Vec3& x, std::uint32_t facet);
+  void push(const Piece& piece);
+
+  const PowerDiagram* diagram_;
+  double tolerance_;
+  double best_ = -std::numeric_limits<double>::infinity();
+  double dropped_ = -std::numeric_limits<double>::infinity();  // highest bound of a piece no longer looked at
+  std::uint32_t best_facet_ = 0;
+  std::vector<Piece> pieces_;  // heap, highest bound first
+};
+
+constexpr auto lower_bound_first = [](const auto& a, const auto& b) { return a.upper < b.upper; };
+
+// The corner opposite to the longest edge; the first of equals.
+int apex_over_longest_edge(const Triangle& t) {
+  int apex = 0;
+  double longest = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double squared = squared_distance(t[(k + 1) % 3], t[(k + 2) % 3]);
+    if (squared > longest) longest = squared, apex = k;
+  }
+  return apex;
+}
+
+double LargestGap::wanted() const {
+  constexpr double relative = 5e-7;
+  return best_ + std::max(relative * best_, 0.25 * tolerance_);
+}
+
+void LargestGap::look_at(const Vec3& x, std::uint32_t facet) {
+  const double gap = diagram_->least_growth(std::span(&x, 1)).amount;
+  if (gap > best_ || (gap == best_ && facet < best_facet_)) best_ = gap, best_facet_ = facet;
+}
+
+void LargestGap::push(const Piece& piece) {
+  if (piece.upper <= wanted()) {
+    dropped_ = std::max(dropped_, piece.upper);
+    return;
+  }
+  pieces_.push_back(piece);
+  std::push_heap(pieces_.begin(), pieces_.end(), lower_bound_first);
+}
+
+void LargestGap::add(std::span<const Vec3> polygon, std::uint32_t facet, double upper) {
+  if (upper <= wanted()) {
+    dropped_ = std::max(dropped_, upper);
+    return;
+  }
+  for (const Vec3& x : polygon) look_at(x, facet);
+  for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+    const Triangle corners{polygon[0], polygon[k], polygon[k + 1]};
+    push({corners, facet, polygon.size() == 3 ? upper : std::min(upper, diagram_->least_growth(corners).amount)});
+  }
+}
+
+void LargestGap::add(const LargestGap& other) {
+  if (other.best_ > best_ || (other.best_ == best_ && other.best_facet_ < best_facet_))
+    best_ = other.best_, best_facet_ = other.best_facet_;
+  dropped_ = std::max(dropped_, other.dropped_);
+  for (const Piece& p : other.pieces_) push(p);
+}
+
+void LargestGap::refine() {
+  constexpr int most_halvings = 1 << 20;
+  for (int i = 0; i < most_halvings && !pieces_.empty() && pieces_.front().upper > wanted(); ++i) {
+    std::pop_heap(pieces_.begin(), pieces_.end(), lower_bound_first);
+    const Piece piece = pieces_.back();
+    pieces_.pop_back();
+    const int apex = apex_over_longest_edge(piece.corners);
+    const int from = (apex + 1) % 3, to = (apex + 2) % 3;
+    const Vec3 middle = 0.5 * (piece.corners[from] + piece.corners[to]);
+    look_at(middle, piece.facet);
+    for (const int replaced : {from, to}) {
+      Piece half = piece;
+      half.corners[replaced] = middle;
+      half.upper = std::min(piece.upper, diagram_->least_growth(half.corners).amount);
+      push(half);
+    }
+  }
+}
+
+double LargestGap::upper() const {
+  const double waiting = pieces_.empty() ? dropped_ : std::max(dropped_, pieces_.front().upper);
+  return std::max(best_, waiting);
+}
 
 double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres) {
   double largest = largest_coordinate(mesh);

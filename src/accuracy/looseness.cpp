@@ -1,32 +1,123 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <morula/accuracy/looseness.hpp>
+#include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/mesh_view.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "accuracy/border_caps.hpp"
 #include "accuracy/usable_spheres.hpp"
 #include "accuracy/voxel_columns.hpp"
-#include "accuracy/voxel_lattice.hpp"
+#include "geometry/disjoint_sets.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
-Box box_of(std::span<const Sphere> spheres) {
-  Box box;
-  for (const Sphere& s : spheres) {
-    box.add(s.center - Vec3{s.radius, s.radius, s.radius});
-    box.add(s.center + Vec3{s.radius, s.radius, s.radius});
+/// What closes an open surface: facets from its border to a point in the middle of each piece of border.
+///
+/// Hangs on the facets alone, so that no deformation changes it. The winding number of the open surface is that of the
+/// closed one, a whole number, less that of the caps, wherever these lie [jacobson2013].
+class BorderCaps {
+ public:
+  explicit BorderCaps(const MeshView& mesh);
+
+  /// The closed surface: the mesh's vertices and facets, then the middles and the caps.
+  void close(const MeshView& mesh, std::vector<Vec3>& positions, std::vector<Facet>& facets) const;
+
+ private:
+  struct Side {
+    std::uint32_t from, to;  // as the cap goes, against the facet
+    std::uint32_t piece;
+  };
+  std::vector<Side> sides_;
+  std::uint32_t piece_count_ = 0;
+};
+
+BorderCaps::BorderCaps(const MeshView& mesh) {
+  const Connectivity all = connectivity(mesh);
+  DisjointSets sets(mesh.vertex_count());
+  for (std::uint32_t e = 0; e < all.edge_count(); ++e) {
+    // Facets that go along an edge both ways cancel; what is left over is border.
+    const auto [a, b] = all.edges[e];
+    int forward = 0;
+    for (const std::uint32_t side : all.edge_sides(e)) forward += side_ends(mesh.facets, side)[0] == a ? 1 : -1;
+    if (forward != 0) sets.join(a, b);
+    for (int n = 0; n < std::abs(forward); ++n) sides_.push_back(forward > 0 ? Side{b, a, 0} : Side{a, b, 0});
   }
-  return box;
+  std::map<std::uint32_t, std::uint32_t> pieces;
+  for (Side& side : sides_) {
+    const auto [found, is_new] = pieces.try_emplace(sets.root(side.from), piece_count_);
+    piece_count_ += is_new;
+    side.piece = found->second;
+  }
 }
 
-Box box_of(const MeshView& mesh) {
+void BorderCaps::close(const MeshView& mesh, std::vector<Vec3>& positions, std::vector<Facet>& facets) const {
+  const auto first_middle = static_cast<std::uint32_t>(mesh.vertex_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) positions.push_back(mesh.positions[v]);
+  std::vector<Vec3> sums(piece_count_);
+  std::vector<double> counts(piece_count_, 0);
+  for (const Side& side : sides_) {
+    sums[side.piece] += mesh.positions[side.from];
+    counts[side.piece] += 1;
+  }
+  for (std::size_t piece = 0; piece < sums.size(); ++piece) positions.push_back(sums[piece] / counts[piece]);
+  facets.assign(mesh.facets.begin(), mesh.facets.end());
+  for (const Side& side : sides_) facets.push_back({side.from, side.to, first_middle + side.piece});
+}
+
+// A box side that is a whole number of edges but for rounding must not get a layer of its own.
+constexpr double rounding_of_a_side = 1e-9;
+
+double longest_side(const Box& box) {
+  return max_norm(box.extent());
+}
+
+double edge_of(const VoxelGrid& grid, const Box& spheres, const Box& both) {
+  if (grid.kind == VoxelGrid::Kind::fixed) {
+    if (!(grid.voxel_edge > 0) || !std::isfinite(grid.voxel_edge))
+      throw std::invalid_argument("voxel grid: the edge of a fixed grid must be positive and finite, not " +
+                                  std::to_string(grid.voxel_edge));
+    return grid.voxel_edge;
+  }
+  if (grid.resolution < 8 || grid.resolution > 4096)
+    throw std::invalid_argument("voxel grid: resolution must be 8 to 4096, not " + std::to_string(grid.resolution));
+  const double edge =
+      std::max(longest_side(spheres) / grid.resolution, longest_side(both) / (most_voxels_along_a_side - 2));
+  return edge > 0 ? edge : 1.0;  // everything is one point
+}
+
+/// The piece that holds both boxes, so that nothing of the object or of the spheres goes uncounted. Edge and phase come
+/// from the grid alone (of `level`: from the spheres' box alone), unless that needs too many voxels along a side: then
+/// `level` takes a longer edge and `fixed` throws std::invalid_argument, as it does for a bad grid.
+VoxelLattice voxel_lattice(const VoxelGrid& grid, const Box& spheres, const Box& mesh) {
+  Box both = spheres;
+  both.add(mesh);
+  VoxelLattice lattice{};
+  lattice.edge = edge_of(grid, spheres, both);
+  if (grid.kind == VoxelGrid::Kind::level) lattice.origin = spheres.lower;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lower = (both.lower[axis] - lattice.origin[axis]) / lattice.edge;
+    const double upper = (both.upper[axis] - lattice.origin[axis]) / lattice.edge;
+    lattice.first[axis] = std::floor(lower + rounding_of_a_side);
+    const double count = std::max(1.0, std::ceil(upper - rounding_of_a_side) - lattice.first[axis]);
+    if (!(count <= most_voxels_along_a_side))
+      throw std::invalid_argument("voxel grid: an edge of " + std::to_string(lattice.edge) + " needs more than " +
+                                  std::to_string(most_voxels_along_a_side) + " voxels along a side");
+    lattice.count[axis] = static_cast<int>(count);
+  }
+  return lattice;
+}
+
+Box checked_box(const MeshView& mesh) {
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f)
       if (!is_finite(mesh.positions[v]))
@@ -46,7 +137,7 @@ struct Counted {
       throw std::invalid_argument("looseness: " + std::to_string(positions.size()) + " positions for a mesh of " +
                                   std::to_string(vertex_count) + " vertices");
     require_some_usable(spheres, "looseness");
-    const Box object = box_of(mesh);
+    const Box object = checked_box(mesh);
     require_usable_scale(mesh);
     lattice = voxel_lattice(grid, box_of(spheres), object);
   }

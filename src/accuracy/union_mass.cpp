@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/measure.hpp>
-#include <morula/geometry/box.hpp>
 #include <vector>
 
+#include "accuracy/usable_spheres.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula {
@@ -22,9 +22,9 @@ struct Moments {
   Vec3 first{};
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
-  /// A column of cross-section `area` and side `edge` about (x, y).
-  void add(double x, double y, double area, double edge, const Interval& z) {
-    const double height = z.upper - z.lower, mass = area * height, middle = 0.5 * (z.lower + z.upper);
+  /// A square column of side `edge` about (x, y).
+  void add(double x, double y, double edge, const Interval& z) {
+    const double height = z.upper - z.lower, mass = edge * edge * height, middle = 0.5 * (z.lower + z.upper);
     const double spread = edge * edge / 12;
     volume += mass;
     first += mass * Vec3{x, y, middle};
@@ -35,16 +35,27 @@ struct Moments {
     xz += mass * x * middle;
     yz += mass * y * middle;
   }
+  /// The union of intervals, at least one, with z from middle_z.
+  void add_union(double x, double y, double edge, double middle_z, std::vector<Interval>& column) {
+    std::sort(column.begin(), column.end());
+    Interval open = column.front();
+    const auto close = [&] { add(x, y, edge, {open.lower - middle_z, open.upper - middle_z}); };
+    for (const Interval& next : column) {
+      if (next.lower > open.upper) {
+        close();
+        open = next;
+      } else {
+        open.upper = std::max(open.upper, next.upper);
+      }
+    }
+    close();
+  }
 };
 
 }  // namespace
 
 UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
-  Box box;
-  for (const Sphere& s : spheres) {
-    box.add(s.center - Vec3{s.radius, s.radius, s.radius});
-    box.add(s.center + Vec3{s.radius, s.radius, s.radius});
-  }
+  const Box box = detail::box_of(spheres);
   UnionMass result;
   const double side = box.is_empty() ? 0 : std::max(box.extent().x, box.extent().y);
   if (!(side > 0)) return result;
@@ -73,22 +84,8 @@ UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
     }
     for (int i = 0; i < columns_x; ++i) {
       auto& column = row[static_cast<std::size_t>(i)];
-      if (column.empty()) continue;
-      std::sort(column.begin(), column.end());
-      const double x = box.lower.x + (i + 0.5) * edge - middle.x;
-      Interval open = column.front();
-      const auto close = [&] {
-        moments.add(x, y - middle.y, edge * edge, edge, {open.lower - middle.z, open.upper - middle.z});
-      };
-      for (const Interval& next : column) {
-        if (next.lower > open.upper) {
-          close();
-          open = next;
-        } else {
-          open.upper = std::max(open.upper, next.upper);
-        }
-      }
-      close();
+      if (!column.empty())
+        moments.add_union(box.lower.x + (i + 0.5) * edge - middle.x, y - middle.y, edge, middle.z, column);
     }
   }
   if (!(moments.volume > 0)) return result;

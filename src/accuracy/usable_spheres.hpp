@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The one check of spheres that every measure makes before it starts.
+// What every measure does with spheres before it starts: checks them, and puts a box around them.
 #pragma once
 
 #include <cmath>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <span>
@@ -29,6 +30,15 @@ inline void require_usable(std::span<const Sphere> spheres, const char* measure)
 inline void require_some_usable(std::span<const Sphere> spheres, const char* measure) {
   if (spheres.empty()) throw std::invalid_argument(std::string(measure) + ": there are no spheres");
   require_usable(spheres, measure);
+}
+
+inline Box box_of(std::span<const Sphere> spheres) {
+  Box box;
+  for (const Sphere& s : spheres) {
+    box.add(s.center - Vec3{s.radius, s.radius, s.radius});
+    box.add(s.center + Vec3{s.radius, s.radius, s.radius});
+  }
+  return box;
 }
 
 }  // namespace morula::detail

@@ -4,14 +4,31 @@
 #pragma once
 
 #include <array>
+#include <morula/accuracy/looseness.hpp>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/parallel/workers.hpp>
 #include <span>
 
-#include "accuracy/voxel_lattice.hpp"
-
 namespace morula::detail {
+
+/// A finite piece of a cubic lattice. Counting works in lattice coordinates, in which voxel centres are the integers:
+/// voxel (i, j, k) has its centre at lattice coordinates (i, j, k), 0 ≤ i < count[0] and so on.
+struct VoxelLattice {
+  Vec3 origin;                  // a corner of the lattice, mesh units
+  std::array<double, 3> first;  // whole numbers: the piece starts this many voxels from the origin
+  std::array<int, 3> count;     // at least 1 each
+  double edge;
+
+  Vec3 to_lattice(const Vec3& p) const {
+    const Vec3 u = (p - origin) / edge;
+    return {u.x - first[0] - 0.5, u.y - first[1] - 0.5, u.z - first[2] - 0.5};
+  }
+};
+
+/// Twice the finest resolution: room for an object that sticks out of its spheres, within seconds.
+inline constexpr int most_voxels_along_a_side = 8192;
 
 /// How the crossings of a column with the facets are read.
 enum class Inside { unknown, nonzero_winding, odd_crossings };
