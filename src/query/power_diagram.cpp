@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <memory_resource>
 #include <morula/geometry/box.hpp>
@@ -11,7 +13,6 @@
 #include <numeric>
 
 #include "query/owner_by_power.hpp"
-#include "query/stack_memory.hpp"
 
 namespace morula {
 namespace {
@@ -82,7 +83,7 @@ class Cutter {
   }
 
  private:
-  // Most facets that are cut fall into a few pieces of a few corners; their memory is free again when a call returns.
+  // Most facets that are cut fall into a few pieces of a few corners, which need no heap.
   using Corners = std::pmr::vector<Corner>;
   using Numbers = std::pmr::vector<std::uint32_t>;
 
@@ -233,7 +234,8 @@ class Cutter {
   const FacetGeometry& facet_;
   std::span<const Sphere> spheres_;
   CutFacet& result_;
-  detail::StackMemory<8192> scratch_;
+  alignas(std::max_align_t) std::array<std::byte, 8192> few_;
+  std::pmr::monotonic_buffer_resource scratch_{few_.data(), few_.size()};
 };
 
 }  // namespace
@@ -311,63 +313,70 @@ namespace {
 // Depth first, nearer child first; the tree is balanced, so a small fixed stack is enough.
 constexpr int stack_size = 128;
 
+// visit(node) for the leaves whose bounds, and those of all nodes above, are not above limit().
+template <class Nodes, class Bound, class Limit, class Visit>
+void visit_nearest_first(const Nodes& nodes, const Bound& bound, const Limit& limit, const Visit& visit) {
+  std::array<std::uint32_t, stack_size> stack;
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const auto& node = nodes[stack[--top]];
+    if (bound(node) > limit()) continue;
+    if (node.left == 0) {
+      visit(node);
+    } else {
+      const bool left_first = bound(nodes[node.left]) <= bound(nodes[node.left + 1]);
+      stack[top++] = node.left + (left_first ? 1 : 0);
+      stack[top++] = node.left + (left_first ? 0 : 1);
+    }
+  }
+}
+
+double squared_distance_to_farthest(const Box& box, std::span<const Vec3> points) {
+  double farthest = 0;
+  for (const Vec3& p : points) farthest = std::max(farthest, squared_distance(box, p));
+  return farthest;
+}
+
 }  // namespace
 
 std::uint32_t PowerDiagram::owner(const Vec3& x) const {
   std::uint32_t best = 0;
   double least = std::numeric_limits<double>::infinity();
-  std::array<std::uint32_t, stack_size> stack;
-  int top = 0;
-  stack[top++] = 0;
-  const auto bound = [&](const Node& n) {
-    return squared_distance(Box{n.lower, n.upper}, x) - n.largest_radius * n.largest_radius;
-  };
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    if (bound(node) > least) continue;
-    if (node.left == 0) {
-      for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        const std::uint32_t i = order_[k];
-        const double p = power(spheres_[i], x);
-        // mutant power-owner-of-equals: `< least || (p == least && i < best)` -> `<= least`
-        if (p < least || (p == least && i < best)) least = p, best = i;
-      }
-    } else {
-      const bool left_first = bound(nodes_[node.left]) <= bound(nodes_[node.left + 1]);
-      stack[top++] = node.left + (left_first ? 1 : 0);
-      stack[top++] = node.left + (left_first ? 0 : 1);
-    }
-  }
+  visit_nearest_first(
+      nodes_,
+      [&](const Node& n) {
+        return squared_distance(Box{n.lower, n.upper}, x) - n.largest_radius * n.largest_radius;
+      },
+      [&] { return least; },
+      [&](const Node& leaf) {
+        for (std::uint32_t k = leaf.begin; k < leaf.end; ++k) {
+          const std::uint32_t i = order_[k];
+          const double p = power(spheres_[i], x);
+          // mutant power-owner-of-equals: `< least || (p == least && i < best)` -> `<= least`
+          if (p < least || (p == least && i < best)) least = p, best = i;
+        }
+      });
   return best;
 }
 
 PowerDiagram::Growth PowerDiagram::least_growth(std::span<const Vec3> points) const {
   assert(!points.empty());
   Growth best{0, std::numeric_limits<double>::infinity()};
-  std::array<std::uint32_t, stack_size> stack;
-  int top = 0;
-  stack[top++] = 0;
-  const auto bound = [&](const Node& n) {
-    double farthest = 0;
-    for (const Vec3& p : points) farthest = std::max(farthest, squared_distance(Box{n.lower, n.upper}, p));
-    return std::sqrt(farthest) - n.largest_radius;
-  };
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    if (bound(node) > best.amount) continue;
-    if (node.left == 0) {
-      for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        const std::uint32_t i = order_[k];
-        const double amount = farthest_distance(spheres_[i].center, points) - spheres_[i].radius;
-        // mutant power-growth-of-equals: `< best.amount ... == best.amount && i < best.sphere)` -> `<= best.amount`
-        if (amount < best.amount || (amount == best.amount && i < best.sphere)) best = {i, amount};
-      }
-    } else {
-      const bool left_first = bound(nodes_[node.left]) <= bound(nodes_[node.left + 1]);
-      stack[top++] = node.left + (left_first ? 1 : 0);
-      stack[top++] = node.left + (left_first ? 0 : 1);
-    }
-  }
+  visit_nearest_first(
+      nodes_,
+      [&](const Node& n) {
+        return std::sqrt(squared_distance_to_farthest({n.lower, n.upper}, points)) - n.largest_radius;
+      },
+      [&] { return best.amount; },
+      [&](const Node& leaf) {
+        for (std::uint32_t k = leaf.begin; k < leaf.end; ++k) {
+          const std::uint32_t i = order_[k];
+          const double amount = farthest_distance(spheres_[i].center, points) - spheres_[i].radius;
+          // mutant power-growth-of-equals: `< best.amount ... == best.amount && i < best.sphere)` -> `<= best.amount`
+          if (amount < best.amount || (amount == best.amount && i < best.sphere)) best = {i, amount};
+        }
+      });
   return best;
 }
 
@@ -388,30 +397,21 @@ void PowerDiagram::candidates(const Triangle& triangle, std::vector<std::uint32_
 
   // The power that some sphere guarantees on the whole triangle: max over corners, because powers are convex.
   double guaranteed = std::numeric_limits<double>::infinity();
+  visit_nearest_first(
+      nodes_,
+      [&](const Node& n) {
+        return squared_distance_to_farthest({n.lower, n.upper}, triangle) - n.largest_radius * n.largest_radius;
+      },
+      [&] { return guaranteed; },
+      [&](const Node& leaf) {
+        for (std::uint32_t k = leaf.begin; k < leaf.end; ++k) {
+          const Sphere& s = spheres_[order_[k]];
+          guaranteed =
+              std::min(guaranteed, std::max({power(s, triangle[0]), power(s, triangle[1]), power(s, triangle[2])}));
+        }
+      });
   std::array<std::uint32_t, stack_size> stack;
   int top = 0;
-  stack[top++] = 0;
-  const auto lower_bound_of_guarantee = [&](const Node& n) {
-    double farthest = 0;
-    for (const Vec3& p : triangle) farthest = std::max(farthest, squared_distance(Box{n.lower, n.upper}, p));
-    return farthest - n.largest_radius * n.largest_radius;
-  };
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    if (lower_bound_of_guarantee(node) > guaranteed) continue;
-    if (node.left == 0) {
-      for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        const Sphere& s = spheres_[order_[k]];
-        guaranteed =
-            std::min(guaranteed, std::max({power(s, triangle[0]), power(s, triangle[1]), power(s, triangle[2])}));
-      }
-    } else {
-      const bool left_first =
-          lower_bound_of_guarantee(nodes_[node.left]) <= lower_bound_of_guarantee(nodes_[node.left + 1]);
-      stack[top++] = node.left + (left_first ? 1 : 0);
-      stack[top++] = node.left + (left_first ? 0 : 1);
-    }
-  }
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];

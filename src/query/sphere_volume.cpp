@@ -112,6 +112,51 @@ double part_of_cone(const Vec3& normal, double height, const Side& side) {
   return replaced(side.first, enter) + 0.5 * height * signed_distance * (leave - enter) + replaced(leave, side.last);
 }
 
+// Sums over the facets that meet the ball.
+struct ConeSums {
+  double cones = 0;        // H area(D) + s Ω(T) − s Ω(D)
+  double solid_angle = 0;  // as the index has it
+  double modulo_turn = 0;  // the same, modulo 2π where the centre passes closely
+
+  void add(const Triangle& t, const Sphere& ball);
+};
+
+void ConeSums::add(const Triangle& t, const Sphere& ball) {
+  Triangle local;
+  bool is_at_corner = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    local[k] = (t[k] - ball.center) / ball.radius;
+    if (local[k] != Vec3{}) continue;
+    // As if the centre were beside the vertex, on the same side for all facets there.
+    local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
+    is_at_corner = true;
+  }
+  // What the index has summed, even where rounding has given an angle to a facet that has none.
+  const double angle = morula::solid_angle(t, ball.center);
+  solid_angle += angle;
+  if (local[0] == local[1] || local[1] == local[2] || local[2] == local[0]) return;
+
+  std::array<double, 3> squared;
+  for (std::size_t k = 0; k < 3; ++k) squared[k] = squared_length(local[k]);
+  const auto [nearest, farthest] = std::minmax_element(squared.begin(), squared.end());
+  const Vec3 area_vector = morula::area_vector(local);
+  const Vec3 normal = normalized(area_vector, Vec3{});
+  // A facet that only touches the ball replaces all of its border and is left with nothing.
+  const double height = std::clamp(dot(normal, local[static_cast<std::size_t>(nearest - squared.begin())]), -1.0, 1.0);
+
+  const bool is_whole = *farthest <= 1;
+  const bool is_passed_closely = is_at_corner || passes_closely(local);
+  std::array<Side, 3> sides;
+  if (!is_whole || is_passed_closely)
+    for (std::size_t k = 0; k < 3; ++k) sides[k] = side_between(local[k], local[(k + 1) % 3]);
+
+  modulo_turn += is_passed_closely ? solid_angle_modulo_turn(local, sides) : angle;
+  if (is_whole)
+    cones += 0.5 * height * length(area_vector);
+  else
+    for (const Side& side : sides) cones += part_of_cone(normal, height, side);
+}
+
 }  // namespace
 
 double inside_volume(const SignedDistance& object, const Sphere& ball) {
@@ -127,61 +172,25 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
   object.bvh().facets_touching(ball, near);
   if (near.empty() && object.has_volume()) return object.is_inside(ball.center) ? volume(ball) : 0;
 
-  double cones = 0, near_solid_angle = 0, near_modulo_turn = 0;
-  for (const std::uint32_t f : near) {
-    const Triangle t = object.bvh().triangle(f);
-    Triangle local;
-    bool is_at_corner = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      local[k] = (t[k] - ball.center) / ball.radius;
-      if (local[k] != Vec3{}) continue;
-      // As if the centre were beside the vertex, on the same side for all facets there.
-      local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
-      is_at_corner = true;
-    }
-    // What the index has summed, even where rounding has given an angle to a facet that has none.
-    const double angle = solid_angle(t, ball.center);
-    near_solid_angle += angle;
-    if (local[0] == local[1] || local[1] == local[2] || local[2] == local[0]) continue;
-
-    std::array<double, 3> squared;
-    for (std::size_t k = 0; k < 3; ++k) squared[k] = squared_length(local[k]);
-    const auto [nearest, farthest] = std::minmax_element(squared.begin(), squared.end());
-    const Vec3 area_vector = morula::area_vector(local);
-    const Vec3 normal = normalized(area_vector, Vec3{});
-    // A facet that only touches the ball replaces all of its border and is left with nothing.
-    const double height =
-        std::clamp(dot(normal, local[static_cast<std::size_t>(nearest - squared.begin())]), -1.0, 1.0);
-
-    const bool is_whole = *farthest <= 1;
-    const bool is_passed_closely = is_at_corner || passes_closely(local);
-    std::array<Side, 3> sides;
-    if (!is_whole || is_passed_closely)
-      for (std::size_t k = 0; k < 3; ++k) sides[k] = side_between(local[k], local[(k + 1) % 3]);
-
-    near_modulo_turn += is_passed_closely ? solid_angle_modulo_turn(local, sides) : angle;
-    if (is_whole)
-      cones += 0.5 * height * length(area_vector);
-    else
-      for (const Side& side : sides) cones += part_of_cone(normal, height, side);
-  }
+  ConeSums sums;
+  for (const std::uint32_t f : near) sums.add(object.bvh().triangle(f), ball);
 
   // The index sums the very same solid angles of the facets nearby, so whatever rounding does to them when the centre
   // is on the surface drops out of the difference. On an open surface nothing says the rest: the result is then the
   // integral of the winding number, as exact as the far field.
   constexpr double turn = 2 * std::numbers::pi;
   const auto far_solid_angle = [&](double accuracy) {
-    return 2 * turn * object.bvh().winding_number(ball.center, accuracy) - near_solid_angle;
+    return 2 * turn * object.bvh().winding_number(ball.center, accuracy) - sums.solid_angle;
   };
   double far = far_solid_angle(object.has_volume() ? 2 : 4);
   if (object.has_volume()) {
-    double turns = (far + near_modulo_turn) / turn;
+    double turns = (far + sums.modulo_turn) / turn;
     constexpr double safely_whole = 0.2;
     if (std::abs(turns - std::round(turns)) > safely_whole)
-      turns = (far_solid_angle(std::numeric_limits<double>::infinity()) + near_modulo_turn) / turn;
-    far = turn * std::round(turns) - near_modulo_turn;
+      turns = (far_solid_angle(std::numeric_limits<double>::infinity()) + sums.modulo_turn) / turn;
+    far = turn * std::round(turns) - sums.modulo_turn;
   }
-  const double share = object.orientation() * (far + cones) / (2 * turn);
+  const double share = object.orientation() * (far + sums.cones) / (2 * turn);
   return volume(ball) * std::clamp(share, 0.0, 1.0);
 }
 

@@ -373,6 +373,19 @@ class Builder {
     }
   };
 
+  // References in bins before `bin` first. Returns where the others begin.
+  std::uint32_t partition(const Range& range, const Binning& binning, int axis, int bin) {
+    const auto first = static_cast<float>(bin);
+    Reference *low = references_.data() + range.begin, *high = references_.data() + range.end;
+    for (;;) {
+      while (low != high && binning(low->box)[axis] < first) ++low;
+      while (low != high && binning((high - 1)->box)[axis] >= first) --high;
+      if (low == high) break;
+      std::swap(*low++, *--high);
+    }
+    return static_cast<std::uint32_t>(low - references_.data());
+  }
+
   // Most ranges are of a few facets, and most of the work on them would be clearing bins.
   Cut best_cut(const Range& range) {
     return range.count() >= 32  ? best_cut<most_bins>(range)
@@ -434,15 +447,7 @@ class Builder {
     }
     if (best_axis < 0) return halves(range);  // all centres at one point
 
-    const auto best = static_cast<float>(best_bin);
-    Reference *low = begin, *high = end;
-    for (;;) {
-      while (low != high && binning(low->box)[best_axis] < best) ++low;
-      while (low != high && binning((high - 1)->box)[best_axis] >= best) --high;
-      if (low == high) break;
-      std::swap(*low++, *--high);
-    }
-    cut.middle = static_cast<std::uint32_t>(low - references_.data());
+    cut.middle = partition(range, binning, best_axis, best_bin);
     return cut;
   }
 
